@@ -36,7 +36,7 @@ from .lexicon.tokenizer import Tokens, tokenize
 from .lexicon.unknown_words import KnownWords
 from .lexicon.vocabulary import NewWord, Vocabulary, household_vocabulary
 from .offers.checks import OPERATORS, OfferChecks, load_check_words
-from .offers.choice_answers import load_choice_words
+from .offers.choice_answers import choice_of
 from .offers.courtesies import Courtesy, CourtesyPhrases, answer_to, load_courtesies
 from .offers.meaning_shapes import meaning_from_json
 from .offers.offers import OfferFinder, load_model
@@ -45,9 +45,8 @@ from .offers.typing_slips import is_misspelled
 from .offers.utterance_segments import SegmentReader, parts
 from .parsing.clarification import Clarifier
 from .parsing.parser import SentenceParser, UtteranceContext
-from .parsing.periphery import PeripheryReader
-from .parsing.procedure_words import load_procedure_words
-from .parsing.procedures import ProcedureReader
+from .parsing.periphery import PeripheryReader, load_table
+from .parsing.procedures import ProcedureReader, load_procedure_words
 from .parsing.reading_filter import ReadingFilter
 from .parsing.strategies import UtteranceParser
 from .parsing.understanding import Understanding
@@ -91,13 +90,13 @@ class Language:
     """One language with one vocabulary; immutable.
 
     Attributes:
-        name: its folder.
+        folder: where its files are.
         examples: sentences that are understood, each with its words.
         phrases: turns of phrase that the grammar does not have, and whose meaning was confirmed.
         frames: the taught actions on several objects or none, with the words between them.
     """
 
-    name: str
+    folder: Path
     parser: SentenceParser
     examples: Mapping[str, frozenset[str]]
     answers: AnswerTemplates
@@ -176,10 +175,10 @@ class Language:
         }
         controls = load_controls(folder / "controls.yaml")
         parts = (parser, examples, answers, realizer, builder, inflection, degrees, controls)
-        return cls(language, *parts)
+        return cls(folder, *parts)
 
     def __repr__(self) -> str:
-        return f"<Language {self.name}, {len(self.learned)} words learned>"
+        return f"<Language {self.folder.name}, {len(self.learned)} words learned>"
 
     @paused_garbage_collection()
     def with_words(self, words: Iterable[NewWord]) -> Language:
@@ -319,11 +318,10 @@ class Language:
     @cached_property
     def offers(self) -> OfferFinder:
         """What is offered for an utterance that is not understood."""
-        folder = _folder(self.name)
-        words = load_check_words(folder / "offers.yaml")
+        words = load_check_words(self.folder / "offers.yaml")
         intervals = self.degrees.intervals
         return OfferFinder(
-            load_model(folder / "offers.json"),
+            load_model(self.folder / "offers.json"),
             OfferChecks(words, self.parser.features, self.parser.licence),
             self.utterance_parser.known_words,
             {
@@ -340,8 +338,7 @@ class Language:
 
     def chosen(self, text: str, count: int) -> int | None:
         """Return which of `count` choices a text takes, from 1; 0 for none, None for no answer."""
-        words = tokenize(text, self.builder.contractions).words
-        return load_choice_words(_folder(self.name) / "offers.yaml").chosen(words, count)
+        return choice_of(self._tokens(text).words, count, self.folder / "choices.yaml")
 
     def _meaning_of(self, text: str, context: UtteranceContext) -> Meaning:
         """The meaning of a text that somebody says at some point, without offers."""
@@ -349,14 +346,10 @@ class Language:
 
     def control(self, text: str) -> Control | None:
         """Return the control that a text is ("stop", "put it down"), None for any other text."""
-        tokens = tokenize(text, self.builder.contractions)
+        tokens = self._tokens(text)
         if len(tokens.items) > MAX_CONTROL_WORDS:
             return None
-
-        def named(start: int, end: int) -> str | None:
-            return self.parser.named_object(tokens.part(start, end))
-
-        found = self.controls.match(tokens.words, named)
+        found = self.parser.control(tokens, self.controls)
         return Control(*found) if found else None
 
     def introduction(self, text: str) -> Courtesy | None:
@@ -365,7 +358,7 @@ class Language:
 
     @cached_property
     def _courtesies(self) -> CourtesyPhrases:
-        return load_courtesies(_folder(self.name) / "courtesies.yaml")
+        return load_courtesies(self.folder / "courtesies.yaml")
 
     def _only_courtesy(self, text: str) -> Acknowledgement | None:
         """The greeting, thanks and so on that a text is as a whole."""
@@ -375,7 +368,7 @@ class Language:
 
     def _halt_within(self, text: str) -> Control | None:
         """The "stop" that is part of a text, or the "wait" of one that says no more."""
-        tokens = tokenize(text, self.builder.contractions)
+        tokens = self._tokens(text)
         found = [tokens.part(*span) for span in parts(tokens)]
         halts = {each: self.control(each.span(0, len(each.items))) for each in found}
         if any(halt and halt.control == "stop" for halt in halts.values()):
@@ -409,23 +402,23 @@ class Language:
             self.parser, known, self.inflection, self.answers, self.realizer, self.examples
         )
         reading_filter = ReadingFilter(known, self.inflection, self.parser.features)
-        words = load_procedure_words(_folder(self.name) / "procedures.yaml")
+        words = load_procedure_words(self.folder / "procedures.yaml")
         procedures = ProcedureReader(words, self.parser, known, self.controls, self.frames)
         parts = (known, reading_filter, clarification, self._periphery(known), procedures)
         return UtteranceParser(self.parser, self.builder, *parts)
 
     def _periphery(self, known: KnownWords) -> PeripheryReader:
-        folder, builder = _folder(self.name), self.builder
-        words = load_check_words(folder / "offers.yaml")
+        builder = self.builder
+        words = load_check_words(self.folder / "offers.yaml")
         reader = PieceReader(
-            load_periphery(folder / "periphery.yaml"),
+            load_periphery(self.folder / "periphery.yaml"),
             {kind: words[kind] for kind in OPERATORS},
             builder.qualifier_phrases,
             self.parser.features,
             builder.discourse_markers,
             known,
         )
-        return PeripheryReader(reader, known)
+        return PeripheryReader(reader, known, load_table())
 
     @property
     def learned(self) -> Collection[NewWord]:
@@ -459,7 +452,7 @@ class Language:
 
     def insists_on(self, word: str, text: str) -> bool:
         """Whether a text insists on a word that was taken for a slip: "no, lifting"."""
-        return self.builder.insists_on(word, tokenize(text, self.builder.contractions).words)
+        return self.builder.insists_on(word, self._tokens(text).words)
 
     def knows(self, word: str) -> bool:
         """Whether a single word is known."""

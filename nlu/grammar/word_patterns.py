@@ -8,20 +8,31 @@ without silent moves, after Glushkov 1961): it is as long as the text, however m
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import chain
+from types import MappingProxyType
 from typing import TypeAlias
 
 from ...ontology.yaml_reader import YamlNode
 
 _ANY = "*"
-_NEVER_ANY = frozenset({";", "not", "never", "no"})  # ";" is the token between sentences
+_BREAK = ";"  # the token between sentences
+_NEVER_ANY = frozenset({_BREAK, "not", "never", "no"})
+SLOTS = {
+    **dict.fromkeys(("THING", "OBJECT"), 5),
+    **dict.fromkeys(("HEAD", "HEADING", "STATE", "FAILURE"), 9),
+    "WORD": 1,
+}
+"""The slots of patterns, each with the most words that it may have."""
 
 MAX_SPELLINGS = 4000
 MAX_DEPTH = 20
 
 Steps: TypeAlias = "tuple[tuple[str, Steps] | int, ...]"
 """Where one may go from a place: a word and what may follow it, or the number of the end."""
+
+Slots: TypeAlias = Mapping[str, tuple[int, int]]
+"""The places of the words in each slot of a pattern."""
 
 _TOO_MANY = f"stands for more than {MAX_SPELLINGS} spellings."
 _NOTHING_LEFT = "expected at least one word that cannot be left out."
@@ -81,18 +92,25 @@ def expand(steps: Steps) -> Iterator[tuple[str, ...]]:
                 yield step[0], *rest
 
 
-def match_pattern(steps: Steps, words: Sequence[str], start: int) -> Iterator[tuple[int, int]]:
-    """Where a pattern that begins at a place may end: the number of the end, and its place.
+def match_pattern(
+    steps: Steps, words: Sequence[str], start: int, slots: Slots = MappingProxyType({})
+) -> Iterator[tuple[int, Slots]]:
+    """Where a pattern may end that begins at a place, with the places of its slots.
 
     `*` in a pattern is any one word, but none that denies.
     """
     for step in steps:
         if isinstance(step, int):
-            yield step, start
+            yield start, slots
+        elif step[0] in SLOTS:
+            for end in range(start + 1, min(len(words), start + SLOTS[step[0]]) + 1):
+                if words[end - 1] == _BREAK:
+                    break
+                yield from match_pattern(step[1], words, end, {**slots, step[0]: (start, end)})
         elif start < len(words):
             word = words[start]
             if step[0] == word or (step[0] == _ANY and word not in _NEVER_ANY):
-                yield from match_pattern(step[1], words, start + 1)
+                yield from match_pattern(step[1], words, start + 1, slots)
 
 
 def spellings(field: YamlNode) -> list[tuple[str, ...]]:
@@ -112,7 +130,7 @@ def read_pattern(field: YamlNode) -> Steps:
 
 def read_patterns(field: YamlNode) -> tuple[Steps, ...]:
     """The graphs of a list of patterns; raises as `read_words`."""
-    return tuple(map(read_pattern, field.items()))
+    return tuple(map(read_pattern, field.listed()))
 
 
 def read_phrases(field: YamlNode) -> frozenset[tuple[str, ...]]:

@@ -6,7 +6,7 @@ that the language data lists are ever removed, and only if the utterance cannot 
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from itertools import chain
@@ -83,15 +83,13 @@ class DiscourseMarkers:
 
     def _tag(self, tokens: Tokens, tags: Collection[Phrase]) -> int | None:
         """Where one of some tags begins, None where there is none."""
-        places = sorted({*tokens.pauses, *_after_breaks(tokens)} - {0}) if tokens.asks else ()
+        places = tokens.beginnings[1:] if tokens.asks else ()
         return next((place for place in places if tokens.words[place:] in tags), None)
 
     def remove_markers(self, tokens: Tokens, kept_whole: Collection[Phrase] = ()) -> Tokens:
         """Remove all phrases that add nothing, but no part of the phrases that are `kept_whole`."""
         tokens = _begun_once(tokens)
-        words = tokens.words
-        edges = {0, len(words), *tokens.pauses, *_after_breaks(tokens)}
-        edges |= {place for place, word in enumerate(words) if word == BREAK}
+        words, edges = tokens.words, tokens.edges
         kept: list[int] = []
         removed: list[Phrase] = []
         place = 0
@@ -110,7 +108,7 @@ class DiscourseMarkers:
     def _end(self, words: Phrase, start: int, edges: Collection[int], *, has_pauses: bool) -> int:
         """One past the longest marker from a place on; the place itself where there is none."""
         steps = chain.from_iterable(self.clauses) if words[start] in self._beginnings else ()
-        ends = [end for _, end in match_pattern(tuple(steps), words, start) if end in edges]
+        ends = [end for end, _ in match_pattern(tuple(steps), words, start) if end in edges]
         for end in range(min(len(words), start + _LONGEST), start, -1):
             phrase = words[start:end]
             apart = (start in edges and end in edges) or (not has_pauses and end - start > 2)
@@ -175,7 +173,3 @@ def move_to_front(
     pauses = (p + end - start if p <= start else p for p in tokens.pauses if not start < p <= end)
     moved = (*items[start:end], *items[:start], *items[end:])
     return replace(tokens, items=moved, pauses=tuple(sorted({*pauses})))
-
-
-def _after_breaks(tokens: Tokens) -> Iterator[int]:
-    return (place + 1 for place, token in enumerate(tokens.items) if token.word == BREAK)

@@ -6,7 +6,7 @@ lines are checked when they are read; the entries are made when their words are 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from itertools import chain
@@ -149,11 +149,13 @@ class LexiconBuilder:
         for kind, field in _entries(parts, "discourse_markers"):
             self.discourse_markers = self.discourse_markers.with_phrases(kind, field)
 
-    def insists_on(self, word: str, words: Sequence[str]) -> bool:
+    def insists_on(self, word: str, words: tuple[str, ...]) -> bool:
         """Whether some words insist on one that was taken for a slip: "no, lifting"."""
-        said = ["WORD" if each == word else each for each in words]
-        ends = (end for steps in self.insisting for _, end in match_pattern(steps, said, 0))
-        return len(said) in ends
+        return any(
+            end == len(words) and words[slice(*slots.get("WORD", (0, 0)))] in ((), (word,))
+            for steps in self.insisting
+            for end, slots in match_pattern(steps, words, 0)
+        )
 
     def expand_endings(self, tokens: Tokens) -> Tokens:
         """Write out the ambiguous short forms of an utterance: "a shoe's" becomes "a shoe is"."""

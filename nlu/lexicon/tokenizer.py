@@ -68,6 +68,18 @@ class Tokens:
         return tuple(token.word for token in self.items)
 
     @cached_property
+    def beginnings(self) -> tuple[int, ...]:
+        """The places where a piece may begin: the first, after a pause, after a break."""
+        breaks = (place for place, word in enumerate(self.words, start=1) if word == BREAK)
+        return tuple(sorted({0, *self.pauses, *breaks} - {len(self.items)}))
+
+    @cached_property
+    def edges(self) -> frozenset[int]:
+        """The places where a piece may begin or end, which are also those of breaks."""
+        breaks = (place for place, word in enumerate(self.words) if word == BREAK)
+        return frozenset({*self.beginnings, *breaks, len(self.items)})
+
+    @cached_property
     def proper(self) -> frozenset[str]:
         """The capitalised words that begin no sentence; none if the whole text is in capitals."""
         if self.text.isupper():

@@ -10,12 +10,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
 from itertools import pairwise
 from pathlib import Path
 
-from ...ontology.yaml_reader import read_yaml
-from ..grammar.word_patterns import read_phrases
+from ..grammar.word_lists import Phrase, load_word_lists
 from ..lexicon.tokenizer import BREAK
 from ..lexicon.vocabulary import NewWord
 from ..parsing.clause_spans import features_of_names
@@ -39,8 +37,6 @@ from ..semantics.meaning import (
     ToolCommand,
 )
 from .mentions import Mentions, Span
-
-Phrase = tuple[str, ...]
 
 OPERATORS = ("negative", "implied_negation", "weak_negation", "condition", "exception", "doubtful")
 """The lists of words on which a meaning may depend."""
@@ -175,9 +171,9 @@ class OfferChecks:
 
     def _keeps_scope(self, meaning: Meaning, mentions: Mentions) -> bool:
         """Whether the one of two rules is denied whose part or use is next to the negation."""
-        if not isinstance(meaning, Statement) or len(set(map(_denies, meaning.rules))) < 2:
+        if not isinstance(meaning, Statement) or len({rule.denies for rule in meaning.rules}) < 2:
             return True
-        denied = {_said_of(rule) for rule in meaning.rules if _denies(rule)}
+        denied = {_said_of(rule) for rule in meaning.rules if rule.denies}
         named = [m for m in mentions.names if m.name in set(map(_said_of, meaning.rules))]
         return all(
             not after or after[0].name in denied
@@ -280,12 +276,9 @@ class OfferChecks:
                     yield place
 
 
-@lru_cache(maxsize=4)
 def load_check_words(path: Path) -> Mapping[str, frozenset[Phrase]]:
     """Return the words of each check; `DataError` says where the file is not as expected."""
-    parts = read_yaml(path).entries(required=("checks", "choices"), optional=())["checks"]
-    lists = parts.entries(required=_WORD_LISTS, optional=())
-    return {kind: read_phrases(field) for kind, field in lists.items()}
+    return load_word_lists(path, phrases=_WORD_LISTS).phrases
 
 
 def _new_words(mentions: Mentions) -> Iterator[NewWord]:
@@ -298,9 +291,9 @@ def _new_words(mentions: Mentions) -> Iterator[NewWord]:
 def _is_negative(meaning: Meaning) -> bool:
     match meaning:
         case Statement(rules):
-            return any(map(_denies, rules))
+            return any(rule.denies for rule in rules)
         case Retraction(rule):
-            return rule is not None and _denies(rule)
+            return rule is not None and rule.denies
         case Command() | ToolCommand():
             target = meaning.target if isinstance(meaning, Command) else meaning.tool
             return meaning.negated or target.not_used_for is not None
@@ -308,10 +301,6 @@ def _is_negative(meaning: Meaning) -> bool:
             return meaning.ask == "why_not"
         case _:
             return False
-
-
-def _denies(rule: Rule) -> bool:
-    return rule.confidence[1] < _UNLIKELY
 
 
 def _said_of(rule: Rule) -> str:

@@ -7,22 +7,16 @@ about, denies nothing and asks nothing. Nothing follows from it but a polite ans
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
-from itertools import chain
 from pathlib import Path
 
-from ...ontology.yaml_reader import read_yaml
-from ..grammar.word_patterns import Steps, match_pattern, read_patterns, read_phrases
+from ..grammar.word_lists import Phrase, WordLists, load_word_lists
 from ..lexicon.tokenizer import Tokens
 from ..lexicon.unknown_words import KnownWords
 from ..semantics.discourse import Discourse
 from ..semantics.interpretation import GOALS
 from .mentions import find_mentions
 from .utterance_segments import parts
-
-Phrase = tuple[str, ...]
 
 _JUDGING = frozenset({"praise", "blame"})
 _VALUED = _JUDGING | {"thanks"}
@@ -64,19 +58,11 @@ class CourtesyPhrases:
     """The phrases by which courtesies are found.
 
     Attributes:
-        kinds: the phrases of each kind, in the order in which they count.
-        chatter: the beginnings of parts that are only said by the way.
-        openers: what praise or blame begins with: "you are clever", but not "the sky is lovely".
-        introducing: what precedes the name of the speaker: "my name is".
-        lists: single words by key: those that may precede any phrase ("oh, good morning"), that
-            deny or set a condition, that state something, other verbs, and pronouns for things.
+        words: the phrases of each kind, in the order in which they count; what parts begin with
+            that are only said by the way, praise or blame, or introduce the speaker; single words.
     """
 
-    kinds: Mapping[str, tuple[Steps, ...]]
-    chatter: tuple[Steps, ...]
-    openers: tuple[Steps, ...]
-    introducing: tuple[Steps, ...]
-    lists: Mapping[str, frozenset[str]]
+    words: WordLists
 
     def find(self, tokens: Tokens, known: KnownWords) -> Courtesy | None:
         """Return the courtesy in an utterance; None where there is none."""
@@ -97,7 +83,7 @@ class CourtesyPhrases:
                 found.add(kind)
         if not found:
             return None
-        kind = next((each for each in self.kinds if each in found), "")
+        kind = next((each for each in self.words.groups["courtesies"] if each in found), "")
         rest = _text(tokens, kept[0][0], kept[-1][1]) if kept else ""
         is_within = kept and kept[0][0] < introduced[0] < kept[-1][0]
         return Courtesy(kind, rest, found <= _FORMAL, "" if is_within else name)
@@ -115,9 +101,9 @@ class CourtesyPhrases:
         """The name by which its speaker is introduced in a part, empty when there is none."""
         words = part.words
         for start in range(min(len(words), _LONGEST_ADDRESS)):
-            ends = [e for steps in self.introducing for _, e in match_pattern(steps, words, start)]
-            token = part.items[max(ends)] if ends and max(ends) < len(words) else None
-            if token is None or not token.capital or not self._ends_with(words, max(ends) + 1):
+            end = self.words.end("introducing", words, start)
+            token = part.items[end] if start < end < len(words) else None
+            if token is None or not token.capital or not self._ends_with(words, end + 1):
                 continue
             if known.lexicon.is_name(token.word, _PEOPLE) or not known.has(token.word):
                 return token.word
@@ -125,47 +111,43 @@ class CourtesyPhrases:
 
     def _ends_with(self, words: Phrase, start: int) -> bool:
         """Whether what follows a place is no clause."""
-        verbs = self.lists["stating"] | self.lists["verbs"]
+        verbs = self.words.words("stating") | self.words.words("verbs")
         return len(words) - start <= _LONGEST_COMPLEMENT and verbs.isdisjoint(words[start:])
 
     def _kind(self, part: Tokens, known: KnownWords) -> str | None:
         """The kind of a part: empty for chatter, None where it is neither."""
-        words = part.words
-        is_denied = not self.lists["denying"].isdisjoint(words)
-        is_of_hilt = _occurs(self.openers, words, 0)
-        for kind, phrases in self.kinds.items():
+        words, lists = part.words, self.words
+        is_denied = not lists.words("denying").isdisjoint(words)
+        is_stated = not lists.words("stating").isdisjoint(words)
+        is_of_hilt = lists.end("openers", words) > 0
+        for kind in lists.groups["courtesies"]:
             is_bare = kind in _JUDGING and not is_of_hilt
-            if is_bare and not self.lists["stating"].isdisjoint(words):
-                continue
             places = range(1 if is_bare else len(words))
-            if any(self._is_all(phrases, words, at, kind) for at in places):
-                return None if is_denied and kind in _VALUED else kind
+            if (is_bare and is_stated) or not any(self._is_all(kind, words, at) for at in places):
+                continue
+            return None if is_denied and kind in _VALUED else kind
         unknown = known.unknown(part)
         is_address = len(words) <= _LONGEST_ADDRESS and unknown
         is_denied |= any(token.word.endswith("ing") for token in unknown)  # it may be a new use
-        is_chatter = not is_denied and (is_address or _occurs(self.chatter, words, 0))
+        is_chatter = not is_denied and (is_address or lists.end("chatter", words) > 0)
         return "" if is_chatter else None
 
-    def _is_all(self, phrases: Sequence[Steps], words: Phrase, start: int, kind: str) -> bool:
+    def _is_all(self, kind: str, words: Phrase, start: int) -> bool:
         """Whether a part begins with a phrase at a place, and what follows is no clause."""
-        ends = [end for steps in phrases for _, end in match_pattern(steps, words, start)]
-        if not ends:
-            return False
-        led = self.openers if kind in _JUDGING else ()
-        is_led = self.lists["before"].issuperset(words[:start]) or _occurs(led, words, 0)
-        return is_led and self._ends_with(words, max(ends))
+        found = self.words.of_group("courtesies", words, start)
+        ends = [end for name, end, _ in found if name == kind]
+        is_led = self.words.words("before").issuperset(words[:start]) or (
+            kind in _JUDGING and self.words.end("openers", words) > 0
+        )
+        return bool(ends) and is_led and self._ends_with(words, max(ends))
 
     def has_content(self, part: Tokens, known: KnownWords) -> bool:
         """Whether a part names something that a rule or a command is about."""
         found = find_mentions(part, known, {}, Discourse())
         is_act = any(each.role == "act" and each.name in GOALS for each in found.names)
         return bool(found.required) or (
-            is_act and not self.lists["pronouns"].isdisjoint(part.words)
+            is_act and not self.words.words("pronouns").isdisjoint(part.words)
         )
-
-
-def _occurs(phrases: Sequence[Steps], words: Sequence[str], start: int) -> bool:
-    return any(True for steps in phrases for _ in match_pattern(steps, words, start))
 
 
 def _text(tokens: Tokens, start: int, end: int) -> str:
@@ -174,11 +156,7 @@ def _text(tokens: Tokens, start: int, end: int) -> str:
     return tokens.text[tokens.items[start].start : following].strip(" ,:-–—")
 
 
-@lru_cache(maxsize=4)
 def load_courtesies(path: Path) -> CourtesyPhrases:
     """Return the courtesies of a language; `DataError` says where the file is not as expected."""
-    parts = read_yaml(path).entries(required=("courtesies", *_PATTERNS, *_LISTS), optional=())
-    lists = {key: frozenset(chain(*read_phrases(parts[key]))) for key in _LISTS}
-    kinds = {kind: read_patterns(each) for kind, each in parts["courtesies"].entries().items()}
-    chatter, openers, introducing = (read_patterns(parts[key]) for key in _PATTERNS)
-    return CourtesyPhrases(kinds, chatter, openers, introducing, lists)
+    keys = {"groups": ("courtesies",), "patterns": _PATTERNS, "phrases": _LISTS}
+    return CourtesyPhrases(load_word_lists(path, **keys))

@@ -13,7 +13,7 @@ from itertools import pairwise
 
 from ..grammar.categories import Category, Functor
 from ..lexicon.lexicon import Entry, Lexicon
-from ..lexicon.tokenizer import BREAK, Tokens
+from ..lexicon.tokenizer import Tokens
 from ..lexicon.unknown_words import KnownWords
 from ..semantics.discourse import Discourse
 from ..semantics.interpretation import GOALS
@@ -124,9 +124,7 @@ class Mentions:
     @cached_property
     def pieces(self) -> tuple[Span, ...]:
         """The spans of the tokens from pause to pause."""
-        breaks = [n for n, word in enumerate(self.tokens.words) if word == BREAK]
-        ends = {*self.tokens.pauses, *breaks, *(n + 1 for n in breaks), len(self.tokens.words)}
-        return tuple((start, end) for start, end in pairwise(sorted(ends | {0})) if start < end)
+        return tuple(pairwise(sorted(self.tokens.edges)))
 
     def asides(self, used: Iterable[Mention]) -> tuple[Span, ...]:
         """Return the pieces that have none of some names and no degree, but a clause's length."""

@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 from ..grammar.categories import Category, Functor
 from ..grammar.combinators import CombinationTable
 from ..grammar.grammar import Grammar
+from ..lexicon.control_phrases import ControlPhrases
 from ..lexicon.learned_lexicon import LearnedLexicon
 from ..lexicon.lexicon import Entry
 from ..lexicon.tokenizer import Tokens
@@ -103,6 +104,12 @@ class SentenceParser:
             if not form.arguments and form not in PRONOUNS and form.name not in SOMETHING:
                 return form.name.replace("_", " ").rstrip()
         return None
+
+    def control(self, tokens: Tokens, controls: ControlPhrases) -> tuple[str, str | None] | None:
+        """Return the control that tokens are, and the object that it names, if any; else None."""
+        return controls.match(
+            tokens.words, lambda start, end: self.named_object(tokens.part(start, end))
+        )
 
     def answers(self, chart: Chart, context: UtteranceContext) -> list[Answer]:
         """Return the short answers that an utterance may be, the likeliest first."""

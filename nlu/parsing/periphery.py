@@ -1,80 +1,42 @@
 """Periphery: what surrounds the core of an utterance, by its form, its pause and its operators.
 
 "My hands are wet. Pass me the mug" has a core, a request, and before it a clause behind a strong
-pause. `TABLE` says beside which kinds of core a piece of periphery may stand without a question.
-What no row allows is asked about, or refused.
+pause. One table (`periphery.yaml`) says beside which kinds of core a piece of periphery may stand
+without a question. What no row allows is asked about, or refused.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
+from functools import lru_cache
+from itertools import chain, pairwise
+from pathlib import Path
 
+from ...ontology.yaml_reader import YamlNode, read_yaml
 from ..lexicon.tokenizer import Tokens
 from ..lexicon.unknown_words import KnownWords
 from ..semantics.meaning import ActionRule, Command, Meaning, Question, Statement, ToolCommand
 from .utterance_pieces import (
-    AFTER,
-    ASIDE,
-    ASKING,
-    BUT,
-    COLON,
-    HEARER,
-    IMPERSONAL,
-    INSIDE,
+    FORMS,
     LEAST_WORDS,
     MARKER,
     OTHER,
-    OWN,
     PHRASE,
     PURPOSE,
     REASON,
-    SO,
-    STRONG,
-    TOLD,
-    WEAK,
-    WITHIN,
+    Pause,
     PieceReader,
     UtterancePiece,
 )
+
+PERIPHERY_FILE = Path(__file__).parents[2] / "ontology" / "periphery.yaml"
 
 REQUEST, QUESTION, HOLDING, USE = "request", "question", "holding", "use"
 """The kinds of cores: a command and a question to the robot, and the rules of two kinds."""
 
 MAX_CORES = 8
 """How many cores of one utterance are parsed."""
-
-_ANYWHERE = frozenset({WEAK, ASKING, COLON, BUT, SO, STRONG, AFTER, TOLD})
-_THINGS = ("N", "MS")
-
-# With these a piece makes the core a pretence, or its speaker is not sure of it.
-_UNREAL = frozenset(
-    {
-        *("unreal", "quoted", "called", "doubtful", "source=hearsay"),
-        *("attitude=hypothetical", "attitude=doubt", "belief=denied"),
-    }
-)
-_CONDITIONAL = frozenset({"condition", "exception", "condition=absent"})
-_PLAYED = frozenset({"unreal", "quoted", "attitude=hypothetical"})
-# The same, and with what makes the core somebody else's word.
-_PRETENDED = _UNREAL | {"report", "source=other"}
-# The same, and what asks for something else or only under a condition.
-_REPORTED = _PRETENDED | _CONDITIONAL | {"knowledge", "act", "held", "unwanted"}
-_NAMING = _REPORTED | {"named"}
-# On these a rule may depend as well; less so in a reason for it.
-_LIMITING = _REPORTED | {
-    *("negative", "implied_negation", "weak_negation", "degree", "exception=exception"),
-    *("tense=past", "tense=now", "modality=weak", "attitude=think", "attitude=hedged"),
-    *("agent=other", "agent=they", "agent=people", "agent=somebody"),
-    *("quantifier=most", "quantifier=partial"),
-}
-_LIMITING_REASON = (_LIMITING | {"custom", "circumstance"}) - {
-    *("negative", "implied_negation", "modality=weak", "exception=exception", "exception"),
-    *("agent=they", "agent=people", "agent=somebody", "quantifier=partial", "weak_negation"),
-    *("tense=past", "degree", "quantifier=most"),
-}
-_LIMITING_ASIDE = (_LIMITING | {"named"}) - {"agent=other", "agent=they", "agent=people"}
 
 
 @dataclass(frozen=True)
@@ -83,10 +45,10 @@ class PeripheryRow:
 
     of: frozenset[str]
     forms: frozenset[str]
-    pauses: frozenset[int]
-    unless: frozenset[str] = frozenset()
+    pauses: frozenset[Pause]
+    unless: frozenset[str]
 
-    def allows(self, kind: str, piece: UtterancePiece, pause: int) -> bool:
+    def allows(self, kind: str, piece: UtterancePiece, pause: Pause) -> bool:
         """Whether a core of a kind may stand beside a piece that is set off by a pause."""
         return (
             kind in self.of
@@ -96,62 +58,59 @@ class PeripheryRow:
         )
 
 
-_REQUESTS, _RULES = frozenset({REQUEST, QUESTION}), frozenset({HOLDING, USE})
-_KINDS = _REQUESTS | _RULES
-_CAUSES = frozenset({REASON, PURPOSE})
-_PERSONS = frozenset({OWN, HEARER})
-_CLAUSES = _CAUSES | {OWN, IMPERSONAL, OTHER}
+_KINDS = frozenset({REQUEST, QUESTION, HOLDING, USE})
+_THINGS = ("N", "MS")
 
-TABLE: Sequence[PeripheryRow] = (
-    PeripheryRow(_KINDS, frozenset({MARKER}), _ANYWHERE),
-    # What is announced is meant, whatever was said before it, but for a condition or a pretence.
-    PeripheryRow(
-        _KINDS, _CLAUSES | {HEARER, ASIDE}, frozenset({TOLD}), _PLAYED | _CONDITIONAL | {"short"}
-    ),
-    PeripheryRow(_KINDS, frozenset({PHRASE}), frozenset({TOLD}), _LIMITING),
-    # What is asked for at the end is wanted, whatever made the speaker ask.
-    PeripheryRow(_REQUESTS, _CLAUSES, frozenset({STRONG}), _REPORTED),
-    PeripheryRow(_REQUESTS, _CLAUSES, frozenset({COLON}), _REPORTED | {"pointing"}),
-    PeripheryRow(_REQUESTS, frozenset({OWN, IMPERSONAL, OTHER}), frozenset({ASKING}), _NAMING),
-    PeripheryRow(
-        _REQUESTS,
-        _CLAUSES | {HEARER},
-        frozenset({SO, BUT}),
-        _PLAYED | _CONDITIONAL | {"called", "act", "unwanted"},
-    ),
-    PeripheryRow(_REQUESTS, frozenset({REASON}), _ANYWHERE, _REPORTED),
-    PeripheryRow(_REQUESTS, frozenset({PURPOSE}), _ANYWHERE, _REPORTED | {"agent=other"}),
-    PeripheryRow(
-        frozenset({REQUEST}),
-        frozenset({OWN, OTHER}),
-        frozenset({AFTER}),
-        (_LIMITING | {"named"}) - {"agent=other"},
-    ),
-    # A phrase says how to do something, unless it precedes a question or gives a reason.
-    PeripheryRow(
-        frozenset({QUESTION}), frozenset({PHRASE}), frozenset({ASKING}), _NAMING | {"circumstance"}
-    ),
-    PeripheryRow(_REQUESTS, frozenset({PHRASE}), frozenset({SO}), _NAMING | {"restricting"}),
-    PeripheryRow(
-        frozenset({HOLDING}), frozenset({PHRASE}), frozenset({SO}), _LIMITING | {"restricting"}
-    ),
-    # A reason or a purpose does not limit a rule, before or after it.
-    PeripheryRow(_RULES, _CAUSES, _ANYWHERE, _LIMITING_REASON),
-    PeripheryRow(frozenset({HOLDING}), _CLAUSES, frozenset({SO}), _LIMITING_REASON),
-    # Nor does what speakers say of themselves; a colon needs an announcement.
-    PeripheryRow(_RULES, frozenset({OWN}), frozenset({STRONG}), _LIMITING),
-    # What a rule is contrasted with does not hold it back.
-    PeripheryRow(_RULES, _PERSONS | {IMPERSONAL, OTHER}, frozenset({BUT}), _UNREAL | _CONDITIONAL),
-    PeripheryRow(
-        _RULES,
-        _PERSONS | {IMPERSONAL, OTHER},
-        frozenset({STRONG}),
-        _NAMING | {"negative", "implied_negation", "pointing", "tense=past"},
-    ),
-    # What is said of the thing by the way says nothing of its use.
-    PeripheryRow(_KINDS, frozenset({ASIDE, OWN}), frozenset({WITHIN}), _LIMITING_ASIDE),
-    PeripheryRow(_KINDS, _CAUSES, frozenset({WITHIN}), _LIMITING_REASON),
-)
+
+@dataclass(frozen=True)
+class PeripheryTable:
+    """The rows, and the sets of operators by which they and the segments of offers go."""
+
+    rows: Sequence[PeripheryRow]
+    signs: Mapping[str, frozenset[str]]
+
+    def permitted(self, piece: UtterancePiece, pause: Pause) -> frozenset[str]:
+        """Return the kinds of cores beside which a piece changes nothing."""
+        return frozenset(k for k in _KINDS if any(row.allows(k, piece, pause) for row in self.rows))
+
+    def announces(self, piece: UtterancePiece) -> bool:
+        """Whether a piece announces what follows: "I tell you"."""
+        return "announced" in piece.signs and piece.signs.isdisjoint(self.signs["uncertain"])
+
+
+@lru_cache(maxsize=4)
+def load_table(path: Path = PERIPHERY_FILE) -> PeripheryTable:
+    """Return the table of a file; `DataError` says where it is not as expected."""
+    parts = read_yaml(path).entries(required=("forms", "pauses", "signs", "rows"), optional=())
+    forms, pauses, signs = (_sets(parts[key]) for key in ("forms", "pauses", "signs"))
+    known = {*pauses, *(each.name.lower() for each in Pause)}
+    rows: list[PeripheryRow] = []
+    for item in parts["rows"].items():
+        row = item.entries(required=("of", "forms", "pauses"), optional=("unless",))
+        apart = _union(row["pauses"].texts(choices=known), pauses)
+        rows.append(
+            PeripheryRow(
+                frozenset(row["of"].texts(choices=_KINDS)),
+                _union(row["forms"].texts(choices={*forms, *FORMS, MARKER, OTHER, PHRASE}), forms),
+                frozenset(Pause[each.upper()] for each in apart),
+                _union(row["unless"].texts(), signs) if "unless" in row else frozenset(),
+            )
+        )
+    return PeripheryTable(tuple(rows), signs)
+
+
+def _sets(field: YamlNode) -> dict[str, frozenset[str]]:
+    """The sets of a mapping, in which a later one may name the earlier ones."""
+    found: dict[str, frozenset[str]] = {}
+    for name, items in field.entries().items():
+        found[name] = _union(items.texts(), found)
+    return found
+
+
+def _union(names: Sequence[str], sets: Mapping[str, frozenset[str]]) -> frozenset[str]:
+    """All that is named, one by one or as a set, without what has a minus before it."""
+    added = (sets.get(name, {name}) for name in names if not name.startswith("-"))
+    return frozenset(chain.from_iterable(added)) - {n[1:] for n in names if n.startswith("-")}
 
 
 @dataclass(frozen=True)
@@ -181,6 +140,7 @@ class PeripheryReader:
 
     reader: PieceReader
     known: KnownWords
+    table: PeripheryTable
 
     def cores(self, tokens: Tokens, expanded: Tokens) -> Iterator[Core]:
         """Yield the cores to try, the longest first; in `expanded` no word is a short form."""
@@ -195,7 +155,7 @@ class PeripheryReader:
 
     def around(
         self, expanded: Tokens, span: tuple[int, int]
-    ) -> tuple[list[UtterancePiece], list[UtterancePiece], int]:
+    ) -> tuple[list[UtterancePiece], list[UtterancePiece], Pause]:
         """Return the pieces before and after a span, and its pause, `INSIDE` within a clause."""
         start, end = span
         sides = (expanded.part(0, start), expanded.part(end, len(expanded.items)))
@@ -203,7 +163,7 @@ class PeripheryReader:
         pauses = [each.pause for each in self.reader.pieces(expanded) if each.start == start]
         beginning = [each.joined for each in before[-1:] if each.form == MARKER]
         joined = self.reader.joined(expanded.words[start:])
-        return before, after, max((*pauses, *beginning, *joined), default=INSIDE)
+        return before, after, max((*pauses, *beginning, *joined), default=Pause.INSIDE)
 
     def _core(
         self, tokens: Tokens, span: tuple[int, int], pieces: Sequence[UtterancePiece]
@@ -212,9 +172,14 @@ class PeripheryReader:
         within = [each for each in pieces if start < each.start and each.end < end]
         placed = [*self._before(tokens, span, pieces)]
         after = [each for each in pieces if each.start >= end]
-        placed += [(e, TOLD if _announces(e) and "pointing" in e.signs else AFTER) for e in after]
-        placed += [(each, WITHIN) for each in within if _permitted(each, WITHIN)]
-        kinds = _KINDS.intersection(*(_permitted(*each) for each in placed))
+        placed += [
+            (e, Pause.TOLD if self.table.announces(e) and "pointing" in e.signs else Pause.AFTER)
+            for e in after
+        ]
+        placed += [
+            (each, Pause.WITHIN) for each in within if self.table.permitted(each, Pause.WITHIN)
+        ]
+        kinds = _KINDS.intersection(*(self.table.permitted(*each) for each in placed))
         if not placed or not kinds:
             return None
         said = [(each, pause) for each, pause in placed if each.form != MARKER]
@@ -222,12 +187,12 @@ class PeripheryReader:
         limiting = (
             phrase
             for (each, pause), phrase in zip(said, phrases, strict=True)
-            if each.form not in _CAUSES and pause not in {BUT, SO, TOLD}
+            if each.form not in {REASON, PURPOSE} and pause not in {Pause.BUT, Pause.SO, Pause.TOLD}
         )
         left_out = {
             place
             for each, pause in placed
-            if pause == WITHIN
+            if pause == Pause.WITHIN
             for place in range(each.start, each.end)
         }
         kept = [place for place in range(start, end) if place not in left_out]
@@ -243,18 +208,22 @@ class PeripheryReader:
 
     def _before(
         self, tokens: Tokens, span: tuple[int, int], pieces: Sequence[UtterancePiece]
-    ) -> Iterator[tuple[UtterancePiece, int]]:
+    ) -> Iterator[tuple[UtterancePiece, Pause]]:
         """The pieces before a core, each with how it is set off."""
         start, end = span
         before = [each for each in pieces if each.end <= start]
-        joined = max((each.joined for each in pieces if each.core_start == start), default=WEAK)
+        joined = max(
+            (each.joined for each in pieces if each.core_start == start), default=Pause.WEAK
+        )
         if tokens.asks and end == len(tokens.items):
-            joined = max(joined, ASKING)
+            joined = max(joined, Pause.ASKING)
         said = [each for each in before if each.form != MARKER]
-        is_told = bool(said) and _announces(said[-1])
+        is_told = bool(said) and self.table.announces(said[-1])
         for each in before:
-            between = (p.pause for p in pieces if each.end <= p.start <= start and p.pause != TOLD)
-            yield each, TOLD if is_told else max((joined, *between))
+            between = (
+                p.pause for p in pieces if each.end <= p.start <= start and p.pause != Pause.TOLD
+            )
+            yield each, Pause.TOLD if is_told else max((joined, *between))
 
     def _referent(
         self, pieces: Sequence[UtterancePiece], tokens: Tokens, span: tuple[int, int]
@@ -293,21 +262,10 @@ def kinds_of_core(meaning: Meaning) -> frozenset[str]:
             return frozenset()
 
 
-def _announces(piece: UtterancePiece) -> bool:
-    """Whether a piece announces what follows: "I tell you"."""
-    unsure = _UNREAL | _CONDITIONAL | {"degree"}
-    return "announced" in piece.signs and piece.signs.isdisjoint(unsure)
-
-
-def _permitted(piece: UtterancePiece, pause: int) -> frozenset[str]:
-    """The kinds of cores beside which a piece changes nothing."""
-    return frozenset(k for k in _KINDS if any(row.allows(k, piece, pause) for row in TABLE))
-
-
 def _sentences(tokens: Tokens, end: int, pieces: Sequence[UtterancePiece]) -> Iterator[Tokens]:
     """The parts before a place, split at strong pauses."""
     start = 0
     for last, piece in pairwise(pieces):
-        if piece.start <= end and piece.pause != WEAK:
+        if piece.start <= end and piece.pause != Pause.WEAK:
             yield tokens.part(start, last.end)
             start = piece.start

@@ -13,7 +13,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from pathlib import Path
 
+from ..grammar.word_lists import WordLists, load_word_lists
 from ..lexicon.control_phrases import ControlPhrases
 from ..lexicon.tokenizer import BREAK, Token, Tokens
 from ..lexicon.unknown_words import KnownWords, is_word
@@ -36,7 +38,6 @@ from ..semantics.meaning import (
 )
 from ..semantics.predicates import PredicateForm, UninterpretableError
 from .parser import SentenceParser, UtteranceContext
-from .procedure_words import ProcedureWords
 from .understanding import Understanding
 
 MAX_CLAUSE_WORDS = 20
@@ -46,6 +47,12 @@ _TAKING = ("pickUp", "grasp", "use")
 _TIMES = {"twice": 2, "two": 2, "three": 3, "four": 4, "five": 5}
 _ACTS = ("CP", "(CP", "((CP", "C/", "B/", "(B", "UV", "CG", "K")  # how those of acts begin
 _ANYTHING = "anythingNamed"  # the object of an action that is taught for any
+_OPENING = ("order", "only_if", "unless", "if")  # what a clause begins with
+_PATTERNS = (
+    *(*_OPENING, "behind", "heads", "asked", "tails", "again", "times", "another"),
+    *("how", "forget"),
+)
+_GROUPS, _LISTS = ("states", "failures"), ("links", "particles")
 _NOBODY = UtteranceContext("speaker", "self", Discourse())
 
 Thing = tuple[str, tuple[str, ...]]
@@ -70,6 +77,10 @@ class Procedure:
     meaning: Plan | ActionDefinition | ActionCommand | Question | Retraction
     discourse: Discourse
     new_words: tuple[NewWord, ...] = ()
+
+
+ReadProcedure = Callable[[Tokens, UtteranceContext, Sentence], Procedure | None]
+"""A reader of utterances, given what understands a clause by itself."""
 
 
 @dataclass(frozen=True)
@@ -104,7 +115,7 @@ class ProcedureReader:
         frames: the taught actions on several objects or none, with the words between them.
     """
 
-    words: ProcedureWords
+    words: WordLists
     parser: SentenceParser
     known: KnownWords
     controls: ControlPhrases
@@ -170,16 +181,16 @@ class ProcedureReader:
         only = steps[0] if len(steps) == 1 and parameters else None
         return not isinstance(only, Command) or only.target.object in parameters
 
-    def about(self, tokens: Tokens, discourse: Discourse) -> Procedure | None:
+    def about(self, tokens: Tokens, context: UtteranceContext, _: Sentence) -> Procedure | None:
         """Return the question about a learned action, or its retraction, that an utterance is."""
         for key in ("how", "forget"):
-            for end, slots in self.words.matches(key, tokens):
+            for end, slots in self.words.matches(key, tokens.words):
                 for name, place in slots.items() if end == len(tokens.items) else ():
                     head = self._head(tokens.part(*place), is_gerund=name == "HEADING")
                     if head and self._is_learned(head.name):
                         asked = Question("how", context=head.name)
                         meant = asked if key == "how" else Retraction(action=head.name)
-                        return Procedure(meant, discourse)
+                        return Procedure(meant, context.discourse)
         return None
 
     def _heads(self, tokens: Tokens) -> Iterator[tuple[ActionHead, Tokens]]:
@@ -195,12 +206,12 @@ class ProcedureReader:
         """Where heads may be: the pattern, its slot, and the places of the slot and the body."""
         count = len(tokens.items)
         for key in ("heads", "asked"):
-            for end, slots in self.words.matches(key, tokens):
+            for end, slots in self.words.matches(key, tokens.words):
                 for name, place in slots.items() if end < count else ():
                     yield key, name, place, (end, count)
-        for start in self.words.starts(tokens)[:-1]:
+        for start in _starts(self.words, tokens)[:-1]:
             begin = start + (tokens.words[start] == BREAK)
-            for end, slots in self.words.matches("tails", tokens, begin):
+            for end, slots in self.words.matches("tails", tokens.words, begin):
                 for name, place in slots.items() if end == count else ():
                     yield "tails", name, place, (0, start)
 
@@ -216,7 +227,7 @@ class ProcedureReader:
             return None
         for length in (2, 1):
             name = " ".join(bare.words[:length])
-            has_particle = not self.words.particles.isdisjoint(bare.words[1:2])
+            has_particle = self.words.has("particles", *bare.words[1:2])
             if (length == 2 and not has_particle) or self._is_other(name):
                 continue
             found = self.things(bare.part(length, len(bare.items)), may_be_new=True)
@@ -267,7 +278,7 @@ class ProcedureReader:
     def _links(self, tokens: Tokens) -> Iterator[tuple[int, int]]:
         for start in range(1, len(tokens.items) - 1):
             for end in range(min(start + 3, len(tokens.items) - 1), start, -1):
-                if " ".join(tokens.words[start:end]) in self.words.links:
+                if self.words.has("links", *tokens.words[start:end]):
                     yield start, end
 
     def _thing(
@@ -306,10 +317,10 @@ class _Clauses:
         return self._found[key]
 
     def _read(self, tokens: Tokens, state: ClauseState) -> list[tuple[Clause, ClauseState]] | None:
-        start, count = self._words.skip(tokens, 0), len(tokens.items)
+        start, count = _skipped(self._words, tokens), len(tokens.items)
         if start == count:
             return [] if all(word == BREAK for word in tokens.words) else None
-        for end in self._words.starts(tokens):
+        for end in _starts(self._words, tokens):
             # "And the knife" is a clause only with the word before it.
             for begin in dict.fromkeys((start, 0)) if end > start else ():
                 clause = tokens.part(begin, end)
@@ -340,15 +351,12 @@ class _Clauses:
     def _ends_before_order(self, tokens: Tokens) -> Iterator[int]:
         """Where a clause ends before words of order: "pick it up first"."""
         for start in range(1, len(tokens.items)):
-            if len(tokens.items) in self._words.ends("behind", tokens, start):
+            if self._words.is_all("behind", tokens.words, start):
                 yield start
 
     def _act(self, tokens: Tokens, state: ClauseState) -> tuple[Act, ClauseState] | None:
         """The command that a clause is, and the state after it."""
-        control = self._reader.controls.match(
-            tokens.words,
-            lambda start, end: self._reader.parser.named_object(tokens.part(start, end)),
-        )
+        control = self._reader.parser.control(tokens, self._reader.controls)
         if control:
             return self._control(*control, state)
         taught = self._taught(tokens)
@@ -401,7 +409,7 @@ class _Clauses:
         is_other = reader.is_act(verb) or reader.known.builder.is_of_grammar(verb)
         if not rest or is_other or not is_word(tokens.items[0]):
             return None
-        if (*rest,) in reader.controls.pronouns:
+        if reader.controls.is_pronoun((*rest,)):
             return Command(verb, self._last(state)) if state.discourse.object else None
         found = reader.things(tokens.part(1, len(tokens.items)))
         if not found or len(found[0]) != 1 or not reader.known.builder.is_determiner(rest[0]):
@@ -410,17 +418,19 @@ class _Clauses:
 
     def _named(self, tokens: Tokens, state: ClauseState) -> str | None:
         """The kind of object that some words name or refer to."""
-        if tokens.words in self._reader.controls.pronouns:
+        if self._reader.controls.is_pronoun(tokens.words):
             return self._last(state).object if state.discourse.object else None
         return self._reader.parser.named_object(tokens)
 
     def _condition(self, tokens: Tokens, state: ClauseState) -> ActionCondition | None:
         for key in ("only_if", "unless"):
-            for end, slots in self._words.matches(key, tokens):
+            for end, slots in self._words.matches(key, tokens.words):
                 if end < len(tokens.items):
                     continue
                 said = tokens.part(*slots["STATE"])
-                for name, places in self._words.whole("states", said):
+                for name, last, places in self._words.of_group("states", said.words):
+                    if last < len(said.items):
+                        continue
                     thing = self._named(said.part(*places["THING"]), state)
                     word = said.words[places["WORD"][0]] if "WORD" in places else None
                     if thing:
@@ -431,20 +441,22 @@ class _Clauses:
 
     def _reaction(self, tokens: Tokens, state: ClauseState) -> FailureReaction | None:
         count = len(tokens.items)
-        for end, slots in self._words.matches("if", tokens):
+        for end, slots in self._words.matches("if", tokens.words):
             causes = self._causes(tokens.part(*slots["FAILURE"]), state)
             if causes and end < count:
                 return self._response(tokens.part(end, count), causes, state)
         for start in range(2, count):
-            for end, slots in self._words.matches("if", tokens, start):
+            for end, slots in self._words.matches("if", tokens.words, start):
                 causes = self._causes(tokens.part(*slots["FAILURE"]), state)
                 if causes and end == count:
                     return self._response(tokens.part(0, start), causes, state)
         return None
 
     def _causes(self, tokens: Tokens, state: ClauseState) -> tuple[str, ...]:
-        for names, places in self._words.whole("failures", tokens):
+        for names, end, places in self._words.of_group("failures", tokens.words):
             thing = places.get("THING")
+            if end < len(tokens.items):
+                continue
             if thing is None or self._named(tokens.part(*thing), state):
                 return tuple(names.split())
         return ()
@@ -453,18 +465,46 @@ class _Clauses:
         self, tokens: Tokens, causes: tuple[str, ...], state: ClauseState
     ) -> FailureReaction | None:
         count = len(tokens.items)
-        for end in self._words.ends("again", tokens):
-            times = (last for last in self._words.ends("times", tokens, end) if last == count)
-            if end == count or any(times):
+        for end, _ in self._words.matches("again", tokens.words):
+            if end == count or self._words.is_all("times", tokens.words, end):
                 words = tokens.words[end:]
                 number = next((_TIMES[word] for word in words if word in _TIMES), 1)
                 return FailureReaction(causes, again=number)
-        if count in self._words.ends("another", tokens):
+        if self._words.is_all("another", tokens.words):
             return FailureReaction(causes, other=True)
         bare = replace(tokens, items=tokens.items[: count - (tokens.words[-1] == "instead")])
         found = self.read(bare, state)
         steps = tuple(each for each, _ in found or () if isinstance(each, Act))
         return FailureReaction(causes, steps=steps) if len(steps) == len(found or "-") else None
+
+
+def load_procedure_words(path: Path) -> WordLists:
+    """Read the words of procedures; `DataError` says where the file is not as expected."""
+    return load_word_lists(path, patterns=_PATTERNS, groups=_GROUPS, phrases=_LISTS)
+
+
+def _skipped(words: WordLists, tokens: Tokens) -> int:
+    """The place after the breaks and the words of order that some tokens begin with."""
+    start = 0
+    while start < len(tokens.items):
+        end = words.end("order", tokens.words, start)
+        if end == start and tokens.words[start] != BREAK:
+            break
+        start = max(end, start + 1)
+    return start
+
+
+def _starts(words: WordLists, tokens: Tokens) -> list[int]:
+    """The places where a clause may begin, and the one past the last, in order."""
+    count = len(tokens.items)
+    breaks = {place for place in tokens.edges if tokens.words[place - 1 : place] != (BREAK,)}
+    opening = {
+        place
+        for place in range(1, count)
+        for key in _OPENING
+        if words.end(key, tokens.words, place) > place
+    }
+    return sorted((breaks | opening | {count}) - {0})
 
 
 def _generalised(act: Command | ToolCommand) -> Act:

@@ -34,7 +34,6 @@ MAX_NEW_NAMES = 2
 """A command or question names at most so many unknown objects and uses, a rule one more."""
 
 _NAMES = frozenset({"object", "affordance"})
-_LIKELY = 0.5  # a rule whose upper bound is below states that something is not so
 
 
 @dataclass(frozen=True, repr=False)
@@ -161,4 +160,4 @@ def _is_negative(meaning: Meaning) -> bool:
     if isinstance(meaning, (Command, ToolCommand)):
         return meaning.negated
     rules = meaning.rules if isinstance(meaning, Statement) else ()
-    return all(rule.confidence[1] < _LIKELY and not rule.revises for rule in rules)
+    return all(rule.denies and not rule.revises for rule in rules)

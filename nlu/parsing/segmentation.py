@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import combinations
 
-from ..lexicon.tokenizer import BREAK, Tokens
+from ..lexicon.tokenizer import Tokens
 from ..semantics.meaning import (
     Acknowledgement,
     Command,
@@ -33,8 +33,7 @@ _CLOSING = frozenset({"thanks", "okay"})
 
 def segmentations(tokens: Tokens) -> Iterator[tuple[Tokens, ...]]:
     """All ways to split an utterance at its pauses, those with fewer segments first."""
-    breaks = (place for place, word in enumerate(tokens.words, start=1) if word == BREAK)
-    places = sorted({*tokens.pauses, *breaks} - {0, len(tokens.items)})
+    places = tokens.beginnings[1:]
     if len(places) >= MAX_SEGMENTS:
         return
     for count in range(1, len(places) + 1):

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import islice
 
 from ..lexicon.discourse_markers import move_to_front
@@ -42,7 +43,7 @@ from .chart import Chart
 from .clarification import Clarifier
 from .parser import SentenceParser, UtteranceContext, decide
 from .periphery import MAX_CORES, Core, PeripheryReader, kinds_of_core
-from .procedures import Procedure, ProcedureReader
+from .procedures import ProcedureReader, ReadProcedure
 from .reading_filter import ReadingFilter
 from .segmentation import combine_meanings, segmentations
 from .understanding import Reading, Understanding
@@ -105,6 +106,11 @@ class _Attempt:
         self._charts: dict[object, Chart] = {}
         self._sentences: dict[tuple[Tokens, UtteranceContext], Understanding] = {}
         self._fronted: set[Tokens] = set()  # those with a qualifier moved to the front
+        reader = tools.procedures
+        self._by_definition, self._by_name, self._by_plan = (
+            partial(self._by_procedure, read)
+            for read in (reader.definition, reader.about, reader.plan)
+        )
 
     def understand(self, tokens: Tokens, context: UtteranceContext) -> Understanding:
         """Return the result for the utterance, whose tag ("..., okay?") is taken off first."""
@@ -116,24 +122,13 @@ class _Attempt:
         untagged = self._markers.remove_tag(tokens)
         return self._understand(untagged, context)
 
-    def _by_name(self, tokens: Tokens, context: UtteranceContext) -> Understanding | None:
-        """As what is asked or taken back of an action that was taught."""
-        found = self._tools.procedures.about(tokens, context.discourse)
-        return self._of_procedure(found, tokens, context) if found else None
-
-    def _by_definition(self, tokens: Tokens, context: UtteranceContext) -> Understanding | None:
-        """As an action that is taught."""
-        found = self._tools.procedures.definition(tokens, context, self._sentence)
-        return self._of_procedure(found, tokens, context) if found else None
-
-    def _by_plan(self, tokens: Tokens, context: UtteranceContext) -> Understanding | None:
-        """As several commands, or as that of a taught action."""
-        found = self._tools.procedures.plan(tokens, context, self._sentence)
-        return self._of_procedure(found, tokens, context) if found else None
-
-    def _of_procedure(
-        self, found: Procedure, tokens: Tokens, context: UtteranceContext
-    ) -> Understanding:
+    def _by_procedure(
+        self, read: ReadProcedure, tokens: Tokens, context: UtteranceContext
+    ) -> Understanding | None:
+        """As what one of the readers of procedures finds."""
+        found = read(tokens, context, self._sentence)
+        if found is None:
+            return None
         whole = _understanding(tokens, context, found.meaning)
         return replace(whole, new_words=found.new_words, discourse=found.discourse)
 

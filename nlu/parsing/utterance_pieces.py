@@ -11,18 +11,16 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from enum import IntEnum, auto
+from functools import cached_property
 from itertools import pairwise
 from pathlib import Path
 
-from ...ontology.yaml_reader import read_yaml
-from ..grammar.word_patterns import Steps, match_pattern, read_patterns, read_phrases
+from ..grammar.word_lists import Phrase, WordLists, load_word_lists
 from ..lexicon.discourse_markers import DiscourseMarkers
 from ..lexicon.tokenizer import BREAK, Tokens
 from ..lexicon.unknown_words import KnownWords
 from ..semantics.clause_features import MAIN, ClausePosition, FeatureReader
-
-Phrase = tuple[str, ...]
 
 MARKER, REASON, PURPOSE, ASIDE = "marker", "reason", "purpose", "aside"
 OWN, HEARER, IMPERSONAL, OTHER = "own", "hearer", "impersonal", "other"
@@ -32,18 +30,30 @@ PHRASE, PROPERTY = "phrase", "property"
 A phrase has no verb of its own, so it belongs to the core: "by the handle", "with two hands".
 """
 
-INSIDE, WEAK, ASKING, COLON, BUT, SO, STRONG, AFTER, WITHIN, TOLD = range(-1, 9)
-"""How a piece is set off: the strongest pause between it and the core, or its other place.
 
-`ASKING` is a weak pause before a question, whose beginning is as clear as after a strong one.
-`TOLD` is a piece that ends in an announcement, or precedes one.
-"""
+class Pause(IntEnum):
+    """How a piece is set off: the strongest pause between it and the core, or its other place."""
+
+    INSIDE = -1
+    """None: within a clause."""
+    WEAK = auto()
+    ASKING = auto()
+    """A weak pause before a question, whose beginning is as clear as after a strong one."""
+    COLON = auto()
+    BUT = auto()
+    SO = auto()
+    STRONG = auto()
+    AFTER = auto()
+    WITHIN = auto()
+    TOLD = auto()
+    """A piece that ends in an announcement, or precedes one."""
+
 
 LEAST_WORDS = 3
 """The least length of a core [words]."""
 
 FORMS = (REASON, PURPOSE, ASIDE, OWN, HEARER, IMPERSONAL)
-_LEADS: Mapping[str, int] = {"so": SO, "but": BUT, "and": WEAK}
+_LEADS: Mapping[str, Pause] = {"so": Pause.SO, "but": Pause.BUT, "and": Pause.WEAK}
 _PATTERNS = (*_LEADS, *FORMS, "presenting", "temporal", PROPERTY)
 _LISTS = (
     *("unwanted", "finite", "restricting", "auxiliary", "speaker", "speech", "knowledge"),
@@ -71,9 +81,9 @@ class UtterancePiece:
 
     start: int
     end: int
-    pause: int
+    pause: Pause
     lead: int
-    joined: int
+    joined: Pause
     form: str
     signs: frozenset[str]
 
@@ -83,34 +93,9 @@ class UtterancePiece:
         return self.start + self.lead
 
 
-@dataclass(frozen=True)
-class PeripheryWords:
-    """The words of `periphery.yaml`.
-
-    Attributes:
-        patterns: how the pieces of each form begin, and what only joins a piece, by key.
-        lists: single words and phrases by key.
-    """
-
-    patterns: Mapping[str, tuple[Steps, ...]]
-    lists: Mapping[str, frozenset[Phrase]]
-
-    def begins(self, key: str, words: Phrase) -> int:
-        """The length of the longest beginning of some words that a key has, 0 without one."""
-        ends = (end for steps in self.patterns[key] for _, end in match_pattern(steps, words, 0))
-        return max(ends, default=0)
-
-    def has(self, key: str, *words: str) -> bool:
-        """Whether some words are a phrase of a list."""
-        return words in self.lists[key]
-
-
-@lru_cache(maxsize=4)
-def load_periphery(path: Path) -> PeripheryWords:
-    """Return the words of a file; `DataError` says where it is not as expected."""
-    parts = read_yaml(path).entries(required=(*_PATTERNS, *_LISTS), optional=())
-    patterns = {key: read_patterns(parts[key]) for key in _PATTERNS}
-    return PeripheryWords(patterns, {key: read_phrases(parts[key]) for key in _LISTS})
+def load_periphery(path: Path) -> WordLists:
+    """Return the words of `periphery.yaml`; `DataError` says where the file is not as expected."""
+    return load_word_lists(path, patterns=_PATTERNS, phrases=_LISTS)
 
 
 @dataclass(frozen=True, repr=False)
@@ -122,7 +107,7 @@ class PieceReader:
         degrees: the words for degrees of confidence.
     """
 
-    words: PeripheryWords
+    words: WordLists
     operators: Mapping[str, frozenset[Phrase]]
     degrees: frozenset[Phrase]
     features: FeatureReader
@@ -131,50 +116,50 @@ class PieceReader:
 
     def property_clause(self, tokens: Tokens) -> tuple[int, int]:
         """Return the place of what follows "because it is" up to the next pause, or (0, 0)."""
-        words = tokens.words
-        breaks = (place for place, word in enumerate(words) if word == BREAK)
-        ends = sorted({*tokens.pauses, *breaks, len(words)})
-        for start in range(len(words)):
-            length = self.words.begins(PROPERTY, words[start:])
-            if length:
-                return start + length, next(end for end in ends if end >= start + length)
+        for start in range(len(tokens.words)):
+            place = self.words.end(PROPERTY, tokens.words, start)
+            if place > start:
+                return place, min(end for end in tokens.edges if end >= place)
         return 0, 0
 
     def pieces(self, tokens: Tokens) -> list[UtterancePiece]:
         """Return the pieces of an utterance, whose short forms are written out, in order."""
         found: list[UtterancePiece] = []
-        start, pause = 0, WEAK
-        for end, after, next_pause in (*self._gaps(tokens), (len(tokens.items),) * 2 + (WEAK,)):
-            if next_pause == TOLD and not self._announces(tokens, start, end):
+        start, pause = 0, Pause.WEAK
+        for end, after, next_pause in (
+            *self._gaps(tokens),
+            (len(tokens.items),) * 2 + (Pause.WEAK,),
+        ):
+            if next_pause == Pause.TOLD and not self._announces(tokens, start, end):
                 continue
             if start < end:
                 found.append(self._piece(tokens, start, end, pause))
-                pause = WEAK
+                pause = Pause.WEAK
             start, pause = after, max(pause, next_pause)
         return found
 
-    def joined(self, words: Phrase) -> list[int]:
+    def joined(self, words: Phrase) -> list[Pause]:
         """The pauses that the words amount to with which some words begin: "so", "but"."""
-        return [pause for lead, pause in _LEADS.items() if self.words.begins(lead, words)]
+        return [pause for lead, pause in _LEADS.items() if self.words.end(lead, words)]
 
-    def _gaps(self, tokens: Tokens) -> Iterator[tuple[int, int, int]]:
+    def _gaps(self, tokens: Tokens) -> Iterator[tuple[int, int, Pause]]:
         """Where a piece may end and the next one begin, and the pause between them."""
         words = tokens.words
         for place, word in enumerate(words):
             if word == BREAK:
-                yield place, place + 1, STRONG
+                yield place, place + 1, Pause.STRONG
             elif place in tokens.pauses and place and words[place - 1] != BREAK:
                 between = tokens.text[tokens.items[place - 1].end : tokens.items[place].start]
-                yield place, place, WEAK if _DASHES.isdisjoint(between) else COLON
+                yield place, place, Pause.WEAK if _DASHES.isdisjoint(between) else Pause.COLON
             elif self._may_join(tokens, place):
-                yield place, place, WEAK
+                yield place, place, Pause.WEAK
             elif self.words.has("complement", word) and not _ends_soon(tokens, place + 1):
-                yield place, place + 1, TOLD
+                yield place, place + 1, Pause.TOLD
 
     def _may_join(self, tokens: Tokens, place: int) -> bool:
         """Whether a clause may begin without a pause: "I am tired so pass me the mug"."""
         is_within = place > 0 and tokens.words[place - 1] != BREAK
-        is_lead = is_within and self.words.begins("so", tokens.words[place : place + 1]) > 0
+        is_lead = is_within and self.words.end("so", tokens.words[place : place + 1]) > 0
         is_object = is_lead and self.words.has("speech", tokens.words[place - 1])
         return is_lead and not is_object and not _ends_soon(tokens, place + 1)
 
@@ -183,13 +168,13 @@ class PieceReader:
         words = tokens.words[start:end]
         if not words or any(self.words.has("thinking", word) for word in words[-LEAST_WORDS:]):
             return False
-        signs = self._piece(tokens, start, end, WEAK).signs
+        signs = self._piece(tokens, start, end, Pause.WEAK).signs
         return "announced" in signs and signs.isdisjoint(_DENIED)
 
-    def _piece(self, tokens: Tokens, start: int, end: int, pause: int) -> UtterancePiece:
+    def _piece(self, tokens: Tokens, start: int, end: int, pause: Pause) -> UtterancePiece:
         part = tokens.part(start, end)
-        lead, joined = max((self.words.begins(k, part.words), p) for k, p in _LEADS.items())
-        joined = joined if lead else WEAK
+        lead, joined = max((self.words.end(k, part.words), p) for k, p in _LEADS.items())
+        joined = joined if lead else Pause.WEAK
         bare = self.markers.remove_markers(part).words
         form = MARKER if not bare else self._form(part.words, bare)
         if form == OTHER and len(bare) > 1 and not self._has_verb(bare):
@@ -199,23 +184,21 @@ class PieceReader:
         return UtterancePiece(start, end, pause, lead, joined, form, signs)
 
     def _form(self, words: Phrase, bare: Phrase) -> str:
-        lead = self.words.begins("and", bare)
+        lead = self.words.end("and", bare)
         found = (
             form
             for form in FORMS
-            if self.words.begins(form, words) or self.words.begins(form, bare[lead:])
+            if self.words.end(form, words) or self.words.end(form, bare[lead:])
         )
         return next(found, OTHER)
 
     def _has_verb(self, words: Phrase) -> bool:
         """Whether a piece has a finite verb, or a form of one that is no plural: "with hands"."""
-        has_subject = any(
-            self.words.begins(form, (word,)) for word in words[:-1] for form in _PERSONS
-        )
+        has_subject = any(self.words.end(form, (word,)) for word in words[:-1] for form in _PERSONS)
         is_finite = any(self.words.has(key, word) for word in words for key in ("finite", "speech"))
         if has_subject or is_finite:
             return True
-        is_restricting = words[:1] in self.words.lists["restricting"]
+        is_restricting = words[:1] in self.words.phrases["restricting"]
         return (self._is_act(words[0]) and not is_restricting) or any(
             self._may_be_verb(one, two)
             for one, two in pairwise(words)
@@ -223,7 +206,7 @@ class PieceReader:
         )
 
     def _is_subject(self, word: str) -> bool:
-        is_pronoun = any(self.words.begins(form, (word,)) for form in (OWN, HEARER, IMPERSONAL))
+        is_pronoun = any(self.words.end(form, (word,)) for form in (OWN, HEARER, IMPERSONAL))
         return is_pronoun or self.words.has("person", word)
 
     def _may_be_verb(self, before: str, word: str) -> bool:
@@ -237,18 +220,18 @@ class PieceReader:
         words = tokens.words
         if self._presents(words):
             yield "announced"
-        if self.words.begins("presenting", words) == len(words):
+        if self.words.is_all("presenting", words):
             return
         features = self.features.features([ClausePosition(word, MAIN) for word in words], ())
         found = {f"{name}={value}" for name, said in features.main.items() for value in said}
         is_past = "tense=past" in found
         yield from found
-        lead = self.words.begins(form, words) if form in FORMS else 0
+        lead = self.words.end(form, words) if form in FORMS else 0
         yield from self._circumstances(words[lead:])
         has_complement = any(self.words.has("complement", word) for word in words)
         if is_past and (has_complement or not _OLD.isdisjoint(found)):
             yield "custom"
-        is_memory = is_past and self.words.begins("temporal", words) > 0
+        is_memory = is_past and self.words.end("temporal", words) > 0
         yield from (k for k in self._dependence(words) if k != "condition" or not is_memory)
         yield from self._speech(words, form)
         if _QUOTED.search(tokens.text):
@@ -257,7 +240,7 @@ class PieceReader:
             yield "called"
         if form == IMPERSONAL and self.words.has("wanting", words[-1]):
             yield "held"
-        if words and self.words.begins(IMPERSONAL, words[-1:]):
+        if words and self.words.end(IMPERSONAL, words[-1:]):
             yield "pointing"
         if len(words) < LEAST_WORDS:
             yield "short"
@@ -280,7 +263,7 @@ class PieceReader:
     def _presents(self, words: Phrase) -> bool:
         """Whether a piece, or its last clause, only presents what follows it: "here goes"."""
         starts = (n for n in range(len(words)) if not n or self.joined(words[n - 1 : n]))
-        return any(self.words.begins("presenting", words[n:]) == len(words) - n for n in starts)
+        return any(self.words.is_all("presenting", words, n) for n in starts)
 
     def _circumstances(self, words: Phrase) -> Iterator[str]:
         """By what and when something is done: "by the rim", "in winter"."""
@@ -298,7 +281,7 @@ class PieceReader:
         """The phrases on which a meaning may depend, with their kinds, by their first word."""
         found: dict[str, list[tuple[Phrase, str]]] = {}
         unreal = {
-            **{key: self.words.lists[key] for key in ("unreal", "unwanted")},
+            **{key: self.words.phrases[key] for key in ("unreal", "unwanted")},
             "degree": self.degrees,
         }
         for kind, phrases in {**self.operators, **unreal}.items():
@@ -329,13 +312,13 @@ class PieceReader:
             first -= 1
         if not first:
             return place > 0 or (or_of_hearer and not words[place].endswith(("s", "d")))
-        is_first = first == 2 and self.words.begins(OWN, words[:1]) > 0
+        is_first = first == 2 and self.words.end(OWN, words[:1]) > 0
         is_joined = is_first or bool(self.joined(words[first - 1 : first]))
         subject = words[0] if is_joined else words[first - 1]
         is_generic = self.words.has("generic", words[0])
-        is_hearer = is_generic or self.words.begins(HEARER, (subject,)) > 0
+        is_hearer = is_generic or self.words.end(HEARER, (subject,)) > 0
         is_let = self.words.has("auxiliary", *words[first - 2 : first - 1])
-        is_speaker = self.words.begins(OWN, (subject,)) > 0
+        is_speaker = self.words.end(OWN, (subject,)) > 0
         return (
             is_speaker
             or (is_let and self.words.has("speaker", subject))

@@ -60,7 +60,6 @@ an answer (`too`), makes a rule of the last command (`keep`), wants it once more
 a value (`instead`) or wants the other one of two (`other`); without a mode, a fragment completes a
 command or question and corrects a rule."""
 
-_LIKELY = 0.5  # a rule whose upper bound is below states that something is not so
 _OF_OBJECTS = {"objects_for", "best_for"}
 _OF_USES = {"uses_of", "about", "how", "see"}
 
@@ -202,8 +201,7 @@ def _as_rule(fragment: FragmentValues, rule: Rule) -> Meaning:
     changed = _changed(fragment, rule)
     if fragment.asks:
         return _question_on(changed)
-    is_denied = rule.confidence[1] < _LIKELY
-    if is_denied and fragment.part and not fragment.adds and not fragment.confidence:
+    if rule.denies and fragment.part and not fragment.adds and not fragment.confidence:
         return _instead_of_denied(fragment, changed)
     is_same = replace(changed, confidence=rule.confidence) == rule
     return Statement((replace(changed, revises=is_same or not fragment.adds),))

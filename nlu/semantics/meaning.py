@@ -16,6 +16,8 @@ Confidence = tuple[float, float]
 
 ANY_OBJECT = "*"
 
+_LIKELY = 0.5  # a rule whose upper bound is below states that something is not so
+
 
 class _Record:
     """A value whose JSON object holds those of its attributes that are not None, False or empty."""
@@ -35,8 +37,19 @@ def _plain(value: object) -> object:
             return value
 
 
+class _Rule(_Record):
+    """A rule with its degree of confidence."""
+
+    confidence: Confidence
+
+    @property
+    def denies(self) -> bool:
+        """Whether it states that something is not so."""
+        return self.confidence[1] < _LIKELY
+
+
 @dataclass(frozen=True)
-class FunctionalRule(_Record):
+class FunctionalRule(_Rule):
     """An object is used for something: "a knife is often used for cutting".
 
     Attributes:
@@ -63,7 +76,7 @@ class FunctionalRule(_Record):
 
 
 @dataclass(frozen=True)
-class ActionRule(_Record):
+class ActionRule(_Rule):
     """In a context, an object is grasped by a part: "to pass a knife grab it by the blade".
 
     Attributes:

@@ -30,7 +30,6 @@ from .predicates import PredicateForm, UninterpretableError
 
 _NORMS = frozenset({"forbidden", "obliged", "permitted", "beforehand", "without"})
 _PUT_DOWN = "putDown"  # what may have to come first, and is said as a control
-_LIKELY = 0.5  # a rule whose upper bound is below states that something is not so
 
 
 def meaning_of(intention: PredicateForm, interpreter: Interpreter, discourse: Discourse) -> Meaning:
@@ -119,7 +118,7 @@ class _NormReader:
         believed = PredicateForm("wantBelieve", (form,))
         said = self.interpreter.meaning(believed, self.discourse)
         for rule in said.rules if isinstance(said, Statement) else ():
-            if not isinstance(rule, ActionRule) or rule.confidence[1] > _LIKELY:
+            if not isinstance(rule, ActionRule) or not rule.denies:
                 raise UninterpretableError("not_a_rule")
             target = ObjectReference(rule.object, props=rule.props)
             usual = self.interpreter.intervals["high"]

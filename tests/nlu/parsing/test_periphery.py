@@ -8,8 +8,8 @@ import pytest
 import yaml
 
 from hilt.nlu import AskBack, Command, Language, Retraction, Statement, ToolCommand
-from hilt.nlu.parsing.periphery import TABLE, USE
-from hilt.nlu.parsing.utterance_pieces import BUT, TOLD
+from hilt.nlu.parsing.periphery import USE, load_table
+from hilt.nlu.parsing.utterance_pieces import Pause
 
 FAMILIES: dict[str, dict[str, list[object]]] = yaml.safe_load(
     (Path(__file__).parents[1] / "data" / "periphery.yaml").read_text(encoding="utf-8")
@@ -74,8 +74,10 @@ def test_a_pronoun_is_never_guessed(language: Language) -> None:
 
 def test_no_row_takes_a_use_beside_a_report() -> None:
     """Unless the speaker says it, too, or something else, a report makes no rule."""
-    own = {BUT, TOLD}
-    rows = [row for row in TABLE if USE in row.of and row.unless and not row.pauses <= own]
+    own = {Pause.BUT, Pause.TOLD}
+    rows = [
+        row for row in load_table().rows if USE in row.of and row.unless and not row.pauses <= own
+    ]
 
     assert rows
     assert all("report" in row.unless and "quoted" in row.unless for row in rows)
