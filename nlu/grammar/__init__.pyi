@@ -2,7 +2,7 @@ from .categories import AtomicCategory, Category, Functor
 from .combinators import BinaryRule, CombinationTable
 from .constructions import Construction
 from .grammar import Grammar, UnaryRule, load_grammar
-from .notation_reader import parse_term, read_category, read_entry, read_rule, read_type, read_unary
+from .notation_reader import parse_term, read_entry, read_rule, read_type, read_unary
 from .terms import Application, BoundVariable, Constant, Lambda, Term, normal_form
 from .types import BasicType, FunctionType, Type, TypeMismatchError
 from .word_patterns import PatternError
@@ -29,7 +29,6 @@ __all__ = [
     "load_grammar",
     "normal_form",
     "parse_term",
-    "read_category",
     "read_entry",
     "read_rule",
     "read_type",

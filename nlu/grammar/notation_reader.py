@@ -1,176 +1,178 @@
-"""Reader of the notation for categories, lambda terms, types and pragmatic rules.
+r"""Reader of the notation for categories, lambda terms, types and pragmatic rules.
 
-The language data is written in one small grammar, `notation.lark`. A mistake becomes a `DataError`
-with file, line, column and what was expected. Starting the parser and parsing a thousand lines
-takes half of the time of loading a language, and the lines are nearly always the same: parsed lines
-are kept in a JSON file, under the digest of the grammar and of the code that reads it.
+    entry     category ":" term ["@" number]
+    unary     category "=>" category ":" term
+    rule      term "=>" term
+    category  simple (("/" | "/^" | "\" | "\^") simple)*        simple  name | "(" category ")"
+    term      ("λ" | "\") name "." term | group+                group   name | "(" term, .. ")"
+    type      name ["->" type] | "(" type ")" ["->" type]
+
+One token decides how to go on (recursive descent), so values are built straight from the text. A
+mistake becomes a `DataError` with file, line, column and what was expected.
 """
 
 from __future__ import annotations
 
-import json
-from collections.abc import Iterator
-from contextlib import suppress
-from dataclasses import fields
-from functools import cache, cached_property
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+import re
+from functools import reduce
 
-from ...ontology.disk_cache import cache_folder, content_key, write_atomically
+from ...ontology.errors import DataError
 from ...ontology.yaml_reader import YamlNode
 from .categories import AtomicCategory, Category, Functor
 from .terms import Application, BoundVariable, Constant, Lambda, Term
 from .types import BASIC_TYPES, BasicType, FunctionType, Type
 
-if TYPE_CHECKING:
-    from .notation_parser import Entry, Start, TermPair, UnaryRule, Value
-
 MAX_CHARACTERS = 400
 """A longer line is rejected, so that none can nest too deeply to be used."""
 
-_SOURCES = (
-    *("notation.lark", "notation_reader.py", "notation_parser.py"),
-    *("categories.py", "terms.py", "types.py"),
+_TOKEN = re.compile(
+    r"\s*(?:(?P<name>[A-Za-z_][A-Za-z0-9_]*)|(?P<number>-?\d+(?:\.\d+)?)"
+    r"|(?P<sign>->|=>|[/\\]\^?|[λ().,:@])|(?P<end>$)|(?P<other>.))"
 )
-_MALFORMED = (ValueError, TypeError, KeyError, IndexError, RecursionError)
-_CLASSES: dict[str, Any] = {
-    each.__name__: each
-    for each in (
-        AtomicCategory,
-        Functor,
-        Application,
-        BoundVariable,
-        Constant,
-        Lambda,
-        BasicType,
-        FunctionType,
-    )
-}
+_SHOWN = {"name": "a name", "number": "a number", "end": "the end"}
 
 
-def read_entry(field: YamlNode) -> Entry:
+def read_entry(field: YamlNode) -> tuple[Category, Term, float]:
     """Read the category of a word, its term and its cost: `NP/N : λx.x @1`."""
-    return cast("Entry", _read(field, "entry"))
+    line = _Line(field)
+    category = line.category()
+    line.take(":")
+    term = line.term()
+    cost = float(line.take("number")) if line.has("@") else 0.0
+    line.take("end")
+    return category, term, cost
 
 
-def read_unary(field: YamlNode) -> UnaryRule:
+def read_unary(field: YamlNode) -> tuple[Category, Category, Term]:
     """Read a unary rule, which changes a category: `R => S : λr.r(high)`."""
-    return cast("UnaryRule", _read(field, "unary"))
+    line = _Line(field)
+    source = line.category()
+    line.take("=>")
+    target = line.category()
+    line.take(":")
+    term = line.term()
+    line.take("end")
+    return source, target, term
 
 
-def read_rule(field: YamlNode) -> TermPair:
+def read_rule(field: YamlNode) -> tuple[Term, Term]:
     """Read both sides of a pragmatic rule: `STATEMENT(A,B,X) => wantBelieve(A,B,X)`."""
-    return cast("TermPair", _read(field, "rule"))
-
-
-def read_category(field: YamlNode) -> Category:
-    """Read a category: `(S/C)/C`."""
-    return cast("Category", _read(field, "category"))
+    line = _Line(field)
+    left = line.term()
+    line.take("=>")
+    right = line.term()
+    line.take("end")
+    return left, right
 
 
 def read_type(field: YamlNode) -> Type:
     """Read a type: `e -> e -> t`."""
-    found = cast("Type", _read(field, "type"))
-    for name in _basic_types(found):
-        if name not in BASIC_TYPES:
-            raise field.fail(f'expected one of {", ".join(BASIC_TYPES)}, found the type "{name}".')
+    line = _Line(field)
+    found = line.type()
+    line.take("end")
     return found
 
 
 def parse_term(text: str) -> Term:
     """Parse a lambda term that stands in no file; for tests and examples."""
-    return cast("Term", _read(YamlNode(text, "<text>", 1, 0), "term"))
+    line = _Line(YamlNode(text, "<text>", 1, 0))
+    term = line.term()
+    line.take("end")
+    return term
 
 
-def save_cache() -> None:
-    """Save the lines that were parsed, so that the next program need not parse them again."""
-    _cache().save()
+class _Line:
+    """The tokens of a line, which are taken from left to right."""
 
+    def __init__(self, field: YamlNode) -> None:
+        self._field, self._text = field, field.text()
+        if len(self._text) > MAX_CHARACTERS:
+            problem = f"expected at most {MAX_CHARACTERS} characters, found {len(self._text)}."
+            raise field.fail(problem)
+        # The kind of a sign is the sign itself, of a slash that composes without its mark.
+        self._tokens = [
+            (said.rstrip("^") if kind == "sign" else kind, said, found.start(kind))
+            for found in _TOKEN.finditer(self._text)
+            if (kind := found.lastgroup) and isinstance(said := found[kind], str)
+        ]
+        self._place = 0
+        self._expected: list[str] = []
 
-def _read(field: YamlNode, start: Start) -> Value:
-    text = field.text()
-    if len(text) > MAX_CHARACTERS:
-        raise field.fail(f"expected at most {MAX_CHARACTERS} characters, found {len(text)}.")
-    found = _cache().get(text, start)
-    if found is None:
-        from .notation_parser import parse  # here: lark takes 0.1 s to import and start
+    def has(self, *kinds: str) -> str:
+        """Take the next token if it is of one of some kinds, and return it; empty if it is not."""
+        kind, said, _ = self._tokens[self._place]
+        if kind not in kinds:
+            self._expected += kinds
+            return ""
+        self._place += 1
+        self._expected.clear()
+        return said
 
-        found = parse(field, start)
-        _cache().add(text, start, found)
-    return found
+    def take(self, kind: str) -> str:
+        """Take the next token, which must be of a kind, and return it."""
+        if self._tokens[self._place][0] != kind:
+            raise self._mistake(kind)
+        return self.has(kind)
 
+    def category(self) -> Category:
+        """Take a category."""
+        found = self._simple()
+        while slash := self.has("/", "\\"):
+            argument, composes = self._simple(), slash.endswith("^")
+            found = Functor(found, argument, forward=slash[0] == "/", composes=composes)
+        return found
 
-@cache
-def _cache() -> NotationCache:
-    return NotationCache()
+    def term(self, scope: tuple[str, ...] = ()) -> Term:
+        """Take a lambda term within functions with these variables, innermost first."""
+        if self.has("λ", "\\"):
+            name = self.take("name")
+            self.take(".")
+            return Lambda(self.term((name, *scope)), name)
+        terms: list[Term] = []
+        while True:
+            if name := self.has("name"):
+                is_bound = name in scope
+                terms.append(BoundVariable(scope.index(name)) if is_bound else Constant(name))
+            elif self.has("("):
+                terms.append(self.term(scope))
+                while self.has(","):
+                    terms.append(self.term(scope))
+                self.take(")")
+            elif terms:
+                return reduce(Application, terms)
+            else:
+                raise self._mistake()
 
+    def type(self) -> Type:
+        """Take a type."""
+        source: Type
+        if self.has("("):
+            source = self.type()
+            self.take(")")
+        else:
+            source = BasicType(self.take("name"))
+            if source.name not in BASIC_TYPES:
+                known = ", ".join(BASIC_TYPES)
+                problem = f'expected one of {known}, found the type "{source.name}".'
+                raise self._field.fail(problem)
+        return FunctionType(source, self.type()) if self.has("->") else source
 
-def _basic_types(found: Type) -> Iterator[str]:
-    if isinstance(found, BasicType):
-        yield found.name
-    else:
-        yield from _basic_types(found.source)
-        yield from _basic_types(found.target)
+    def _simple(self) -> Category:
+        if not self.has("("):
+            return AtomicCategory(self.take("name"))
+        found = self.category()
+        self.take(")")
+        return found
 
-
-class NotationCache:
-    """The parsed lines of this program, and those in a file, by default in the cache folder.
-
-    A damaged file, or one of another version, is ignored.
-    """
-
-    def __init__(self, path: Path | None = None) -> None:
-        self._path = path or cache_folder() / "notation.json"
-        self._used: dict[tuple[Start, str], Value] = {}
-        self._is_new = False
-
-    def get(self, text: str, start: Start) -> Value | None:
-        """The value of a line, None when it was never parsed."""
-        value = self._used.get((start, text))
-        if value is None and (plain := self._saved.get(f"{start} {text}")) is not None:
-            with suppress(*_MALFORMED):
-                value = self._used[start, text] = _from_plain(plain)
-        return value
-
-    def add(self, text: str, start: Start, value: Value) -> None:
-        """Add the value of a line."""
-        self._used[start, text] = value
-        self._is_new = True
-
-    def save(self) -> None:
-        """Write the lines that this program used, if any is new and the file is writable."""
-        if self._is_new:
-            used = {f"{start} {text}": _to_plain(v) for (start, text), v in self._used.items()}
-            body = json.dumps(used, ensure_ascii=False)
-            with suppress(OSError):
-                write_atomically(self._path, f"{self._head(body)}\n{body}")
-            self._is_new = False
-
-    @cached_property
-    def _saved(self) -> dict[str, Any]:
-        try:
-            head, _, body = self._path.read_text(encoding="utf-8").partition("\n")
-            return json.loads(body) if head == self._head(body) else {}
-        except (OSError, ValueError):
-            return {}
-
-    def _head(self, body: str) -> str:
-        folder = Path(__file__).parent
-        version = content_key(*((folder / name).read_bytes() for name in _SOURCES))
-        return f"{version} {content_key(body.encode())}"
-
-
-def _to_plain(value: Any) -> Any:
-    """A value for JSON: of a dataclass its name and its fields, of a tuple "" and its items."""
-    if isinstance(value, tuple):
-        return ["", *map(_to_plain, cast("tuple[Any, ...]", value))]
-    name = type(value).__name__
-    if name not in _CLASSES:
-        return value
-    return [name, *(_to_plain(getattr(value, each.name)) for each in fields(value))]
-
-
-def _from_plain(plain: Any) -> Any:
-    name, *parts = plain
-    values = [_from_plain(part) if isinstance(part, list) else part for part in parts]
-    return _CLASSES[name](*values) if name else tuple(values)
+    def _mistake(self, *kinds: str) -> DataError:
+        expected = sorted(_SHOWN.get(each) or f'"{each}"' for each in {*self._expected, *kinds})
+        *_, start = self._tokens[self._place]
+        rest = self._text[start : start + 12]
+        found = f'"{rest}"' if rest else "the end"
+        return DataError(
+            f"expected {' or '.join(expected)}, found {found} in {self._text!r}.",
+            source=self._field.source,
+            line=self._field.line,
+            # Such texts stand in quotes, because they hold a colon or an arrow.
+            column=self._field.column + 1 + start,
+        )

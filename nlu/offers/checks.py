@@ -183,7 +183,7 @@ class OfferChecks:
 
     def is_clause_of_its_own(self, words: Sequence[str]) -> bool:
         """Whether a clause has a doer, and is not about what somebody says or thinks."""
-        return self._has("doer", words) and self.reader.embedding.isdisjoint(words)
+        return self._has("doer", words) and self.reader.words["embedding"].isdisjoint(words)
 
     def _idle(self, mentions: Mentions) -> set[int]:
         """The places of the words of degrees and of phrases that hide the features of theirs."""

@@ -8,14 +8,13 @@ another utterance names. A slot of a role that a shape has twice is numbered: `?
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 from ..semantics.meaning import (
     Acknowledgement,
-    Act,
     ActionCommand,
     ActionCondition,
     ActionDefinition,
@@ -203,74 +202,54 @@ def _leaves(value: object, key: str = "") -> Iterator[tuple[str, object]]:
             yield key, value
 
 
-def meaning_from_json(json_object: Json) -> Meaning:  # noqa: PLR0911 - a case per kind
+def meaning_from_json(json_object: Json) -> Meaning:
     """Return the meaning of a JSON object of the schema; `ValueError` for one without a shape."""
     match json_object:
         case {"all": list(rules)}:
-            return Statement(tuple(map(_rule, rules)))
+            return Statement(tuple(map(_record, rules)))
         case {"rule": str()}:
-            return Statement((_rule(json_object),))
-        case {"action": str(), "parameters": list()}:
-            return _definition(json_object)
-        case {"goal": str()}:
-            return _act(json_object)
-        case {"ask": str()}:
-            return Question(**json_object)  # pyright: ignore
-        case {"ack": str(ack)}:
-            return Acknowledgement(ack)
+            return Statement((_record(json_object),))
         case {"retract": {"about": str(about)}}:
             return Retraction(about=about)
         case {"retract": rule}:
-            return Retraction(_rule(rule) if isinstance(rule, dict) else None)
+            return Retraction(_record(rule) if isinstance(rule, dict) else None)
+        case {"parameters": _} | {"goal": _} | {"ask": _} | {"ack": _}:
+            return _record(json_object)
         case _:
             raise ValueError(f"There is no shape for {json_object}.")
 
 
-def _act(json_object: Json) -> Act:
-    """A command; one with neither target nor patient is that of a taught action."""
-    if "target" not in json_object and "patient" not in json_object:
-        objects = tuple(map(_reference, json_object.get("objects", ())))  # pyright: ignore
-        return ActionCommand(str(json_object["goal"]), objects)
-    kind = ToolCommand if "tool" in json_object else Command
-    names = {"target": _reference, "tool": _reference}
-    return kind(**{k: names.get(k, _tuple)(v) for k, v in json_object.items()})  # pyright: ignore
+_RECORDS: Mapping[str, Callable[..., Any]] = {
+    "parameters": ActionDefinition,
+    "patient": ToolCommand,
+    "target": Command,
+    "goal": ActionCommand,
+    "ask": Question,
+    "ack": Acknowledgement,
+    "state": ActionCondition,
+    "after": FailureReaction,
+    **dict.fromkeys(("object", "usedFor", "notUsedFor"), ObjectReference),
+}
+"""The values of the schema, each by a key that only it and later ones have."""
+
+_RULES: Mapping[object, Callable[..., Any]] = {"functional": FunctionalRule, "action": ActionRule}
+_NAMES = {"usedFor": "used_for", "notUsedFor": "not_used_for"}
 
 
-def _definition(json_object: Json) -> ActionDefinition:
-    values: dict[str, Any] = json_object
-    given: list[dict[str, Any]] = values.get("if_fails", [])
-    reactions = (
-        FailureReaction(
-            tuple(each["after"]), each.get("again", 0), each.get("other", False), _acts(each)
-        )
-        for each in given
-    )
-    return ActionDefinition(
-        values["action"],
-        tuple(values["parameters"]),
-        _acts(values),
-        tuple(ActionCondition(**each) for each in values.get("only_if", ())),
-        tuple(reactions),
-        tuple(values.get("links", ())),
-    )
+def _record(values: Json) -> Any:
+    """The value that a JSON object stands for."""
+    kind = _RULES.get(values.get("rule")) or next(v for k, v in _RECORDS.items() if k in values)
+    return kind(**{_NAMES.get(k, k): _value(v) for k, v in values.items() if k != "rule"})
 
 
-def _acts(values: Mapping[str, Any]) -> tuple[Act, ...]:
-    return tuple(map(_act, values.get("steps", ())))
-
-
-def _rule(json_object: Json) -> Rule:
-    values = {key: _tuple(value) for key, value in json_object.items() if key != "rule"}
-    return (FunctionalRule if json_object["rule"] == "functional" else ActionRule)(**values)  # pyright: ignore
-
-
-def _reference(json_object: Json) -> ObjectReference:
-    names = {"usedFor": "used_for", "notUsedFor": "not_used_for"}
-    return ObjectReference(**{names.get(k, k): _tuple(v) for k, v in json_object.items()})  # pyright: ignore
-
-
-def _tuple(value: object) -> object:
-    """A list as a tuple, with floats for all numbers."""
-    if not isinstance(value, list):
-        return value
-    return tuple(float(each) if isinstance(each, int) else each for each in value)
+def _value(value: Any, *, is_listed: bool = False) -> Any:
+    """A part of a value: lists as tuples, in them floats for all numbers."""
+    match value:
+        case dict():
+            return _record(value)
+        case list():
+            return tuple(_value(each, is_listed=True) for each in value)
+        case int() if is_listed:
+            return float(value)
+        case _:
+            return value

@@ -131,7 +131,7 @@ class OfferFinder:
     def _is_of_gripping(self, mention: Mention, tokens: Tokens) -> bool:
         """Whether a name is only that of what grips, or of gripping: "your gripper", "grabbed"."""
         if mention.role == "affordance":
-            return mention.name in self.checks.reader.acts
+            return mention.name in self.checks.reader.words["acts"]
         words = tokens.words[mention.start : mention.end]
         return mention.role != "act" and words in self.checks.phrases["gripping"]
 

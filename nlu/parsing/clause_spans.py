@@ -59,12 +59,12 @@ def _words(
 ) -> Iterator[ClausePosition]:
     """The words of a derivation with the clause that each belongs to, from left to right."""
     category = str(derivation.category)
-    if category in reader.conditions:
+    if category in reader.categories["condition"]:
         clause = CONDITION
     rule = derivation.rule
     if isinstance(rule, Entry):
         is_name = rule.name and isinstance(rule.category, AtomicCategory)
-        if is_name or category in reader.names:
+        if is_name or category in reader.categories["name"]:
             clause = ""
         for word in words[derivation.start : derivation.end]:
             yield ClausePosition(word, clause)
@@ -95,7 +95,7 @@ def features_of_names(
         elif "object" in new and "affordance" in new:
             yield "thing", frozenset({"new"})
         uses = (rule for rule in meaning.rules if isinstance(rule, FunctionalRule))
-        if any(rule.material and rule.affordance in reader.acts for rule in uses):
+        if any(rule.material and rule.affordance in reader.words["acts"] for rule in uses):
             yield "use", frozenset({"act"})
     elif isinstance(meaning, (Command, ToolCommand)) and "object" in new:
         said = new["object"]
@@ -104,20 +104,22 @@ def features_of_names(
             yield "thing", frozenset({"abstract"})
         elif "your" in before:
             yield "thing", frozenset({"own"})
-        elif reader.determiners.isdisjoint(before):
+        elif reader.words["determiners"].isdisjoint(before):
             yield "thing", frozenset({"bare"})
 
 
 def _may_be_place(reader: FeatureReader, derivation: Derivation, words: Sequence[str]) -> bool:
     """Whether a new recipient may be a place: one gives to people, but may carry to the lab."""
     entries = lexical_entries(derivation)
-    is_goal = any(str(entry.category) == reader.goal for entry in entries)
-    return is_goal and bool(new_recipients(entries)) and not reader.carrying.isdisjoint(words)
+    is_goal = any(str(entry.category) in reader.categories["goal"] for entry in entries)
+    return (
+        is_goal and bool(new_recipients(entries)) and not reader.words["carrying"].isdisjoint(words)
+    )
 
 
 def _is_subject(reader: FeatureReader, words: Sequence[str], said: str) -> bool:
     """Whether a sentence is about what a noun names: "a match is used for lighting"."""
-    return words[0] in reader.determiners and _place(words, said) == 1
+    return words[0] in reader.words["determiners"] and _place(words, said) == 1
 
 
 def _part(
@@ -131,15 +133,18 @@ def _part(
     """Whether a part is a person's `own`, `new`, `unsure` (of an unknown object), or known: ""."""
     said = new.get(part, part)
     before = _before(words, said, 3)
-    if before and before[-1] in reader.owners:
+    if before and before[-1] in reader.words["owners"]:
         return "own"
     if part not in new or reader.is_part(said, part):
         return ""
     if reader.is_abstract(said, part) or reader.is_elsewhere(said, part):
         return "new"
-    if not reader.part_words.isdisjoint(before) or _after(words, said) in reader.part_words:
+    if (
+        not reader.words["part_words"].isdisjoint(before)
+        or _after(words, said) in reader.words["part_words"]
+    ):
         return ""
-    return "new" if is_known or reader.holding_words.isdisjoint(before) else "unsure"
+    return "new" if is_known or reader.words["holding_words"].isdisjoint(before) else "unsure"
 
 
 def _before(words: Sequence[str], said: str, count: int) -> Sequence[str]:

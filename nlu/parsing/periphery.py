@@ -234,7 +234,7 @@ class PeripheryReader:
             words[place]
             for each in pieces
             for place in range(each.start + 1, each.end)
-            if words[place - 1] in self.reader.features.determiners
+            if words[place - 1] in self.reader.features.words["determiners"]
             and self._may_be_meant(words[place - 1], words[place])
         }
         things = named.difference(words[slice(*span)])

@@ -55,9 +55,6 @@ _PATTERNS = (
 _GROUPS, _LISTS = ("states", "failures"), ("links", "particles")
 _NOBODY = UtteranceContext("speaker", "self", Discourse())
 
-Thing = tuple[str, tuple[str, ...]]
-"""A kind of object, and its properties."""
-
 Clause = Act | ActionCondition | FailureReaction
 Sentence = Callable[[Tokens, UtteranceContext], Understanding]
 
@@ -95,14 +92,19 @@ class ActionHead:
     """
 
     name: str
-    things: tuple[Thing, ...]
+    things: tuple[ObjectReference, ...]
     links: tuple[str, ...]
     new_words: tuple[NewWord, ...]
 
     @property
+    def parameters(self) -> tuple[str, ...]:
+        """The kinds of the objects."""
+        return tuple(each.object or ANY_OBJECT for each in self.things)
+
+    @property
     def discourse(self) -> Discourse:
         """The discourse state of the body: "it" is the object of the action."""
-        kinds = (_ANYTHING if kind == ANY_OBJECT else kind for kind, _ in self.things)
+        kinds = (_ANYTHING if kind == ANY_OBJECT else kind for kind in self.parameters)
         named = [PredicateForm(kind.replace(" ", "_")) for kind in kinds]
         return Discourse().naming(*named) if named else Discourse()
 
@@ -164,14 +166,14 @@ class ProcedureReader:
     ) -> ActionDefinition | None:
         found = [each for each, _ in clauses.read(body, ClauseState(head.discourse)) or ()]
         steps = tuple(each for each in found if isinstance(each, Act))
-        parameters = tuple(kind for kind, _ in head.things)
-        if not self._is_way(steps, parameters):
+        if not self._is_way(steps, head.parameters):
             return None
-        wanted = [ActionCondition("is", kind, p) for kind, props in head.things for p in props]
+        things = zip(head.parameters, head.things, strict=True)
+        wanted = [ActionCondition("is", kind, prop) for kind, each in things for prop in each.props]
         conditions = [each for each in found if isinstance(each, ActionCondition)]
         reactions = tuple(each for each in found if isinstance(each, FailureReaction))
         return ActionDefinition(
-            head.name, parameters, steps, (*wanted, *conditions), reactions, head.links
+            head.name, head.parameters, steps, (*wanted, *conditions), reactions, head.links
         )
 
     def _is_way(self, steps: Sequence[Act], parameters: Sequence[str]) -> bool:
@@ -184,36 +186,32 @@ class ProcedureReader:
     def about(self, tokens: Tokens, context: UtteranceContext, _: Sentence) -> Procedure | None:
         """Return the question about a learned action, or its retraction, that an utterance is."""
         for key in ("how", "forget"):
-            for end, slots in self.words.matches(key, tokens.words):
-                for name, place in slots.items() if end == len(tokens.items) else ():
-                    head = self._head(tokens.part(*place), is_gerund=name == "HEADING")
-                    if head and self._is_learned(head.name):
-                        asked = Question("how", context=head.name)
-                        meant = asked if key == "how" else Retraction(action=head.name)
-                        return Procedure(meant, context.discourse)
+            for _end, head in self._named(key, tokens):
+                if self._is_learned(head.name):
+                    asked = Question("how", context=head.name)
+                    meant = asked if key == "how" else Retraction(action=head.name)
+                    return Procedure(meant, context.discourse)
         return None
 
     def _heads(self, tokens: Tokens) -> Iterator[tuple[ActionHead, Tokens]]:
         """Yield the heads that an utterance may have, each with its body."""
-        for key, name, place, body in self._places(tokens):
-            head = self._head(tokens.part(*place), is_gerund=name == "HEADING")
-            if head and not (key == "asked" and self._is_known_verb(head.name)):
-                yield head, tokens.part(*body)
-
-    def _places(
-        self, tokens: Tokens
-    ) -> Iterator[tuple[str, str, tuple[int, int], tuple[int, int]]]:
-        """Where heads may be: the pattern, its slot, and the places of the slot and the body."""
-        count = len(tokens.items)
         for key in ("heads", "asked"):
-            for end, slots in self.words.matches(key, tokens.words):
-                for name, place in slots.items() if end < count else ():
-                    yield key, name, place, (end, count)
+            for end, head in self._named(key, tokens, is_whole=False):
+                if key == "heads" or not self._is_known_verb(head.name):
+                    yield head, tokens.part(end, len(tokens.items))
         for start in _starts(self.words, tokens)[:-1]:
-            begin = start + (tokens.words[start] == BREAK)
-            for end, slots in self.words.matches("tails", tokens.words, begin):
-                for name, place in slots.items() if end == count else ():
-                    yield "tails", name, place, (0, start)
+            for _, head in self._named("tails", tokens, start + (tokens.words[start] == BREAK)):
+                yield head, tokens.part(0, start)
+
+    def _named(
+        self, key: str, tokens: Tokens, start: int = 0, *, is_whole: bool = True
+    ) -> Iterator[tuple[int, ActionHead]]:
+        """The actions that patterns of a key name, each with the end of the pattern."""
+        for end, slots in self.words.matches(key, tokens.words, start):
+            for slot, place in slots.items() if (end == len(tokens.items)) == is_whole else ():
+                head = self._head(tokens.part(*place), is_gerund=slot == "HEADING")
+                if head:
+                    yield end, head
 
     def _is_known_verb(self, name: str) -> bool:
         return not self._is_learned(name) and self.known.has(name.partition(" ")[0])
@@ -259,7 +257,7 @@ class ProcedureReader:
 
     def things(
         self, tokens: Tokens, *, may_be_new: bool = False
-    ) -> tuple[tuple[Thing, ...], tuple[str, ...], tuple[NewWord, ...]] | None:
+    ) -> tuple[tuple[ObjectReference, ...], tuple[str, ...], tuple[NewWord, ...]] | None:
         """Return the objects that some words list, the words between them, and the new words."""
         if not tokens.items:
             return (), (), ()
@@ -283,11 +281,12 @@ class ProcedureReader:
 
     def _thing(
         self, tokens: Tokens, *, may_be_new: bool
-    ) -> tuple[Thing, tuple[NewWord, ...]] | None:
+    ) -> tuple[ObjectReference, tuple[NewWord, ...]] | None:
         form = self.parser.topic(self.parser.chart(tokens, {}), _NOBODY)
         if form is not None:
             try:
-                return kind_and_properties(form), ()
+                kind, props = kind_and_properties(form)
+                return ObjectReference(kind, props=props), ()
             except UninterpretableError:
                 return None
         builder, (first, *names) = self.known.builder, tokens.words
@@ -296,7 +295,7 @@ class ProcedureReader:
             return None
         last = next(iter(self.known.inflection.origins(names[-1], "plural")), names[-1])
         name = " ".join((*names[:-1], last))
-        return (name, ()), (NewWord(name, "object", " ".join(names)),)
+        return ObjectReference(name), (NewWord(name, "object", " ".join(names)),)
 
 
 class _Clauses:
@@ -399,8 +398,7 @@ class _Clauses:
                 continue
             found = self._reader.things(tokens.part(length, len(tokens.items)))
             if found and found[1] == links and len(found[0]) != 1:
-                objects = (ObjectReference(kind, props=props) for kind, props in found[0])
-                return ActionCommand(name, tuple(objects))
+                return ActionCommand(name, found[0])
         return None
 
     def _unknown_act(self, tokens: Tokens, state: ClauseState) -> Act | None:
@@ -414,7 +412,7 @@ class _Clauses:
         found = reader.things(tokens.part(1, len(tokens.items)))
         if not found or len(found[0]) != 1 or not reader.known.builder.is_determiner(rest[0]):
             return None
-        return Command(verb, ObjectReference(found[0][0][0], props=found[0][0][1]))
+        return Command(verb, found[0][0])
 
     def _named(self, tokens: Tokens, state: ClauseState) -> str | None:
         """The kind of object that some words name or refer to."""
@@ -441,15 +439,12 @@ class _Clauses:
 
     def _reaction(self, tokens: Tokens, state: ClauseState) -> FailureReaction | None:
         count = len(tokens.items)
-        for end, slots in self._words.matches("if", tokens.words):
-            causes = self._causes(tokens.part(*slots["FAILURE"]), state)
-            if causes and end < count:
-                return self._response(tokens.part(end, count), causes, state)
-        for start in range(2, count):
+        for start in (0, *range(2, count)):
             for end, slots in self._words.matches("if", tokens.words, start):
                 causes = self._causes(tokens.part(*slots["FAILURE"]), state)
-                if causes and end == count:
-                    return self._response(tokens.part(0, start), causes, state)
+                if causes and (end == count) == (start > 0):
+                    rest = tokens.part(0, start) if start else tokens.part(end, count)
+                    return self._response(rest, causes, state)
         return None
 
     def _causes(self, tokens: Tokens, state: ClauseState) -> tuple[str, ...]:

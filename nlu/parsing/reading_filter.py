@@ -113,7 +113,7 @@ class ReadingFilter:
         people = new_recipients(lexical_entries(reading.derivation))
         if not people:
             return True
-        if reading.new_words and not self.features.carrying.isdisjoint(tokens.words):
+        if reading.new_words and not self.features.words["carrying"].isdisjoint(tokens.words):
             return False  # "send an email to my landlord"
         is_said_of_them = reading.speech_act.arguments[-1].name == "need"  # "the lock needs a key"
         return (

@@ -280,7 +280,7 @@ class _Attempt:
         """The utterance in fewer words of the same meaning, the closest first."""
         builder = self._tools.builder
         qualifiers = builder.qualifier_phrases
-        barriers = self._tools.parser.features.embedding
+        barriers = self._tools.parser.features.words["embedding"]
         untagged = self._markers.remove_tag(tokens)
         for each in (untagged, builder.expand_endings(untagged)):
             yield each

@@ -211,7 +211,7 @@ class PieceReader:
 
     def _may_be_verb(self, before: str, word: str) -> bool:
         """Whether a word after another one looks like a verb with a subject before it."""
-        if before in self.features.determiners:
+        if before in self.features.words["determiners"]:
             return False
         is_inflected = word.endswith(("s", "ed")) and not word.endswith("ss")
         return is_inflected or not (self.known.has(word) or self.features.is_noun(word))
@@ -270,8 +270,10 @@ class PieceReader:
         if self.words.has("restricting", *words[:1]):
             yield "restricting"
         for one, two in pairwise(words):
-            is_owned = two in self.features.determiners or self.words.has("possessive", two)
-            if one in self.features.holding_words and is_owned:
+            is_owned = two in self.features.words["determiners"] or self.words.has(
+                "possessive", two
+            )
+            if one in self.features.words["holding_words"] and is_owned:
                 yield "held"
             if self.words.has("restricting", one) and self.features.is_abstract(two):
                 yield "circumstance"
@@ -295,7 +297,7 @@ class PieceReader:
             is_said, is_known = (self.words.has(key, word) for key in ("speech", "knowledge"))
             if self.words.has("asking", *words[place : place + 2]):
                 continue
-            if not is_said and not is_known and word not in self.features.embedding:
+            if not is_said and not is_known and word not in self.features.words["embedding"]:
                 continue
             if is_said and self.words.has("listener", *words[place + 1 : place + 2]):
                 yield "report"

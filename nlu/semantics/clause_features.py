@@ -37,10 +37,9 @@ A part that is `new`, `unsure` or a person's own; a thing; a use; a recipient th
 """
 
 
-_KEYS = (
-    *("features", "conditions", "names", "nouns", "abstract_endings", "nameless_endings"),
+_WORDS = (
     *("part_words", "holding_words", "owners", "embedding", "determiners", "acts"),
-    *("goal", "carrying"),
+    "carrying",
 )
 
 
@@ -82,38 +81,20 @@ class FeatureReader:
     Attributes:
         phrases: the phrases with features by their first word, the longest first.
         values: all values of each feature.
-        conditions: the names of the categories of conditions.
-        names: the names of the categories of people and things.
         nouns: the nouns of each kind: parts, what is no part, and what cannot be handled.
-        part_words: words that show that a noun names a part: "its lug", "the lug of the jug".
-        holding_words: words before that by which something is held: "by".
-        owners: words that show that a part is that of a person: "your".
-        embedding: words that make a clause what somebody says or thinks.
-        acts: gerunds of what is done to an object, which are no uses of another one.
-        determiners: words of which one precedes the name of a thing that is asked for.
-        endings: those of abstract nouns.
-        nameless_endings: those of words that hardly ever name a person.
         defaults: the value of a feature that no words show, where it has one.
-        goal: the category of the word between what is brought and to whom, "to".
-        carrying: verbs by which something gets to people or to places.
+        categories: the names of the categories of conditions, of people and things, and of goals.
+        words: lists of words, by the keys of `features.yaml`, which says what they show.
+        endings: those of abstract nouns, and of words that hardly ever name a person.
     """
 
     phrases: Mapping[str, Sequence[tuple[tuple[str, ...], Values]]]
     values: Values
-    conditions: frozenset[str]
-    names: frozenset[str]
     nouns: Values
-    part_words: frozenset[str]
-    holding_words: frozenset[str]
-    owners: frozenset[str]
-    embedding: frozenset[str]
-    determiners: frozenset[str]
-    acts: frozenset[str]
-    endings: tuple[str, ...]
-    nameless_endings: tuple[str, ...]
     defaults: Values
-    goal: str
-    carrying: frozenset[str]
+    categories: Values
+    words: Values
+    endings: Mapping[str, tuple[str, ...]]
 
     def features(
         self, words: Sequence[ClausePosition], removed: Iterable[Sequence[str]]
@@ -152,13 +133,17 @@ class FeatureReader:
 
     def is_abstract(self, *words: str) -> bool:
         """Whether one of some nouns names nothing that can be taken."""
-        return not self.nouns["abstract"].isdisjoint(words) or words[0].endswith(self.endings)
+        return not self.nouns["abstract"].isdisjoint(words) or words[0].endswith(
+            self.endings["abstract"]
+        )
 
     def is_person(self, name: str, before: Sequence[str], *, is_new: bool) -> bool:
         """Whether a word names a person after those `before`: not "my aunt", "experience"."""
-        if self.has_feature(name) or not (self.determiners | self.owners).isdisjoint(before):
+        if self.has_feature(name) or not (
+            self.words["determiners"] | self.words["owners"]
+        ).isdisjoint(before):
             return False
-        return not is_new or not (self.is_abstract(name) or name.endswith(self.nameless_endings))
+        return not is_new or not (self.is_abstract(name) or name.endswith(self.endings["nameless"]))
 
     def _found(self, words: Sequence[str]) -> Iterator[Values]:
         """The features of the phrases in some words, from left to right, the longest first."""
@@ -174,7 +159,9 @@ class FeatureReader:
 
 def load_features(path: Path) -> FeatureReader:
     """Return the reader of a file; `DataError` also where a phrase has two values of a feature."""
-    parts = read_yaml(path).entries(required=_KEYS, optional=())
+    parts = read_yaml(path).entries(
+        required=("features", "categories", "nouns", "endings", *_WORDS), optional=()
+    )
     found: dict[tuple[str, ...], dict[str, frozenset[str]]] = {}
     values: dict[str, frozenset[str]] = {}
     defaults: dict[str, frozenset[str]] = {}
@@ -191,23 +178,16 @@ def load_features(path: Path) -> FeatureReader:
     for phrase, each in sorted(found.items(), key=lambda pair: -len(pair[0])):
         by_first.setdefault(phrase[0], []).append((phrase, each))
     nouns = parts["nouns"].entries(required=("part", "elsewhere", "abstract"), optional=())
+    categories = parts["categories"].entries(required=("condition", "name", "goal"), optional=())
+    endings = parts["endings"].entries(required=("abstract", "nameless"), optional=())
     return FeatureReader(
         by_first,
         {**values, **NAMED},
-        frozenset(parts["conditions"].texts()),
-        frozenset(parts["names"].texts()),
         {kind: _words(field) for kind, field in nouns.items()},
-        part_words=_words(parts["part_words"]),
-        holding_words=_words(parts["holding_words"]),
-        owners=_words(parts["owners"]),
-        embedding=_words(parts["embedding"]),
-        determiners=_words(parts["determiners"]),
-        acts=_words(parts["acts"]),
-        endings=parts["abstract_endings"].texts(),
-        nameless_endings=parts["nameless_endings"].texts(),
-        defaults=defaults,
-        goal=parts["goal"].text(),
-        carrying=_words(parts["carrying"]),
+        defaults,
+        {kind: frozenset(field.texts()) for kind, field in categories.items()},
+        {key: _words(parts[key]) for key in _WORDS},
+        {kind: field.texts() for kind, field in endings.items()},
     )
 
 

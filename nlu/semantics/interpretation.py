@@ -164,7 +164,7 @@ class Interpreter:
         if form.name == "retractAbout":
             return Retraction(about=kind_and_properties(form.arguments[0])[0])
         if form.name == "retractPart":
-            return Retraction(part=_part_name(form.arguments[0]))
+            return Retraction(part=part_and_owner(form.arguments[0])[0])
         if form.name in {"retract", "retractTold"} and not form.arguments:
             return Retraction(is_of_told=form.name == "retractTold")
         if form.name == "retract":
@@ -205,8 +205,9 @@ class Interpreter:
                 affordance, material = _use(value)
                 return replace(fragment, use=affordance, material=material)
             case "part":
-                part, owner = _part_and_owner(value)
-                return replace(fragment, part=part, part_of=owner)
+                part, owner = part_and_owner(value)
+                part_of = kind_and_properties(owner)[0] if owner else None
+                return replace(fragment, part=part, part_of=part_of)
             case "context" | "act":
                 if not self.is_act_on_object(value.name):
                     raise UninterpretableError("no_act")
@@ -272,15 +273,11 @@ class Interpreter:
 
     def _command_with_part(self, form: PredicateForm) -> Command:
         command = self._command(form.arguments[0])
-        place = form.arguments[1]
-        if not isinstance(command, Command):
-            raise UninterpretableError("one_thing_at_a_time")
-        if place.name == "graspObject":
-            place = place.arguments[1]
-        if place.name != "partOf":
-            return replace(command, part=name_of(place))
-        part, target = self._part_of_object(place)
-        if target != command.target:
+        part, owner = part_and_owner(form.arguments[1])
+        is_other = (
+            owner and isinstance(command, Command) and self._reference(owner) != command.target
+        )
+        if is_other or not isinstance(command, Command):
             raise UninterpretableError("one_thing_at_a_time")
         return replace(command, part=part)
 
@@ -340,7 +337,7 @@ class Interpreter:
             case ("aboutUse" | "best" | "whatIf", (use, *_)):
                 return _question_on_use(ask, use)
             case ("whyPart" | "whyNotPart", (part, *_)):
-                return Question(ask, part=_part_name(part))
+                return Question(ask, part=part_and_owner(part)[0])
             case ("trust" | "told" | "firstTold" | "lastTold" | "identityOf", (person, *_)):
                 return Question(ask, speaker=name_of(person))
             case "howSure", (PredicateForm(arguments=()) as thing, *_):
@@ -367,7 +364,7 @@ class Interpreter:
                 asked = self._question_on_act("which_context", act)
                 # "Held by the blade" asks for any context, "passed by the blade" for passing only.
                 context = None if act.name == "grasp" else act.name
-                return replace(asked, context=context, part=_part_name(part))
+                return replace(asked, context=context, part=part_and_owner(part)[0])
             case "see", (thing, *_):
                 return _question_on_target("see", self._reference(thing))
             case _:
@@ -385,11 +382,11 @@ class Interpreter:
     def _question_on_act(self, ask: str, act: PredicateForm) -> Question:
         part = None
         if act.name == "holding":
-            part = _part_name(act.arguments[1])
+            part = part_and_owner(act.arguments[1])[0]
             act = act.arguments[0]
         if act.name == "graspObject":
             place = act.arguments[1]
-            return Question(ask, object=_kind(place.arguments[1]), part=_part_name(place))
+            return Question(ask, object=_kind(place.arguments[1]), part=part_and_owner(place)[0])
         if act.name in self.tool_acts:
             # The last argument is the tool, or what it is used on where no tool is named.
             return Question(
@@ -459,10 +456,6 @@ def _kind(form: PredicateForm) -> str:
     return kind
 
 
-def _part_name(form: PredicateForm) -> str:
-    return name_of(form.arguments[0] if form.name == "partOf" else form)
-
-
 def act_name(name: str) -> str:
     """Return the name of an act in a form as people spell it: "show off" for `show_off`."""
     return name.replace("_", " ")
@@ -490,10 +483,10 @@ def name_of(form: PredicateForm) -> str:
     return form.name.replace("_", " ").rstrip()
 
 
-def _part_and_owner(place: PredicateForm) -> tuple[str, str | None]:
-    """The part that a fragment names, and the object that it is said to be a part of."""
+def part_and_owner(place: PredicateForm) -> tuple[str, PredicateForm | None]:
+    """Return the part by which something is held, and the object that it is said to be part of."""
     if place.name == "graspObject":
         place = place.arguments[1]
     if place.name != "partOf":
         return name_of(place), None
-    return name_of(place.arguments[0]), kind_and_properties(place.arguments[1])[0]
+    return name_of(place.arguments[0]), place.arguments[1]

@@ -40,12 +40,21 @@ def _plain(value: object) -> object:
 class _Rule(_Record):
     """A rule with its degree of confidence."""
 
+    rule: ClassVar[str]
     confidence: Confidence
 
     @property
     def denies(self) -> bool:
         """Whether it states that something is not so."""
         return self.confidence[1] < _LIKELY
+
+    def as_json(self) -> Json:
+        """Return the rule as a JSON object."""
+        return {"rule": self.rule} | super().as_json()
+
+
+def _one_or_all(records: Sequence[_Record]) -> Json:
+    return {"all": list(map(_plain, records))} if records[1:] else records[0].as_json()
 
 
 @dataclass(frozen=True)
@@ -62,6 +71,7 @@ class FunctionalRule(_Rule):
         source: the person whose words the speaker reports ("anna"), or None for the speaker.
     """
 
+    rule: ClassVar[str] = "functional"
     object: str
     affordance: str
     confidence: Confidence
@@ -69,10 +79,6 @@ class FunctionalRule(_Rule):
     revises: bool = False
     material: str | None = None
     source: str | None = None
-
-    def as_json(self) -> Json:
-        """Return the rule as a JSON object."""
-        return {"rule": "functional"} | super().as_json()
 
 
 @dataclass(frozen=True)
@@ -85,6 +91,7 @@ class ActionRule(_Rule):
         object, confidence, props, revises, source: as of a `FunctionalRule`.
     """
 
+    rule: ClassVar[str] = "action"
     object: str
     context: str
     part: str
@@ -92,10 +99,6 @@ class ActionRule(_Rule):
     props: tuple[str, ...] = ()
     revises: bool = False
     source: str | None = None
-
-    def as_json(self) -> Json:
-        """Return the rule as a JSON object."""
-        return {"rule": "action"} | super().as_json()
 
 
 Rule = FunctionalRule | ActionRule
@@ -140,9 +143,7 @@ class Statement:
 
     def as_json(self) -> Json:
         """Return the one rule, or `{"all": [...]}`."""
-        if len(self.rules) == 1:
-            return self.rules[0].as_json()
-        return {"all": [rule.as_json() for rule in self.rules]}
+        return _one_or_all(self.rules)
 
 
 @dataclass(frozen=True)
@@ -247,9 +248,7 @@ class NormStatement:
 
     def as_json(self) -> Json:
         """Return the one norm, or `{"all": [...]}`."""
-        if len(self.norms) == 1:
-            return self.norms[0].as_json()
-        return {"all": [norm.as_json() for norm in self.norms]}
+        return _one_or_all(self.norms)
 
 
 @dataclass(frozen=True)
@@ -388,12 +387,9 @@ class Retraction:
 
     def as_json(self) -> Json:
         """Return the retraction as a JSON object."""
-        if self.action:
-            return {"retract": {"action": self.action}}
-        if self.about:
-            return {"retract": {"about": self.about}}
-        if self.part:
-            return {"retract": {"part": self.part}}
+        for name in ("action", "about", "part"):
+            if getattr(self, name):
+                return {"retract": {name: getattr(self, name)}}
         return {"retract": "last" if self.rule is None else self.rule.as_json()}
 
 

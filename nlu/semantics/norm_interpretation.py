@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from .discourse import Discourse
-from .interpretation import Interpreter, kind_and_properties, name_of
+from .interpretation import Interpreter, kind_and_properties, name_of, part_and_owner
 from .meaning import (
     ANY_OBJECT,
     ActionRule,
@@ -129,10 +129,10 @@ class _NormReader:
             form = form.arguments[0]
         if form.name == "graspObject":
             place = form.arguments[1]
-            return Command("grasp", _reference(place.arguments[1]), part=_part(place))
+            return Command("grasp", _reference(place.arguments[1]), part=part_and_owner(place)[0])
         if form.name == "holding":
             act, place = form.arguments
-            return replace(_command(self._act(act, name)), part=_part(place))
+            return replace(_command(self._act(act, name)), part=part_and_owner(place)[0])
         if form.name in self.interpreter.tool_acts:
             patient, props = kind_and_properties(form.arguments[1])
             if props:
@@ -159,11 +159,6 @@ def _command(act: Command | ToolCommand) -> Command:
     if not isinstance(act, Command):
         raise UninterpretableError("one_thing_at_a_time")
     return act
-
-
-def _part(place: PredicateForm) -> str:
-    place = place.arguments[1] if place.name == "graspObject" else place
-    return name_of(place.arguments[0] if place.name == "partOf" else place)
 
 
 def _reference(form: PredicateForm) -> ObjectReference:

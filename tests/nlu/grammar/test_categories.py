@@ -6,14 +6,14 @@ import pytest
 
 from hilt.nlu.grammar.categories import type_of
 from hilt.nlu.grammar.combinators import BinaryRule, CombinationTable
-from hilt.nlu.grammar.notation_reader import read_category
+from hilt.nlu.grammar.notation_reader import read_entry
 from hilt.nlu.grammar.types import BasicType
 from hilt.ontology.yaml_reader import YamlNode
 
 
 def category(text: str):
     """A category from its notation."""
-    return read_category(YamlNode(text, "<text>", 1, 1))
+    return read_entry(YamlNode(f"{text} : x", "<text>", 1, 1))[0]
 
 
 def combined(left: str, right: str) -> list[tuple[str, BinaryRule]]:

@@ -1,21 +1,13 @@
-"""The notation of the language data, the messages about mistakes in it, and the cache on disk."""
+"""The notation of the language data, and the messages about mistakes in it."""
 
 from __future__ import annotations
 
-import os
-import subprocess
-import sys
-from pathlib import Path
-
 import pytest
 
-from hilt.nlu.grammar.categories import AtomicCategory
-from hilt.nlu.grammar.notation_parser import Start, parse
+from hilt.nlu.grammar.categories import Category
 from hilt.nlu.grammar.notation_reader import (
     MAX_CHARACTERS,
-    NotationCache,
     parse_term,
-    read_category,
     read_entry,
     read_rule,
     read_type,
@@ -31,17 +23,20 @@ def line(text: str) -> YamlNode:
     return YamlNode(text, "words.yaml", 3, 5)
 
 
+def category(text: str) -> Category:
+    """The category that a text stands for."""
+    return read_entry(line(f"{text} : x"))[0]
+
+
 @pytest.mark.parametrize("text", ["NP", "NP/N", "(S\\NP)/NP", "S/(S\\NP)", "(S/^C)\\^NP"])
 def test_categories_read_and_print(text: str) -> None:
     """Printing a category gives what was read, with the brackets that matter."""
-    shown = str(read_category(line(text)))
-
-    assert read_category(line(shown)) == read_category(line(text))
+    assert category(str(category(text))) == category(text)
 
 
 def test_slashes_group_to_the_left() -> None:
     """`S/NP/NP` seeks its last argument first."""
-    assert read_category(line("S/NP/PP")) == read_category(line("(S/NP)/PP"))
+    assert category("S/NP/PP") == category("(S/NP)/PP")
 
 
 def test_an_entry_has_a_category_a_term_and_a_cost() -> None:
@@ -126,100 +121,3 @@ def test_only_known_basic_types_are_read() -> None:
     """A type is made of e, t and d."""
     with pytest.raises(DataError, match='found the type "q"'):
         read_type(line("e -> q"))
-
-
-LINES: list[tuple[Start, str]] = [
-    ("entry", "(S\\^NP)/^(NP/N) : λx.λy.implies(x,y(x),high) @-1.5"),
-    ("unary", "R => S : λr.r(high)"),
-    ("rule", "INSTRUCT(A,B,X) => want(A,X)"),
-    ("category", "NP"),
-    ("term", "(λx.λf.f(x))(knife)"),
-    ("type", "(e -> t) -> e -> t"),
-]
-
-
-def read(text: str, start: Start) -> object:
-    """The value of a line, by the parser."""
-    return parse(YamlNode(text, "<test>", 1, 0), start)
-
-
-def saved(path: Path) -> Path:
-    """The file, once all lines were parsed and saved."""
-    lines = NotationCache(path)
-    for start, text in LINES:
-        lines.add(text, start, parse(YamlNode(text, "<test>", 1, 0), start))
-    lines.save()
-    return path
-
-
-@pytest.mark.parametrize(("start", "text"), LINES)
-def test_cached_value_equals_parsed_value(tmp_path: Path, start: Start, text: str) -> None:
-    """The names of variables are the same too, which only show in print."""
-    cached = NotationCache(saved(tmp_path / "lines.json")).get(text, start)
-
-    assert cached == read(text, start)
-    assert str(cached) == str(read(text, start))
-
-
-@pytest.mark.parametrize(
-    "damage",
-    [
-        lambda whole: whole[: len(whole) // 2],
-        lambda whole: whole.replace(b"high", b"none"),
-        lambda whole: b"0" + whole[1:],
-        lambda _: b"",
-        lambda _: b"\xff\xfe",
-    ],
-)
-def test_damaged_file_is_ignored(tmp_path: Path, damage: object) -> None:
-    """Half of it, a changed letter, another version, an empty file, and bytes that are no text."""
-    path = saved(tmp_path / "lines.json")
-    assert callable(damage)
-    path.write_bytes(damage(path.read_bytes()))
-
-    assert [NotationCache(path).get(text, start) for start, text in LINES] == [None] * len(LINES)
-
-
-def test_unwritable_place_is_no_error(tmp_path: Path) -> None:
-    """The lines are parsed again next time."""
-    (tmp_path / "file").write_text("", encoding="utf-8")
-
-    path = saved(tmp_path / "file" / "lines.json")
-
-    assert not path.exists()
-
-
-def test_unused_lines_are_dropped(tmp_path: Path) -> None:
-    """They go when a new line is saved, so that the file does not grow for ever."""
-    path = saved(tmp_path / "lines.json")
-    lines = NotationCache(path)
-    lines.get("NP", "category")
-    lines.add("N", "category", AtomicCategory("N"))
-    lines.save()
-
-    again = NotationCache(path)
-
-    assert again.get("NP", "category")
-    assert again.get("N", "category")
-    assert again.get("(λx.λf.f(x))(knife)", "term") is None
-
-
-def test_a_language_loaded_before_needs_no_parser(tmp_path: Path) -> None:
-    """The second program does not import it, and understands the same."""
-    program = (
-        "import sys; from hilt.nlu import Language;"
-        "said = Language.load().understand('To pass a knife grab it by the blade');"
-        "print('lark' in sys.modules, said.semantics)"
-    )
-    environment = os.environ | {"HILT_CACHE": str(tmp_path)}
-
-    first, second = (
-        subprocess.run(
-            [sys.executable, "-c", program],
-            env=environment, capture_output=True, text=True, check=True,
-        ).stdout.split(maxsplit=1)
-        for _ in range(2)
-    )  # fmt: skip
-
-    assert (first[0], second[0]) == ("True", "False")
-    assert first[1] == second[1]

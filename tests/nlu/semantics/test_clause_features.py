@@ -11,10 +11,10 @@ from hilt.nlu.semantics.clause_features import load_features
 from hilt.ontology.errors import DataError
 
 EMPTY = (
-    "conditions: []\nnames: []\nnouns: {part: [], abstract: []}\n"
+    "categories: {condition: [], name: [], goal: []}\n"
+    "nouns: {part: [], elsewhere: [], abstract: []}\n"
     "part_words: []\nholding_words: []\nowners: []\nembedding: []\n"
-    "determiners: []\nacts: []\nabstract_endings: []\nnameless_endings: []\n"
-    "goal: TO\ncarrying: []\n"
+    "determiners: []\nacts: []\nendings: {abstract: [], nameless: []}\ncarrying: []\n"
 )
 
 
