@@ -62,7 +62,6 @@ from .semantics.meaning import (
     Control,
     Meaning,
     Misunderstanding,
-    Rule,
     Statement,
     TopicStatement,
 )
@@ -176,7 +175,7 @@ class Language:
         return cls(folder, *parts)
 
     def __repr__(self) -> str:
-        return f"<Language {self.folder.name}, {len(self.learned)} words learned>"
+        return f"<Language {self.folder.name}, {len(self.lexicon.learned)} words learned>"
 
     @paused_garbage_collection()
     def with_words(self, words: Iterable[NewWord]) -> Language:
@@ -419,11 +418,6 @@ class Language:
         return PeripheryReader(reader, known, load_table())
 
     @property
-    def learned(self) -> Collection[NewWord]:
-        """The words that were added to the vocabulary by `with_words`, in this order."""
-        return self.lexicon.learned.values()
-
-    @property
     def lexicon(self) -> LearnedLexicon:
         """The entries of all words, those of learned words first."""
         return self.parser.lexicon
@@ -452,25 +446,13 @@ class Language:
         """Whether a text insists on a word that was taken for a slip: "no, lifting"."""
         return self.builder.insists_on(word, self._tokens(text).words)
 
-    def knows(self, word: str) -> bool:
-        """Whether a single word is known."""
-        return word in self.lexicon
-
     def say(self, key: str, **slots: Slot) -> str:
         """Return an answer of `answers.yaml` with its slots filled."""
         return self.answers.say(key, **slots)
 
-    def slots(self, key: str) -> tuple[str, ...]:
-        """The names of the slots of an answer."""
-        return self.answers.slots(key)
-
     def generate(self, meaning: Meaning) -> str:
         """Return a sentence with this meaning; `UnknownNameError` if the language has none."""
         return self.realizer.realize(meaning)
-
-    def phrase(self, rule: Rule) -> str:
-        """Return a rule in words: "to pass a knife, grab it by the blade"."""
-        return self.answers.rule_phrase(rule)
 
 
 @dataclass(frozen=True)

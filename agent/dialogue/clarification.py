@@ -138,7 +138,7 @@ class ClarificationDialogue:
         """Wait for the answer whether a word is a slip of the one suggested, or an object, too."""
         words, speaker = turn.understood.words, turn.speaker
         again = partial(self._hear, speaker=speaker, heard=turn.heard)
-        unknown = [word for word in words if not self._conversation.language.knows(word)]
+        unknown = [word for word in words if word not in self._conversation.language.lexicon]
         match said.choices:
             case (str(choice),) if choice in words:
                 return OpenQuestion(speaker, lambda: again(turn.understood.text, accepted=[choice]))

@@ -228,7 +228,7 @@ class Conversation:
 
     def say(self, answered: AnswerContent) -> str:
         """Return an answer in words, with the slots that its template has."""
-        wanted = self.language.slots(answered.key)
+        wanted = self.language.answers.slots(answered.key)
         slots = {name: answered.slots[name] for name in wanted}
         spoken = self.language.say(answered.key, **slots)
         return self._other.say(answered, spoken) if self._other else spoken

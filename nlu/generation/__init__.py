@@ -1,8 +1,4 @@
-"""Generation of text: meanings as sentences that parse back to them, and spoken answers.
-
-realizer   surface realisation of meanings, with the sentences of `sentences.yaml`
-templates  answers of `answers.yaml`, with slots that ask for a form: `{object:a}`
-"""
+"""Generation of text: meanings as sentences that parse back to them, and spoken answers."""
 
 import lazy_loader
 

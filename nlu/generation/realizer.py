@@ -31,7 +31,7 @@ from ..semantics.meaning import (
     ToolCommand,
     TopicStatement,
 )
-from .templates import SLOT, AnswerTemplates
+from .templates import AnswerTemplates
 
 SECTIONS = ("rules", "targets", "commands", "questions", "replies")
 
@@ -109,7 +109,7 @@ class Realizer:
         if isinstance(rule, FunctionalRule):
             use = self.answers.use_phrase(rule.affordance, rule.material)
             return self._say("rules", "functional", affordance=use, **slots)
-        slots |= {"part": rule.part, "act": self._act(rule.context)}
+        slots |= {"part": rule.part, "act": self.answers.act_with(rule.context)}
         return self._say("rules", "reported" if reported else "action", **slots)
 
     def _often(self, confidence: Confidence) -> str:
@@ -118,10 +118,6 @@ class Realizer:
             known = [f"[{lower:g}, {upper:g}]" for lower, upper in adverbs]
             raise UnknownNameError("word for the confidence", str(list(confidence)), known)
         return adverbs[confidence]
-
-    def _act(self, name: str) -> str:
-        """What is done with the object itself: "cut with" for `cut`."""
-        return self.answers.tool_acts.get(name) or self.answers.act(name)
 
     def _command(self, command: Command | ToolCommand) -> str:
         slots = {"act": self.answers.act(command.goal)}
@@ -163,13 +159,8 @@ class Realizer:
         templates = self.sentences[section]
         if shape not in templates:
             raise UnknownNameError(f"sentence among the {section}", shape, templates)
-        text = SLOT.sub(lambda found: self._slot(slots[found[1]], found[2]), templates[shape])
+        text = self.answers.fill(templates[shape], slots)
         return " ".join(text.split()).replace(" ,", ",") if text.strip(" .") else text
-
-    def _slot(self, value: str, form: str | None) -> str:
-        if form == "act":
-            return self._act(value)
-        return self.answers.fill(f"{{slot:{form}}}" if form else "{slot}", {"slot": value})
 
 
 def load_realizer(path: Path, answers: AnswerTemplates, uses: Mapping[str, str]) -> Realizer:

@@ -41,7 +41,7 @@ _LISTED: dict[str, str | None] = {
     "names": "name",
 }
 """The forms for several things, each with that of one of them."""
-_SLOT_FORMS = {"a", "the", "be", "it", "many", "to", "done", "name", "use", *_LISTED}
+_SLOT_FORMS = {"a", "act", "the", "be", "it", "many", "to", "done", "name", "use", *_LISTED}
 
 PHRASES = (
     *("functional", "negative", "seldom", "possible"),  # rules on uses
@@ -117,8 +117,7 @@ class AnswerTemplates:
         else:
             text = said[("forbidden", "seldom_by", "action")[at]]
             text = said["holding"] if rule.context == "grasp" else text
-            act = self.tool_acts.get(rule.context) or self.act(rule.context)
-            slots |= {"act": act, "part": rule.part}
+            slots |= {"act": self.act_with(rule.context), "part": rule.part}
         return " ".join(self.fill(text, slots).split())
 
     def norm_phrase(self, norm: Norm) -> str:
@@ -198,6 +197,10 @@ class AnswerTemplates:
         """Return the verb of an act: "pick up" for `pickUp`."""
         return self.acts.get(name, name)
 
+    def act_with(self, name: str) -> str:
+        """Return the verb of an act on what is held: "cut with" for `cut`."""
+        return self.tool_acts.get(name) or self.act(name)
+
     def act_on(self, act: str, *objects: str, links: Sequence[str] = ()) -> str:
         """Return an act on some objects of a kind each: "swap a knife and a spoon"."""
         named = [self.noun_phrase(each) for each in objects]
@@ -222,6 +225,7 @@ class AnswerTemplates:
             "be": lambda word: said["be_many" if plural(word) else "be"],
             "it": lambda word: said["it_many" if plural(word) else "it"],
             "many": lambda word: self.inflection.form(word, "plural"),
+            "act": self.act_with,
             "to": self.act,
             "done": lambda word: self.inflection.form(self.act(word), "participle"),
             "name": _capitalised,

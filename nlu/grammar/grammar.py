@@ -1,7 +1,8 @@
 """The grammar of a language: its categories, the names in its meanings, and what is an utterance.
 
-Read from `grammar.yaml` of the language. Every line is checked when it is read: each category must
-be declared and each term must have the type that its category demands. A mistake is a `DataError`
+Read from `grammar.yaml` of the language and `predicates.yaml` of all languages. Every line is
+checked when it is read: each category must be declared and each term must have the type that its
+category demands. A mistake is a `DataError`
 with file, line and column.
 """
 
@@ -20,6 +21,8 @@ from .notation_reader import read_entry, read_type, read_unary
 from .terms import Term, Value, evaluate
 from .types import BasicType, FunctionType, Signature, Type, TypeMismatchError, check_type
 from .word_patterns import compile_pattern, expand
+
+PREDICATES_FILE = Path(__file__).parents[2] / "ontology" / "predicates.yaml"
 
 SPEECH_ACTS = ("STATEMENT", "INSTRUCT", "QUESTION", "CORRECT", "FRAGMENT", "REPLY")
 
@@ -103,11 +106,13 @@ class Grammar:
         return said
 
 
-def load_grammar(path: Path, *, degrees: Mapping[str, object]) -> Grammar:
+def load_grammar(
+    path: Path, *, degrees: Mapping[str, object], predicates: Path = PREDICATES_FILE
+) -> Grammar:
     """Read the grammar of a language; the names of the degrees become constants of type `d`."""
     entries = read_yaml(path).entries(
         required=(
-            *("categories", "predicates", "unary", "roots"),
+            *("categories", "unary", "roots"),
             *("topic", "general", "answer", "speaker"),
         ),
         optional=(),
@@ -115,7 +120,8 @@ def load_grammar(path: Path, *, degrees: Mapping[str, object]) -> Grammar:
     atoms = entries["categories"].entries()
     types = {name: _type_of_atom(field) for name, field in atoms.items()}
     signature: dict[str, list[Type]] = {name: [BasicType("d")] for name in degrees}
-    for name, field in entries["predicates"].entries().items():
+    names = read_yaml(predicates).entries(required=("types",))["types"].entries()
+    for name, field in names.items():
         signature[name] = [read_type(item) for item in field.items()]
     grammar = Grammar(
         types=MappingProxyType(types),

@@ -22,13 +22,17 @@ from ..lexicon.unknown_words import new_words
 from ..semantics.clause_features import FeatureReader
 from ..semantics.coreference import PRONOUNS, resolve
 from ..semantics.discourse import SOMETHING, Discourse
-from ..semantics.fragments import FRAGMENTS
 from ..semantics.interpretation import Interpreter, short_answer
 from ..semantics.licence_table import LicenceTable
 from ..semantics.meaning import Answer, Confidence, Meaning, NormStatement
 from ..semantics.norm_interpretation import meaning_of
 from ..semantics.pragmatics import CERTAIN, Intention, Pragmatics
-from ..semantics.predicates import PredicateForm, UninterpretableError, form_of
+from ..semantics.predicates import (
+    PredicateForm,
+    UninterpretableError,
+    form_of,
+    load_predicates,
+)
 from .chart import Chart, Derivation
 from .clause_spans import features_of
 from .derivation_views import lexical_entries, subderivations
@@ -153,7 +157,7 @@ class SentenceParser:
         form = resolve(form, context.discourse)
         entries = lexical_entries(derivation)
         words = new_words(entries)
-        if tokens.asks and (act == "FRAGMENT" or form.name in FRAGMENTS):
+        if tokens.asks and (act == "FRAGMENT" or form.name in load_predicates().fragments):
             act, form = "FRAGMENT", PredicateForm("asked", (form,))
         act = _act_with_question_mark(act, form, tokens)
         if act == "QUESTION" and form.name in {"implies", "and", "says"}:

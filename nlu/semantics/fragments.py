@@ -26,40 +26,6 @@ from .meaning import (
 )
 from .predicates import PredicateForm, UninterpretableError
 
-FRAGMENTS = {
-    "alsoOf": ("target", "also"),
-    "alsoFor": ("use", "also"),
-    "alsoOn": ("material", "also"),
-    "alsoBy": ("part", "also"),
-    "alsoIn": ("context", "also"),
-    "alsoTo": ("recipient", "also"),
-    "alsoHeld": ("held", "same"),
-    "alsoActBy": ("act", "also"),
-    "sameOf": ("target", "same"),
-    "sameFor": ("use", "same"),
-    "sameIn": ("context", "same"),
-    "tooOf": ("target", "too"),
-    "keep": ("", "keep"),
-    "again": ("", "again"),
-    "correctObject": ("target", "instead"),
-    "correctUse": ("use", "instead"),
-    "correctPart": ("part", "instead"),
-    "correctDegree": ("degree", "instead"),
-    "correctAct": ("context", "instead"),
-    "fillObject": ("target", ""),
-    "otherOf": ("target", "other"),
-    "fillUse": ("use", ""),
-    "fillPart": ("part", ""),
-    "fillRecipient": ("recipient", ""),
-    "fillTool": ("tool", ""),
-}
-"""The slot that each predicate of a fragment fills, and its mode.
-
-It adds to the last meaning (`also`), says the same as the last rule or command (`same`), adds to
-an answer (`too`), makes a rule of the last command (`keep`), wants it once more (`again`), replaces
-a value (`instead`) or wants the other one of two (`other`); without a mode, a fragment completes a
-command or question and corrects a rule."""
-
 _OF_OBJECTS = {"objects_for", "best_for"}
 _OF_USES = {"uses_of", "about", "how", "see"}
 
@@ -69,7 +35,7 @@ class FragmentValues:
     """The values that a fragment names: for one slot, and perhaps a degree of confidence.
 
     Attributes:
-        mode: that of its predicate; empty for none.
+        mode: that of its predicate, as `predicates.yaml` says.
         default: the confidence of a rule without a degree.
         asks: whether it is a question.
         is_other: whether its target was only named as the other one of two.
@@ -196,7 +162,7 @@ def _applies(rule: Rule, command: Command) -> bool:
 def _as_rule(fragment: FragmentValues, rule: Rule) -> Meaning:
     if fragment.asks and fragment.context and fragment.target:
         return Question("how", object=_kind(fragment.target)[0], context=fragment.context)
-    if not fragment.mode and fragment.use:
+    if fragment.mode == "fill" and fragment.use:
         raise _nothing()  # it may add to the rule or correct it
     changed = _changed(fragment, rule)
     if fragment.asks:
@@ -278,7 +244,7 @@ def _as_question(  # noqa: PLR0911 - a case per slot
         return replace(question, affordance=fragment.use, material=fragment.material)
     if question.object is None or question.context is None or fragment.part is None:
         raise _nothing()
-    if fragment.asks or fragment.mode:
+    if fragment.asks or fragment.mode != "fill":
         return replace(question, part=fragment.part)
     rule = ActionRule(question.object, question.context, fragment.part, fragment.default)
     return AskBack(choices=(Statement((rule,)),))

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from ..lexicon.immutable_index import ImmutableIndex
 from ..lexicon.vocabulary import NewWord
 from .discourse import SOMETHING, Discourse
-from .fragments import FRAGMENTS, FragmentValues, complete
+from .fragments import FragmentValues, complete
 from .meaning import (
     ANY_OBJECT,
     Acknowledgement,
@@ -31,43 +31,14 @@ from .meaning import (
     TopicStatement,
     is_contradictory,
 )
-from .predicates import PredicateForm, UninterpretableError, UnlearnableError
+from .predicates import PredicateForm, UninterpretableError, UnlearnableError, load_predicates
 
 GOALS = ("pass", "pickUp", "pointTo", "grasp", "use", "putDown", "putBack", "release")
 
 _NAMELESS = frozenset({"self", "speaker", "someone", "it", "both", "butNot"})
 
-_BARE_QUESTIONS = frozenset(
-    {
-        *("capabilities", "hearing", "identity", "known", "repeated", "wellbeing", "howSure"),
-        *("source", "see", "trust", "exceptions", "inHand", "lastDone", "lastAsked"),
-        "lastSpokenOf",
-    }
-)
-"""The questions that may name nothing."""
-
 _UNLEARNABLE = {"noKinds": "no_kinds", "noPast": "no_past"}
 """The answer to what is understood, but not learned."""
-
-_QUESTIONS = {
-    "usesOf": "uses_of",
-    "aboutUse": "about",
-    "best": "best_for",
-    "whatIf": "what_if",
-    "isTrue": "is_used_for",
-    "whyPart": "why",
-    "whyNot": "why_not",
-    "whyNotPart": "why_not",
-    "howSure": "confidence",
-    "identityOf": "identity",
-    "inHand": "holding",
-    "lastAsked": "last_asked",
-    "lastDone": "last_done",
-    "lastSpokenOf": "last_spoken_of",
-    "lastTold": "last_told",
-    "firstTold": "first_told",
-}
-"""The questions that are not called like their forms."""
 
 
 @dataclass(frozen=True)
@@ -102,7 +73,7 @@ class Interpreter:
         match intention.name:
             case "wantAmend":
                 return self._fragment(content, discourse)
-            case "wantBelieve" if content.name in FRAGMENTS:
+            case "wantBelieve" if content.name in load_predicates().fragments:
                 return self._fragment(content, discourse)
             case "wantBelieve" if content.name in _UNLEARNABLE:
                 raise UnlearnableError(_UNLEARNABLE[content.name])
@@ -180,7 +151,7 @@ class Interpreter:
         said = form.arguments[0] if asks else form
         is_too = said.name == "too"
         said = said.arguments[0] if is_too else said
-        slot, mode = FRAGMENTS.get(said.name, ("part", "instead"))
+        slot, mode = load_predicates().fragments.get(said.name, ("part", "instead"))
         mode = "too" if is_too and mode not in {"also", "same"} else mode
         value, *degree = said.arguments
         fragment = FragmentValues(mode, self.intervals["high"], asks)
@@ -188,7 +159,7 @@ class Interpreter:
             fragment = replace(fragment, material=_kind(value))
         elif slot == "tool":
             fragment = replace(fragment, tool=self._reference(value))
-        elif slot:
+        elif slot != "whole":
             fragment = self._filled(fragment, slot, value)
         if slot in {"held", "act"}:
             fragment = self._filled(fragment, "part", degree.pop())
@@ -328,28 +299,23 @@ class Interpreter:
         return ActionRule(name, act_name(context.name), name_of(part), confidence, props)
 
     def _question(self, form: PredicateForm) -> Question:  # noqa: PLR0911, PLR0912 - a case per question
-        ask = _QUESTIONS.get(form.name, form.name)
+        table = load_predicates()
+        ask, kind = table.asks.get(form.name, form.name), table.named.get(form.name)
         match form.name, form.arguments:
-            case (name, ()) if name in _BARE_QUESTIONS:
+            case (name, ()) if name in table.bare:
                 return Question(ask)
-            case ("usesOf" | "about" | "exceptions" | "inHand", (thing, *_)):
-                return Question(ask, object=_kind(thing))
-            case ("aboutUse" | "best" | "whatIf", (use, *_)):
-                return _question_on_use(ask, use)
-            case ("whyPart" | "whyNotPart", (part, *_)):
-                return Question(ask, part=part_and_owner(part)[0])
-            case ("trust" | "told" | "firstTold" | "lastTold" | "identityOf", (person, *_)):
-                return Question(ask, speaker=name_of(person))
+            case (_, (thing, *_)) if kind:
+                return self._question_naming(ask, kind, thing)
             case "howSure", (PredicateForm(arguments=()) as thing, *_):
-                return Question("confidence", object=_kind(thing))
+                return Question(ask, object=_kind(thing))
             case "isTrue" | "howSure", (rule, *_):
                 return self._question_on_rule(ask, rule)
             case "source", (PredicateForm(name="implies" | "and") as rule, *_):
-                return self._question_on_rule("source", rule)
+                return self._question_on_rule(ask, rule)
             case "source", (PredicateForm(name="holding" | "graspObject") as act, *_):
-                return self._question_on_act("source", act)
+                return self._question_on_act(ask, act)
             case "source", (thing, *_):
-                return Question("source", object=_kind(thing))
+                return Question(ask, object=_kind(thing))
             case "which", (
                 PredicateForm(name="usedFor" | "implies", arguments=(thing, use, *_)),
                 *_,
@@ -357,19 +323,31 @@ class Interpreter:
                 if thing.name in SOMETHING and use.name != "graspObject":
                     return _question_on_use("objects_for", use)
             case "how", (PredicateForm(name="implies", arguments=(act, *_)) | act, *_):
-                return self._question_on_act("how", act)
+                return self._question_on_act(ask, act)
             case "why" | "whyNot", reason:
                 return self._question_on_reason(ask, *reason)
             case "whichContext", (act, part, *_):
-                asked = self._question_on_act("which_context", act)
+                asked = self._question_on_act(ask, act)
                 # "Held by the blade" asks for any context, "passed by the blade" for passing only.
                 context = None if act.name == "grasp" else act.name
                 return replace(asked, context=context, part=part_and_owner(part)[0])
-            case "see", (thing, *_):
-                return _question_on_target("see", self._reference(thing))
             case _:
                 pass
         raise UninterpretableError("unanswerable")
+
+    def _question_naming(self, ask: str, kind: str, thing: PredicateForm) -> Question:
+        """The question about what one argument of a kind names."""
+        match kind:
+            case "object":
+                return Question(ask, object=_kind(thing))
+            case "use":
+                return _question_on_use(ask, thing)
+            case "part":
+                return Question(ask, part=part_and_owner(thing)[0])
+            case "speaker":
+                return Question(ask, speaker=name_of(thing))
+            case _:
+                return _question_on_target(ask, self._reference(thing))
 
     def _question_on_rule(self, ask: str, form: PredicateForm) -> Question:
         rule = self._one_rule(form, "one_thing_at_a_time")

@@ -8,7 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import cache
 
+from ...ontology.yaml_reader import read_yaml
+from ..grammar.grammar import PREDICATES_FILE
 from ..grammar.terms import Constant, NeutralTerm, Term, Value, spine
 
 
@@ -87,6 +90,41 @@ def match(
 def fill(pattern: PredicateForm, found: Mapping[str, PredicateForm]) -> PredicateForm:
     """Return the pattern with its variables replaced by their bindings."""
     return pattern.mapped(lambda part: found.get(part.name) if part.is_variable else None)
+
+
+@dataclass(frozen=True)
+class PredicateTable:
+    """What `predicates.yaml` says of the forms of questions and fragments, by their predicates.
+
+    Attributes:
+        asks: how questions are called that are not called like their forms.
+        bare: the questions that may name nothing.
+        named: what a question names that has one argument.
+        fragments: the slot that each fragment fills, and its mode.
+    """
+
+    asks: Mapping[str, str]
+    bare: frozenset[str]
+    named: Mapping[str, str]
+    fragments: Mapping[str, tuple[str, str]]
+
+
+@cache
+def load_predicates() -> PredicateTable:
+    """Return the table of all languages; `DataError` says where it is not as expected."""
+    keys = ("types", "asks", "bare", "named", "fragments")
+    parts = read_yaml(PREDICATES_FILE).entries(required=keys, optional=())
+    kinds, modes = (parts[key].entries() for key in ("named", "fragments"))
+    return PredicateTable(
+        {name: ask.text() for name, ask in parts["asks"].entries().items()},
+        frozenset(parts["bare"].texts()),
+        {name: kind for kind, names in kinds.items() for name in names.texts()},
+        {
+            name.text(): (slot, mode)
+            for mode, slots in modes.items()
+            for slot, name in slots.entries().items()
+        },
+    )
 
 
 class UninterpretableError(ValueError):

@@ -36,7 +36,7 @@ NEVER = (0.0, 0.05)
 )
 def test_rules_are_put_into_words(language: Language, rule: Rule, words: str) -> None:
     """Articles, particles and prepositions are right."""
-    assert language.phrase(rule) == words
+    assert language.answers.rule_phrase(rule) == words
 
 
 @pytest.mark.parametrize(
@@ -54,7 +54,7 @@ def test_rules_are_put_into_words(language: Language, rule: Rule, words: str) ->
 )
 def test_the_phrase_of_a_rule_is_parsed_to_it(language: Language, rule: Rule) -> None:
     """Hilt parses its own phrases."""
-    meaning = language.understand(language.phrase(rule)).meaning
+    meaning = language.understand(language.answers.rule_phrase(rule)).meaning
 
     assert meaning.as_json() == rule.as_json()
 

@@ -41,7 +41,7 @@ def test_to_learn_a_word_again_changes_nothing(
 
     assert taught.with_words([word]) is taught
     assert taught.with_words(learned) is taught
-    assert list(language.learned) == []
+    assert list(language.lexicon.learned) == []
 
 
 def test_thousands_of_words_are_learned_one_by_one(language: Language) -> None:
