@@ -28,7 +28,7 @@ from .reader import BASE_GRAPH, BASE_NODE, RuleReader
 from .rule import DEFAULT_SPEAKER
 from .sparql.named_queries import named_query
 from .sparql.query_text import Bindings, bind_variables, delete_insert, join_updates, query_form
-from .sparql.results import BooleanResult, ConstructResult, QueryLimits, QueryResult, SelectResult
+from .sparql.results import QueryLimits, QueryResult, SelectResult
 from .sparql.safety import refuse_external_access
 from .stores.base import Store
 from .stores.opening import open_store
@@ -171,18 +171,9 @@ class KnowledgeBase(AbstractContextManager["KnowledgeBase"]):
             QueryError: the query is wrong, reads anything else, or was stopped.
         """
         bound = _prepared(text, bindings)
-        form = query_form(bound)
-        if limits and form:
-            return self.store.run(bound, limits)
-        match form:
-            case "SELECT":
-                return self.store.select(bound)
-            case "ASK":
-                return BooleanResult(self.store.ask(bound))
-            case "CONSTRUCT" | "DESCRIBE":
-                return ConstructResult.from_quads(self.store.construct(bound))
-            case _:
-                raise QueryError("Expected a SELECT, ASK, CONSTRUCT or DESCRIBE query.")
+        if not query_form(bound):
+            raise QueryError("Expected a SELECT, ASK, CONSTRUCT or DESCRIBE query.")
+        return self.store.run(bound, limits)
 
     def select(self, text: str, bindings: Bindings | None = None) -> SelectResult:
         """The rows of a SELECT query; as `query` otherwise."""

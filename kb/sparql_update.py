@@ -8,7 +8,6 @@ Run as a script, this module is the worker process (`stores.query_subprocess`) t
 
 from __future__ import annotations
 
-import json
 import shutil
 import sys
 import tempfile
@@ -27,7 +26,7 @@ from .sparql.query_text import delete_insert, join_updates, with_prefixes
 from .sparql.results import QueryLimits
 from .sparql.safety import refuse_external_access, refuse_nondeterminism
 from .stores.base import Store
-from .stores.query_subprocess import REPORT, WorkerProcess
+from .stores.query_subprocess import WorkerProcess
 from .validation import BASE_GRAPHS, check_invariants, rule_nodes
 from .writer import speaker_quads, to_milliseconds
 
@@ -76,25 +75,23 @@ def try_updates(store: Store, updates: Sequence[str], sequence: int, limits: Que
     folder, worker = Path(tempfile.mkdtemp(prefix="hilt-")), WorkerProcess(WORKER)
     try:
         store.save(folder / "copy")
-        _, body = worker.request(limits, source=str(folder / "copy"), updates=list(updates))
+        report = worker.request(limits, source=str(folder / "copy"), updates=list(updates))
     finally:
         worker.close()
         shutil.rmtree(folder, ignore_errors=True)
-    report = json.loads(body)
     if report["sequence"] != sequence:
         raise ValidationError(["An update must not change the number of the last utterance."])
     if report["findings"]:
         raise ValidationError(report["findings"])
 
 
-def update_and_check(store: Store, updates: Iterable[str]) -> bytes:
-    """Update a copy and report what is wrong with it, as JSON: the worker's side."""
+def update_and_check(store: Store, updates: Iterable[str]) -> dict[str, Any]:
+    """Update a copy and report what is wrong with it: the worker's side."""
     history, rules = set(store.quads(None, None, None, HISTORY)), set(rule_nodes(store))
     for each in updates:
         store.update(each)
     findings = {*_findings(store, rules), *_history_findings(store, history)}
-    report = {"sequence": RuleReader(store).sequence, "findings": sorted(findings)}
-    return json.dumps(report).encode()
+    return {"sequence": RuleReader(store).sequence, "findings": sorted(findings)}
 
 
 def _findings(store: Store, rules: set[Iri]) -> Iterator[str]:
@@ -127,13 +124,13 @@ def _record_update(utterance: Utterance) -> str:
     )
 
 
-def _answer(request: dict[str, Any]) -> tuple[str, bytes]:
+def _answer(request: dict[str, Any]) -> dict[str, Any]:
     from .stores.oxigraph import open_folder
     from .stores.query_worker import limit_memory
 
     store = open_folder(Path(request["source"]))
     limit_memory(request["megabytes"])
-    return REPORT, update_and_check(store, request["updates"])
+    return update_and_check(store, request["updates"])
 
 
 if __name__ == "__main__":

@@ -60,8 +60,8 @@ class Store(Protocol):
         """The statements of a CONSTRUCT or DESCRIBE query; errors as for `select`."""
         ...
 
-    def run(self, query: str, limits: QueryLimits) -> QueryResult:
-        """The result of any query; QueryError if it is wrong or exceeds its limits."""
+    def run(self, query: str, limits: QueryLimits | None) -> QueryResult:
+        """The result of any query; QueryError if it is wrong or exceeds its limits, if any."""
         ...
 
     def quads(

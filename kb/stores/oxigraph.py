@@ -26,12 +26,19 @@ from ...ontology.errors import QueryError, StoreError
 from ...ontology.vocabulary import PREFIXES, Iri
 from ..rdf.terms import Quad, Term
 from ..sparql.query_text import delete_insert, keywords
-from ..sparql.results import QueryLimits, QueryResult, SelectResult
+from ..sparql.results import (
+    STATEMENT,
+    BooleanResult,
+    ConstructResult,
+    QueryLimits,
+    QueryResult,
+    SelectResult,
+)
 from . import directory
 from .base import MEMORY
 from .directory import WriteAheadLogSync
 from .errors import open_error, translated_errors
-from .query_subprocess import BOOLEAN, ROWS, TRIPLES, WorkerProcess
+from .query_subprocess import WorkerProcess
 from .term_conversion import from_engine, named_node, quad_from_engine, quad_to_engine, to_engine
 
 _PREFIXES = dict(PREFIXES)
@@ -72,47 +79,48 @@ class OxigraphStore:
 
     def select(self, query: str) -> SelectResult:
         """All rows of a SELECT query."""
-        found = self._run(query)
-        if not isinstance(found, engine.QuerySolutions):
+        found = self.evaluate(query)
+        if type(found) is not SelectResult:
             raise QueryError("Expected a SELECT query.")
-        names = tuple(variable.value for variable in found.variables)
-        with translated_errors(self.location):
-            rows = tuple(tuple(None if t is None else from_engine(t) for t in row) for row in found)
-        return SelectResult(names, rows)
+        return found
 
     def ask(self, query: str) -> bool:
         """The answer of an ASK query."""
-        found = self._run(query)
-        if not isinstance(found, engine.QueryBoolean):
+        found = self.evaluate(query)
+        if not isinstance(found, BooleanResult):
             raise QueryError("Expected an ASK query.")
-        return bool(found)
+        return found.value
 
     def construct(self, query: str) -> list[Quad]:
         """The statements of a CONSTRUCT or DESCRIBE query."""
-        found = self._run(query)
-        if not isinstance(found, engine.QueryTriples):
+        found = self.evaluate(query)
+        if not isinstance(found, ConstructResult):
             raise QueryError("Expected a CONSTRUCT or DESCRIBE query.")
-        with translated_errors(self.location):
-            return [Quad(*(from_engine(part) for part in triple)) for triple in found]  # pyright: ignore[reportArgumentType]
+        return found.quads
 
-    def run(self, query: str, limits: QueryLimits) -> QueryResult:
-        """The result of any query, evaluated in another process over a snapshot."""
+    def run(self, query: str, limits: QueryLimits | None) -> QueryResult:
+        """The result of any query; with limits evaluated in another process over a snapshot."""
+        if limits is None:
+            return self.evaluate(query)
         with self._running:
             with self._lock:
                 self._remove_old_sources()
                 source = self._worker_source()
             return self._worker.run(source, query, limits)
 
-    def serialized(self, query: str) -> tuple[str, bytes]:
-        """The kind (see `query_subprocess`) and the serialized result of any query."""
+    def evaluate(self, query: str) -> QueryResult:
+        """The result of any query, evaluated in this process."""
         found = self._run(query)
-        with translated_errors(self.location, query):
+        if isinstance(found, engine.QueryBoolean):
+            return BooleanResult(bool(found))
+        with translated_errors(self.location):
             if isinstance(found, engine.QueryTriples):
-                written = found.serialize(format=engine.RdfFormat.N_TRIPLES)
-                return TRIPLES, cast(bytes, written)
-            kind = BOOLEAN if isinstance(found, engine.QueryBoolean) else ROWS
-            answer = cast("engine.QuerySolutions | engine.QueryBoolean", found)
-            return kind, cast(bytes, answer.serialize(format=engine.QueryResultsFormat.JSON))
+                parts = (tuple(map(from_engine, triple)) for triple in found)
+                return ConstructResult(STATEMENT, tuple(parts))
+            solutions = cast(engine.QuerySolutions, found)
+            names = tuple(variable.value for variable in solutions.variables)
+            rows = (tuple(None if t is None else from_engine(t) for t in row) for row in solutions)
+            return SelectResult(names, tuple(rows))
 
     def quads(
         self,

@@ -9,26 +9,17 @@ reads a new snapshot when the store has changed. Requests and answers are docume
 from __future__ import annotations
 
 import json
+import pickle
 import signal
 import subprocess
 import sys
 import threading
 from pathlib import Path
-from typing import IO, cast
+from typing import IO, Any, cast
 
-from ...ontology.errors import QueryError, StoreError
-from ..sparql.results import (
-    BooleanResult,
-    ConstructResult,
-    QueryLimits,
-    QueryResult,
-    read_boolean,
-    read_solutions,
-)
+from ...ontology.errors import HiltError, QueryError
+from ..sparql.results import QueryLimits, QueryResult
 
-# Kinds of answers.
-ROWS, BOOLEAN, TRIPLES, REPORT = "rows", "boolean", "triples", "report"
-WRONG_QUERY, FAILED, TOO_LARGE = "wrong query", "failed", "too large"
 QUERY_WORKER = f"{__package__}.query_worker"
 MAX_SHARE = 4  # an answer takes several times its size here; it may have 1/4 of the memory
 
@@ -50,25 +41,18 @@ class WorkerProcess:
             QueryError: it is wrong, or was stopped.
             StoreError: the source cannot be read.
         """
-        kind, body = self.request(limits, source=str(source), query=query)
-        if kind == ROWS:
-            return read_solutions(body)
-        if kind == BOOLEAN:
-            return BooleanResult(read_boolean(body))
-        from .rdf_text import read_triples  # pyoxigraph, only when it is needed
+        return self.request(limits, source=str(source), query=query)
 
-        return ConstructResult.from_quads(read_triples(body, source=str(source)))
-
-    def request(self, limits: QueryLimits, **fields: str | list[str]) -> tuple[str, bytes]:
-        """Send a request; the kind of the answer, and its body. Errors as for `run`."""
+    def request(self, limits: QueryLimits, **fields: str | list[str]) -> Any:
+        """Send a request, and return the answer; errors as for `run`."""
         line = json.dumps({**fields, "megabytes": limits.megabytes}).encode() + b"\n"
         with self._lock:
-            kind, body = self._answer(line, limits)
-        if kind == TOO_LARGE:
+            answer = pickle.loads(self._answer(line, limits))  # noqa: S301 - of a module of Hilt
+        if isinstance(answer, MemoryError):
             raise limits.memory_error()
-        if kind in {WRONG_QUERY, FAILED}:
-            raise (QueryError if kind == WRONG_QUERY else StoreError)(body.decode())
-        return kind, body
+        if isinstance(answer, HiltError):
+            raise answer
+        return answer
 
     def close(self) -> None:
         """End the process."""
@@ -80,7 +64,7 @@ class WorkerProcess:
                     pipe.close()
         self._process = None
 
-    def _answer(self, request: bytes, limits: QueryLimits) -> tuple[str, bytes]:
+    def _answer(self, request: bytes, limits: QueryLimits) -> bytes:
         """Send a request and read its answer; the process is killed when the time is over."""
         process = self._started(limits)
         stopped = threading.Event()
@@ -126,19 +110,17 @@ def _exit_error(code: int, limits: QueryLimits, *, was_stopped: bool) -> QueryEr
     return limits.memory_error()
 
 
-def _exchange(
-    process: subprocess.Popen[bytes], request: bytes, limits: QueryLimits
-) -> tuple[str, bytes]:
+def _exchange(process: subprocess.Popen[bytes], request: bytes, limits: QueryLimits) -> bytes:
     to, answers = cast("IO[bytes]", process.stdin), cast("IO[bytes]", process.stdout)
     to.write(request)
     to.flush()
     line = answers.readline()
     if not line.endswith(b"\n"):
         raise EOFError
-    head = json.loads(line)
-    if head["size"] > limits.megabytes * 1_000_000 // MAX_SHARE:
+    size = int(line)
+    if size > limits.megabytes * 1_000_000 // MAX_SHARE:
         raise limits.memory_error()
-    body = answers.read(head["size"])
-    if len(body) < head["size"]:
+    body = answers.read(size)
+    if len(body) < size:
         raise EOFError
-    return head["kind"], body
+    return body

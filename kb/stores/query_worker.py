@@ -2,14 +2,15 @@
 
 It reads one request a line from stdin, as JSON: `source` (a snapshot's folder, or a file of
 N-Quads), `query`, and `megabytes`, its memory beyond what it needs to open the source. It answers
-with a line of JSON, `kind` and `size`, followed by so many bytes. The process that asked kills it
-when it takes too long.
+with a line that has a number, followed by so many bytes: the result or the error, pickled. The
+process that asked kills it when it takes too long.
 """
 
 from __future__ import annotations
 
 import contextlib
 import json
+import pickle
 import sys
 from collections.abc import Callable, Iterable
 from pathlib import Path
@@ -17,20 +18,15 @@ from typing import Any, BinaryIO
 
 from ...ontology.errors import QueryError, StoreError
 from .oxigraph import OxigraphStore, load_file, open_snapshot
-from .query_subprocess import FAILED, TOO_LARGE, WRONG_QUERY
 
-Answer = Callable[[dict[str, Any]], "tuple[str, bytes]"]
+Answer = Callable[[dict[str, Any]], object]
 
 
 def serve(requests: Iterable[bytes], answers: BinaryIO, answer: Answer) -> None:
-    """Answer requests, which are lines of JSON, until there are no more.
-
-    `answer` gives the kind and the body of the answer to a request.
-    """
+    """Answer requests, which are lines of JSON, until there are no more."""
     for line in requests:
-        kind, body = _answer_or_error(answer, json.loads(line))
-        head = json.dumps({"kind": kind, "size": len(body)})
-        answers.write(head.encode() + b"\n" + body)
+        body = _answer_or_error(answer, json.loads(line))
+        answers.write(f"{len(body)}\n".encode() + body)
         answers.flush()
 
 
@@ -52,24 +48,23 @@ class _QueryAnswers:
         self._opened = ""
         self._store: OxigraphStore | None = None
 
-    def __call__(self, request: dict[str, Any]) -> tuple[str, bytes]:
+    def __call__(self, request: dict[str, Any]) -> object:
         if self._store is None or request["source"] != self._opened:
             source = Path(request["source"])
             self._store = open_snapshot(source) if source.is_dir() else load_file(source)
             self._opened = request["source"]
             limit_memory(request["megabytes"])
-        return self._store.serialized(request["query"])
+        return self._store.evaluate(request["query"])
 
 
-def _answer_or_error(answer: Answer, request: dict[str, Any]) -> tuple[str, bytes]:
+def _answer_or_error(answer: Answer, request: dict[str, Any]) -> bytes:
     try:
-        return answer(request)
-    except QueryError as error:
-        return WRONG_QUERY, str(error).encode()
-    except StoreError as error:
-        return FAILED, str(error).encode()
+        return pickle.dumps(answer(request))
     except MemoryError:
-        return TOO_LARGE, b""
+        return pickle.dumps(MemoryError())
+    except (QueryError, StoreError) as error:  # as the class itself, which is made of its message
+        kind = QueryError if isinstance(error, QueryError) else StoreError
+        return pickle.dumps(kind(str(error)))
 
 
 def _address_space() -> int:

@@ -105,8 +105,9 @@ class RemoteStore:
             found.update(dict.fromkeys(page))
         return list(found)
 
-    def run(self, query: str, limits: QueryLimits) -> QueryResult:
+    def run(self, query: str, limits: QueryLimits | None) -> QueryResult:
         """The result of any query; the endpoint's own limits apply too."""
+        limits = limits or CALL
         match query_form(query):
             case "ASK":
                 return BooleanResult(self.ask(query, limits))
