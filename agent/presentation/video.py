@@ -43,7 +43,6 @@ class Film:
         self._recorder: WorldRecorder = body.record(path)
         self._utterance = ""
         self._bound = ""
-        self._interval: tuple[float, float] | None = None
 
     def __enter__(self) -> Film:
         self._recorder.__enter__()
@@ -58,7 +57,7 @@ class Film:
 
     def begin(self, utterance: str) -> None:
         """Something is said to the robot."""
-        self._utterance, self._bound, self._interval = utterance, "", None
+        self._utterance, self._bound = utterance, ""
         self._write()
 
     def end(self, said: str) -> None:
@@ -74,8 +73,8 @@ class Film:
             return
         bound = step.constraint
         if bound:  # what the hand is bound to goes on holding
-            self._bound = " by the ".join(filter(None, (bound.object, bound.part)))
-            self._interval = bound.lower, bound.upper
+            what = " by the ".join(filter(None, (bound.object, bound.part)))
+            self._bound = f"{what} [{bound.lower:.2f}, {bound.upper:.2f}]"
         self._write(node=step.node)
         if bound and step.node.endswith(FIND):
             self._recorder.pause(SHOW_FOUND)
@@ -97,12 +96,6 @@ class Film:
         recorder.caption = words
 
     def _write(self, answer: str = "", *, node: str = "") -> None:
-        from ...sim.media.recording import caption
-
-        words = caption(
-            utterance=self._utterance,
-            node=node,
-            constraint=self._bound if node else "",
-            interval=self._interval if node else None,
-        )
-        self._recorder.caption = "\n".join(filter(None, (words, answer)))
+        spoken = f'"{self._utterance}"' if self._utterance else ""
+        moment = ": ".join(filter(None, (node, self._bound))) if node else ""
+        self._recorder.caption = "\n".join(filter(None, (spoken, moment, answer)))

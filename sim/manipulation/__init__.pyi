@@ -1,7 +1,7 @@
 from .hand_motions import HandMotion, HeldObject
 from .motion_report import REASONS, MotionReport
 from .pick_and_place import PickAndPlace
-from .striking import StrikePose, StrikeTarget, Striking, find_strike_poses
+from .striking import StrikePose, Striking, find_strike_poses
 
 __all__ = [
     "REASONS",
@@ -10,7 +10,6 @@ __all__ = [
     "MotionReport",
     "PickAndPlace",
     "StrikePose",
-    "StrikeTarget",
     "Striking",
     "find_strike_poses",
 ]

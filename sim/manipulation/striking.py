@@ -21,7 +21,6 @@ from ..robot.grasp_poses import DOWN
 from ..robot.kinematics import KinematicChain
 from ..robot.path_planner import PathPlanner
 from ..robot.robot import NAME
-from ..scene.world import World
 from ..vision.percept import Percept
 from ..vision.point_cloud_operations import voxel_downsample
 from .hand_motions import HeldObject
@@ -53,47 +52,11 @@ DRIVEN = 0.003  # [m], an object that lacks less is driven in
 TOP = 0.0015  # [m] below the highest point, down to which points belong to the top
 
 
-class StrikeTarget:
-    """An object, with its visible points (n, 3) [m], that is to be driven into another one.
-
-    Raises:
-        UnknownNameError: it does not stand in another object.
-    """
-
-    def __init__(self, world: World, name: str, cloud: Array) -> None:
-        self._world, self.name = world, name
-        self._seen_depth = world.depth(name)
-        height = float(cloud[:, 2].max())
-        face = cloud[cloud[:, 2] > height - TOP]
-        middle = (face[:, :2].min(axis=0) + face[:, :2].max(axis=0)) / 2
-        self._seen_top = np.array([*middle, height])
-
-    @property
-    def depth(self) -> float:
-        """How deep it stands in the other object [m]."""
-        return self._world.depth(self.name)
-
-    @property
-    def top(self) -> Array:
-        """Its top (3,): where it was seen, lowered by as much as it was driven in since [m]."""
-        return self._seen_top - (0, 0, self.depth - self._seen_depth)
-
-    @property
-    def start(self) -> Array:
-        """Where the face that strikes is before a blow (3,) [m]."""
-        return np.add(self.top, (0.0, 0.0, START_HEIGHT))
-
-    @property
-    def is_driven(self) -> bool:
-        """Whether it is driven in completely."""
-        mount = self._world.kinds[self.name].mount
-        return mount is not None and self.depth > mount.deepest - DRIVEN
-
-
 class Striking(PickAndPlace):
     """Also strikes with the object in the hand."""
 
-    _target: StrikeTarget | None = None
+    # The name of what is to be driven in, and where its top would be at a depth of zero (3,) [m].
+    _target: tuple[str, Array] | None = None
 
     def move_above(self, percept: Percept) -> MotionReport:
         """Bring the held object above one that is to be driven in, a face of it downwards."""
@@ -113,7 +76,11 @@ class Striking(PickAndPlace):
     def _move_above(self, held: HeldObject, percept: Percept) -> MotionReport:
         if self.world.support(percept.name) is None:
             return self._report("move_above", "nothing_to_strike")
-        self._target = StrikeTarget(self.world, percept.name, percept.cloud)
+        height = float(percept.cloud[:, 2].max())
+        face = percept.cloud[percept.cloud[:, 2] > height - TOP]
+        x, y, _ = (face.min(axis=0) + face.max(axis=0)) / 2
+        depth = self.world.depth(percept.name)
+        self._target = percept.name, np.array([x, y, height + depth])
         return self._struck("move_above", held, self._carry_above)
 
     def _lower(self, held: HeldObject) -> MotionReport:
@@ -124,27 +91,34 @@ class Striking(PickAndPlace):
         return replace(report, ok=True, reason="") if report.driven else report
 
     def _struck(
-        self, action: str, held: HeldObject, act: Callable[[HeldObject, StrikeTarget], str]
+        self, action: str, held: HeldObject, act: Callable[[HeldObject, Array], str]
     ) -> MotionReport:
-        """The report of an action on the target; `act` returns the reason of failure, or ""."""
-        target = self._target
-        if target is None:
-            return MotionReport(action, ok=False, reason="nothing_held")
-        report = self._report(action, act(held, target))
-        return replace(report, depth_m=target.depth, driven=target.is_driven)
+        """The report of an action on the target.
 
-    def _carry_above(self, held: HeldObject, target: StrikeTarget) -> str:
+        `act` takes where the face that strikes is before a blow (3,) [m], and returns the reason of
+        failure, or "".
+        """
+        if self._target is None:
+            return MotionReport(action, ok=False, reason="nothing_held")
+        name, top = self._target
+        start = np.add(top, (0, 0, START_HEIGHT - self.world.depth(name)))
+        report = self._report(action, act(held, start))
+        depth, mount = self.world.depth(name), self.world.kinds[name].mount
+        driven = mount is not None and depth > mount.deepest - DRIVEN
+        return replace(report, depth_m=depth, driven=driven)
+
+    def _carry_above(self, held: HeldObject, start: Array) -> str:
         """Bring a face level above the target; return the reason of failure, or ""."""
-        start, planner = target.start, self._motion.path_planner(held.context)
+        planner = self._motion.path_planner(held.context)
         for strike in self._strike_poses(held):
             path = self._plan_strike(held, strike.world_from_grip(start), planner)
             if path is not None:
                 return "" if self._motion.carry(held, path) else "dropped"
         return "unreachable"
 
-    def _raise(self, held: HeldObject, target: StrikeTarget) -> str:
+    def _raise(self, held: HeldObject, start: Array) -> str:
         """Bring the face that struck level above the target; return the reason of failure."""
-        start, planner = target.start, self._motion.path_planner(held.context)
+        planner = self._motion.path_planner(held.context)
         now = self.robot.world_from_grip[:3, :3]
         same_face = [
             strike
@@ -164,7 +138,7 @@ class Striking(PickAndPlace):
                 return "" if held_on else "dropped"
         return "unreachable"
 
-    def _blow(self, held: HeldObject, _: StrikeTarget) -> str:
+    def _blow(self, held: HeldObject, _: Array) -> str:
         """Strike down on what is below the face; return the reason of failure, or ""."""
         planner, grip = self._motion.path_planner(held.context), self.robot.world_from_grip
         paths = (

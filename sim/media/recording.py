@@ -145,28 +145,6 @@ def _with_captions(taken: Sequence[tuple[Picture, str]]) -> list[Picture]:
     return [add_caption(picture, text, lines=lines) for picture, text in taken]
 
 
-def caption(
-    *,
-    utterance: str = "",
-    node: str = "",
-    constraint: str = "",
-    interval: tuple[float, float] | None = None,
-) -> str:
-    """Return the caption of a picture of one moment.
-
-    The interval is the belief and plausibility of the constraint.
-
-    >>> print(caption(utterance="Pass me the knife.", node="pass/findObject", constraint="knife",
-    ...               interval=(0.9, 1.0)))
-    "Pass me the knife."
-    pass/findObject: knife [0.90, 1.00]
-    """
-    certain = f"[{interval[0]:.2f}, {interval[1]:.2f}]" if interval else ""
-    kept = " ".join(filter(None, (constraint, certain)))
-    moment = ": ".join(filter(None, (node, kept)))
-    return "\n".join(filter(None, (f'"{utterance}"' if utterance else "", moment)))
-
-
 def strip(pictures: Sequence[Picture], always: Sequence[int] = ()) -> Picture:
     """Return one picture of some pictures of one size, evenly spaced in time, row by row.
 

@@ -39,24 +39,9 @@ GAP = 0.02  # [m], smallest distance between two objects
 MAX_COUNT = 12  # objects of a random scene: there is no room for more
 
 
-@dataclass(frozen=True)
-class ClutterLevel:
-    """How full a table is.
-
-    Attributes:
-        more: number of objects that are added to those that were named.
-        gap: smallest distance between two objects [m].
-    """
-
-    more: int
-    gap: float
-
-
-CLUTTER = {
-    "low": ClutterLevel(2, 0.06),
-    "medium": ClutterLevel(4, 0.035),
-    "high": ClutterLevel(7, GAP),
-}
+# How full a table is: the number of objects that are added to those that were named, and the
+# smallest distance between two objects [m].
+CLUTTER = {"low": (2, 0.06), "medium": (4, 0.035), "high": (7, GAP)}
 
 
 @dataclass(frozen=True)
@@ -192,9 +177,8 @@ def _read_scene(spec: str, seed: int, objects: Mapping[str, ObjectType]) -> Scen
     _check_names(placements, items)
     gap = GAP
     if "clutter" in keys:
-        clutter = CLUTTER[keys["clutter"].text(choices=CLUTTER)]
-        placements += _clutter(placements, clutter.more, seed, objects)
-        gap = clutter.gap
+        more, gap = CLUTTER[keys["clutter"].text(choices=CLUTTER)]
+        placements += _clutter(placements, more, seed, objects)
     return Scene(_mounted(_with_unique_names(placements), objects), seed, gap)
 
 

@@ -182,10 +182,6 @@ class World(AbstractContextManager["World"]):
         middle = (points.min(axis=0) + points.max(axis=0)) / 2
         return np.array([middle[0], middle[1], points[:, 2].max()])
 
-    def clearance(self, name: str) -> float:
-        """Return the height of an object's lowest point above the table [m]."""
-        return float(self.points(name)[:, 2].min())
-
 
 class SleepManager:
     """Puts the loose objects of a world to sleep, and wakes those that are moved.

@@ -224,13 +224,13 @@ def test_clutter_adds_other_objects_at_its_distance(tmp_path: Path, level: str):
 
     scene = parse_scene(spec, seed=3, objects=OBJECTS)
 
-    assert len(scene.types) == len(scene.placements) == 1 + CLUTTER[level].more
+    assert len(scene.types) == len(scene.placements) == 1 + CLUTTER[level][0]
     assert scene == parse_scene(spec, seed=3, objects=OBJECTS)
     spots = arranged(scene)
     for i, spot in enumerate(spots):
         others = spots[:i]
         assert all(
-            shapely.distance(spot.footprint, o.footprint) >= CLUTTER[level].gap for o in others
+            shapely.distance(spot.footprint, o.footprint) >= CLUTTER[level][1] for o in others
         )
 
 
