@@ -64,7 +64,8 @@ class Application:
         return show(self)
 
 
-Term: TypeAlias = BoundVariable | Constant | Lambda | Application
+Leaf: TypeAlias = BoundVariable | Constant
+Term: TypeAlias = Leaf | Lambda | Application
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,35 +121,33 @@ def compose(outer: Value, inner: Value) -> Value:
 
 def replace_constants(term: Term, names: Mapping[str, str]) -> Term:
     """The term with constants renamed, as the templates of verbs and nouns need it."""
-    match term:
-        case Constant(name):
-            return Constant(names.get(name, name))
-        case Application(function, argument):
-            return Application(
-                replace_constants(function, names), replace_constants(argument, names)
-            )
-        case Lambda(body, hint):
-            return Lambda(replace_constants(body, names), hint)
-        case BoundVariable():
-            return term
+
+    def renamed(leaf: Leaf, _: int) -> Term:
+        return Constant(names.get(leaf.name, leaf.name)) if isinstance(leaf, Constant) else leaf
+
+    return _mapped(term, renamed, 0)
 
 
 def bind(term: Term, name: str) -> Lambda:
     """The function that results when a constant of a closed term becomes its variable."""
-    return Lambda(_bound(term, name, 0), name)
+
+    def bound(leaf: Leaf, depth: int) -> Term:
+        if isinstance(leaf, Constant):
+            return BoundVariable(depth) if leaf.name == name else leaf
+        # A variable from outside is now one binder further away.
+        return BoundVariable(leaf.index + 1) if leaf.index >= depth else leaf
+
+    return Lambda(_mapped(term, bound, 0), name)
 
 
-def _bound(term: Term, name: str, depth: int) -> Term:
-    match term:
-        case Constant(found):
-            return BoundVariable(depth) if found == name else term
-        case Application(function, argument):
-            return Application(_bound(function, name, depth), _bound(argument, name, depth))
-        case Lambda(body, hint):
-            return Lambda(_bound(body, name, depth + 1), hint)
-        case BoundVariable(index):
-            # A variable from outside is now one binder further away.
-            return BoundVariable(index + 1) if index >= depth else term
+def _mapped(term: Term, change: Callable[[Leaf, int], Term], depth: int) -> Term:
+    """The term with its constants and variables changed, each under `depth` binders."""
+    if isinstance(term, Application):
+        function, argument = (_mapped(x, change, depth) for x in (term.function, term.argument))
+        return Application(function, argument)
+    if isinstance(term, Lambda):
+        return Lambda(_mapped(term.body, change, depth + 1), term.hint)
+    return change(term, depth)
 
 
 def spine(term: Term) -> tuple[Term, tuple[Term, ...]]:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from itertools import islice
 from pathlib import Path
 
@@ -29,6 +29,7 @@ from ..semantics.meaning import (
     Meaning,
     Rule,
     Statement,
+    with_rules,
 )
 from ..semantics.predicates import PredicateForm
 from .candidates import CandidateMeaning, candidates
@@ -175,7 +176,7 @@ class OfferFinder:
                 continue
             asides = candidate.asides(mentions)
             checked = self.checks.weakened(meaning, mentions, asides)
-            if _content(checked) not in map(_content, found):
+            if _uncorrecting(checked) not in map(_uncorrecting, found):
                 found.append(checked)
         return tuple(found[:MAX_OFFERS])
 
@@ -234,10 +235,7 @@ def _with_object_before(
         return context
     names = {m.name for m in before}
     is_one = len(names) == 1 and not before[0].is_new
-    thing = PredicateForm(names.pop()) if is_one else None
-    named = (thing,) if thing else ()
-    discourse = replace(context.discourse, object=thing, named=named, has_failed=False)
-    return replace(context, discourse=discourse)
+    return context.with_object(PredicateForm(names.pop()) if is_one else None)
 
 
 def _revising(meaning: Meaning, context: UtteranceContext) -> Meaning:
@@ -280,11 +278,8 @@ def _beside(candidate: CandidateMeaning, mentions: Mentions) -> set[int]:
     return before | {each.end for each in used if each.end not in pauses}
 
 
-def _content(meaning: Meaning) -> Meaning:
-    """A meaning, whether it corrects something or not."""
-    if not isinstance(meaning, Statement):
-        return meaning
-    return Statement(tuple(replace(rule, revises=False) for rule in meaning.rules))
+_uncorrecting = partial(with_rules, revises=False)
+"""A meaning, whether it corrects something or not."""
 
 
 @lru_cache(maxsize=4)

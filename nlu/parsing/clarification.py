@@ -7,7 +7,7 @@ meanings) or asks a question: whether a known word was meant that is one letter 
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from itertools import chain, pairwise
 
@@ -20,7 +20,7 @@ from ..lexicon.tokenizer import MAX_CHARACTERS, MAX_TOKENS, Token, Tokens
 from ..lexicon.unknown_words import MAX_NEW_WORDS, KnownWords, is_word, new_recipients
 from ..lexicon.vocabulary import NewWord
 from ..semantics.licence_table import ACCEPT
-from ..semantics.meaning import AskBack, Meaning, Misunderstanding, Statement
+from ..semantics.meaning import AskBack, Meaning, Misunderstanding, Statement, with_rules
 from ..semantics.predicates import UninterpretableError, UnlearnableError
 from .chart import Chart
 from .derivation_views import lexical_entries
@@ -113,7 +113,7 @@ class Clarifier:
             return licence.weakened(reading.meaning, reading.features)
         if not self.answers.slots(answer):  # no evidence that what it names is of its kind
             return AskBack(self.answers.say(answer))
-        own = _as_own(reading.meaning)
+        own = with_rules(reading.meaning, source=None)  # "do you say so, too?"
         return AskBack(self.answers.say(answer, meant=self._choice(own)), (own,))
 
     def of_misspelling(self, unknown: Iterable[Token], accepted: Collection[str]) -> AskBack | None:
@@ -204,10 +204,3 @@ class Clarifier:
 
         ranked = sorted(self.examples, key=similarity, reverse=True)
         return tuple(each for each in ranked[:MAX_NEAREST] if similarity(each) > 0)
-
-
-def _as_own(meaning: Meaning) -> Meaning:
-    """A meaning as the speaker's own words: "Do you say so, too?"."""
-    if not isinstance(meaning, Statement):
-        return meaning
-    return Statement(tuple(replace(rule, source=None) for rule in meaning.rules))

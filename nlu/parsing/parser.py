@@ -52,6 +52,12 @@ class UtteranceContext:
     discourse: Discourse
     recognition: Confidence = CERTAIN
 
+    def with_object(self, thing: PredicateForm | None) -> UtteranceContext:
+        """Return this context after a thing was named, or where none can be referred to."""
+        named, failed = (thing,) if thing else (), self.discourse.has_failed and thing is None
+        discourse = replace(self.discourse, object=thing, named=named, has_failed=failed)
+        return replace(self, discourse=discourse)
+
 
 @dataclass(frozen=True)
 class SentenceParser:

@@ -23,6 +23,7 @@ from ..semantics.meaning import (
     ToolCommand,
     TopicStatement,
     is_contradictory,
+    with_rules,
 )
 
 MAX_SEGMENTS = 4
@@ -79,7 +80,7 @@ def _combined(meanings: Sequence[Meaning]) -> Meaning | None:
     if len(meanings) != 2:
         return None
     if first == Retraction() and isinstance(last, Statement):
-        return Statement(tuple(replace(rule, revises=True) for rule in last.rules))
+        return with_rules(last, revises=True)
     return last if _asks_for_target(first, last) or _names_object(first, last) else None
 
 

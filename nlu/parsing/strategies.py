@@ -248,7 +248,7 @@ class _Attempt:
         if not core.is_referring:
             return self._with_reading(core.tokens, context)
         found, referring = (
-            self._with_reading(core.tokens, _with_object(thing, context))
+            self._with_reading(core.tokens, context.with_object(thing))
             for thing in (None, _ANYTHING)
         )
         is_command = referring and isinstance(referring.meaning, (Command, ToolCommand))
@@ -259,7 +259,7 @@ class _Attempt:
         if not is_command or core.referent is None:
             return None
         thing = PredicateForm(core.referent)
-        return self._with_reading(core.tokens, _with_object(thing, context))
+        return self._with_reading(core.tokens, context.with_object(thing))
 
     def _with_reading(self, tokens: Tokens, context: UtteranceContext) -> Understanding | None:
         found = self._understand(tokens, context, is_core=True)
@@ -308,11 +308,11 @@ class _Attempt:
                 topic = self._topic(segment, context)
                 if topic is None:
                     return []
-                context = _with_object(topic, context)
+                context = context.with_object(topic)
                 continue
             if topic is not None:
                 # A topic is only said for a segment that refers to it.
-                alone = self._sentence(segment, _with_object(None, context))
+                alone = self._sentence(segment, context.with_object(None))
                 if alone.reading is not None:
                     return []
             topic = None
@@ -399,13 +399,6 @@ def _has_several_rules(found: Understanding) -> bool:
 def _failed(found: Understanding) -> Understanding:
     """The result of an utterance without a reading, after which nothing can be referred to."""
     return replace(found, discourse=replace(found.discourse, has_failed=True))
-
-
-def _with_object(thing: PredicateForm | None, context: UtteranceContext) -> UtteranceContext:
-    named, discourse = (thing,) if thing else (), context.discourse
-    failed = discourse.has_failed and thing is None
-    discourse = replace(discourse, object=thing, named=named, has_failed=failed)
-    return replace(context, discourse=discourse)
 
 
 def _understanding(

@@ -30,6 +30,7 @@ from .meaning import (
     ToolCommand,
     TopicStatement,
     is_contradictory,
+    with_rules,
 )
 from .predicates import PredicateForm, UninterpretableError, UnlearnableError, load_predicates
 
@@ -141,8 +142,7 @@ class Interpreter:
         if form.name == "retract":
             return Retraction(self._one_rule(form.arguments[0]))
         if form.name == "correct" and form.arguments[0].name in {"implies", "and"}:
-            rules = self._rules(form.arguments[0])
-            return Statement(tuple(replace(rule, revises=True) for rule in rules))
+            return with_rules(Statement(tuple(self._rules(form.arguments[0]))), revises=True)
         return self._fragment(form, discourse)
 
     def _fragment(self, form: PredicateForm, discourse: Discourse) -> Meaning:

@@ -499,6 +499,13 @@ class Misunderstanding:
         return {"error": True} | {key: _plain(value) for key, value in vars(self).items()}
 
 
+def with_rules(meaning: Meaning, **changes: object) -> Meaning:
+    """Return a meaning with these attributes of its rules changed, if it has any."""
+    if not isinstance(meaning, Statement):
+        return meaning
+    return Statement(tuple(replace(rule, **changes) for rule in meaning.rules))  # pyright: ignore
+
+
 Meaning = (
     Statement
     | NormStatement
