@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 from ..kb.formats.value_notation import read_atom
 from ..kb.interval import Interval
-from ..kb.rule import GRASP_OBJECT, USED_FOR, Atom, Rule
+from ..kb.rule import ARGUMENT_KINDS, GRASP_OBJECT, USED_FOR, Atom, Rule
 from .interval_operators import Operators, relative_plausibility
 from .taxonomy import FLAT, Taxonomy
 from .types import Conclusion
@@ -22,7 +22,6 @@ from .types import Conclusion
 Json = dict[str, object]
 
 _FUNCTORS = {"affordance": USED_FOR, "part": GRASP_OBJECT}
-_KINDS = {USED_FOR: "affordance", GRASP_OBJECT: "part"}
 
 
 @dataclass(frozen=True)
@@ -60,7 +59,7 @@ def parse_conclusion(text: str) -> Conclusion:
     functor, bracket, rest = text.partition("(")
     if bracket:
         name = rest.rstrip().removesuffix(")").strip()
-        argument = read_atom(name, _KINDS.get(functor, "object")) if name else None
+        argument = read_atom(name, ARGUMENT_KINDS.get(functor, "object")) if name else None
         return Conclusion(functor.strip(), argument)
     if ":" not in text:
         return Conclusion(text)

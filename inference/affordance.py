@@ -21,7 +21,7 @@ from typing import Protocol
 from ..kb.interval import CERTAIN, VACUOUS
 from ..kb.rule import GRASP_OBJECT, Atom, Rule
 from .decision import DecisionRule, ObjectRules
-from .experience import ExperienceSource, OutcomeCounts
+from .experience import Experience, OutcomeCounts
 from .node_rules import FIND, NodeRules, acting_for, features_of, implied_atoms
 from .proof import Proof, derive, rule_proof, unknown_proof
 from .settings import Settings
@@ -57,7 +57,7 @@ class Affordances:
         source: RuleSource,
         settings: Settings | None = None,
         taxonomy: Taxonomy = FLAT,
-        experience: ExperienceSource | None = None,
+        experience: Experience | None = None,
     ) -> None:
         self.source = source
         self.experience = experience

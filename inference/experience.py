@@ -22,7 +22,6 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from math import exp, lgamma, log, log1p
-from typing import Protocol
 
 from ..kb.episodes import HELD
 from ..kb.interval import Interval
@@ -159,14 +158,6 @@ def read_records(base: KnowledgeBase, **wanted: str) -> list[GraspRecord]:
 
 def _plain(value: Term | None) -> str:
     return local_name(value) if isinstance(value, Iri) else str(value)
-
-
-class ExperienceSource(Protocol):
-    """A source of experience, such as `Experience`."""
-
-    def of(self, name: str, part: str, context: str) -> OutcomeCounts:
-        """Return the outcomes of grasping an object by a part for an action."""
-        ...
 
 
 class Experience:

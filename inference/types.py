@@ -15,6 +15,7 @@ from typing import Literal
 
 from ..kb.interval import Interval
 from ..kb.rule import USED_FOR, Atom, Rule
+from ..ontology.actions import DescribedObject
 from .experience import OutcomeCounts, contradiction
 from .proof import Proof
 
@@ -33,26 +34,16 @@ class Conclusion:
 
 
 @dataclass(frozen=True)
-class Target:
+class Target(DescribedObject):
     """The object an action is about, as described by the speaker.
 
     Attributes:
-        object: its class ("knife"), or None for "something".
-        used_for: an affordance it must have.
-        not_used_for: an affordance it must not have.
-        material: what the affordance is wanted for ("bread", for cutting); None for anything.
         affords: another conclusion that must hold for it: cutWith(bread).
-        properties: adjectives it must satisfy ("red").
         is_confirmed: whether the speaker confirmed it when asked: then it need only be seen.
     """
 
-    object: str | None = None
-    used_for: str | None = None
-    not_used_for: str | None = None
     affords: Conclusion | None = None
-    properties: frozenset[str] = frozenset()
     is_confirmed: bool = False
-    material: str | None = None
 
     @cached_property
     def wanted(self) -> tuple[tuple[Conclusion, bool], ...]:

@@ -563,8 +563,8 @@ class TreeExecutor:
 def _value(given: str | DescribedObject, arguments: Mapping[str, Argument]) -> Argument:
     """What a step passes on: an argument of its tree, a word, or the object of a description."""
     match given:
-        case DescribedObject(name, used_for, not_used_for, properties, material):
-            return Target(name, used_for, not_used_for, None, properties, material=material)
+        case DescribedObject():
+            return Target(**vars(given))
         case _ if given.startswith(FIXED):
             return given.removeprefix(FIXED)
         case _:
