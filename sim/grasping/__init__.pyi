@@ -2,7 +2,7 @@ from .context import GraspContext, LabelledPointCloud
 from .planner import RankedGrasps, plan_grasps
 from .sampling import GraspCandidates, sample_grasps
 from .scoring import GraspScores, score_grasps
-from .selection import GraspAttempts, SelectedGrasp, select_grasp
+from .selection import GraspAttempts, select_grasp
 
 __all__ = [
     "GraspAttempts",
@@ -11,7 +11,6 @@ __all__ = [
     "GraspScores",
     "LabelledPointCloud",
     "RankedGrasps",
-    "SelectedGrasp",
     "plan_grasps",
     "sample_grasps",
     "score_grasps",

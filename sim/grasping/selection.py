@@ -50,18 +50,6 @@ class GraspAttempts:
         )
 
 
-@dataclass(frozen=True)
-class SelectedGrasp:
-    """The last grasp plan, and the path to the selected grasp.
-
-    Without a reachable grasp the path is None and `reason` says why; else `reason` is empty.
-    """
-
-    plan: RankedGrasps
-    path: GraspPath | None
-    reason: str
-
-
 def select_grasp(
     task: GraspAttempts,
     context: GraspContext,
@@ -70,8 +58,12 @@ def select_grasp(
     *,
     lift: float,
     rng: np.random.Generator,
-) -> SelectedGrasp:
-    """Select the best grasp that can be reached, lifted by `lift` [m], and was not tried before."""
+) -> tuple[RankedGrasps, GraspPath | None, str]:
+    """Select the best grasp that can be reached, lifted by `lift` [m], and was not tried before.
+
+    Returns the last grasp plan, and the path to the selected grasp; without a reachable one None,
+    and the reason.
+    """
     plan, reason, best = RankedGrasps((), {}), "", None
     cloud = context.labelled_cloud(planner.table)
     for effort, enough in EFFORTS.items():
@@ -85,4 +77,4 @@ def select_grasp(
             break
     if best is None and not planner.can_reach(context.target):
         reason = "unreachable"
-    return SelectedGrasp(plan, best, "" if best else reason)
+    return plan, best, "" if best else reason

@@ -238,7 +238,7 @@ class PickAndPlace:
 
     def _select(self, context: GraspContext) -> tuple[str, GraspPath | None]:
         """The path to the selected grasp, or the reason why there is none."""
-        selection = select_grasp(
+        plan, path, reason = select_grasp(
             self._task,
             context,
             self._motion.path_planner(context),
@@ -247,9 +247,8 @@ class PickAndPlace:
             rng=self._rng,
         )
         if self.on_plan:
-            grasp = selection.path.grasp if selection.path else None
-            self.on_plan(self._task.name, self._task.part, selection.plan, grasp)
-        return selection.reason, selection.path
+            self.on_plan(self._task.name, self._task.part, plan, path.grasp if path else None)
+        return reason, path
 
     def _close_on(self, path: GraspPath, context: GraspContext) -> tuple[str, FingerContacts]:
         """Close the gripper once; the reason of failure, and what the fingers touch."""

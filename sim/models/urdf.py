@@ -189,9 +189,9 @@ def _attached_elements(
     """Return the attached link, all links and joints that hang on it, and the joint to the arm."""
     wanted, joints = {attachment.link}, list[ElementTree.Element]()
     for joint in root.findall("joint"):  # a URDF lists parents before their children
-        if _end(joint, "parent") in wanted:
+        if child_attribute(joint, "parent", "link") in wanted:
             joints.append(joint)
-            wanted.add(_end(joint, "child"))
+            wanted.add(child_attribute(joint, "child", "link"))
     links = [link for link in root.findall("link") if link.get("name") in wanted]
     if len(links) != len(wanted):
         raise DataError(f'expected a link "{attachment.link}".', source=str(attachment.urdf))
@@ -203,6 +203,7 @@ def _attached_elements(
     return [*links, carrier, *joints]
 
 
-def _end(joint: ElementTree.Element, which: str) -> str:
-    found = joint.find(which)
-    return "" if found is None else found.get("link", "")
+def child_attribute(element: ElementTree.Element, child: str, key: str) -> str:
+    """Return an attribute of the first child of that name; empty without one."""
+    found = element.find(child)
+    return "" if found is None else found.get(key, "")

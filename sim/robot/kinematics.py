@@ -17,7 +17,7 @@ import numpy as np
 
 from ...ontology.errors import DataError
 from .. import poses
-from ..models.urdf import read_urdf
+from ..models.urdf import child_attribute, read_urdf
 from ..poses import Array
 
 POSITION_TOLERANCE = 2e-4  # [m], far below what a grasp needs, reached in 10 to 30 steps
@@ -175,13 +175,13 @@ def read_chain(path: Path, tip: str) -> KinematicChain:
         DataError: the file is not a URDF, or has no joint to `tip`.
     """
     root = read_urdf(path)
-    above = {_attribute(each, "child", "link"): each for each in root.findall("joint")}
+    above = {child_attribute(each, "child", "link"): each for each in root.findall("joint")}
     elements: list[ElementTree.Element] = []
     links: list[str] = []
     while tip in above:
         elements.insert(0, above[tip])
         links.insert(0, tip)
-        tip = _attribute(above[tip], "parent", "link")
+        tip = child_attribute(above[tip], "parent", "link")
     if not elements:
         raise DataError(f'expected a joint that leads to a link "{tip}".', source=str(path))
     kinds = [each.get("type", "fixed") for each in elements]
@@ -230,11 +230,6 @@ def _limits(joint: ElementTree.Element) -> tuple[float, float, float]:
     return low, high, _number(limit, "velocity", 1.0)
 
 
-def _attribute(element: ElementTree.Element, child: str, key: str) -> str:
-    found = element.find(child)
-    return "" if found is None else found.get(key, "")
-
-
 def _number(element: ElementTree.Element | None, key: str, default: float) -> float:
     return default if element is None else float(element.get(key, default))
 
@@ -242,5 +237,5 @@ def _number(element: ElementTree.Element | None, key: str, default: float) -> fl
 def _triple(
     element: ElementTree.Element, child: str, key: str, default: str = "0 0 0"
 ) -> tuple[float, float, float]:
-    x, y, z = (float(word) for word in (_attribute(element, child, key) or default).split())
+    x, y, z = (float(word) for word in (child_attribute(element, child, key) or default).split())
     return x, y, z
