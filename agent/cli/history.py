@@ -218,13 +218,11 @@ def _forgotten(base: KnowledgeBase, what: list[str], speaker: str) -> str:
 
     said, speaker = f"forget {' '.join(what)}", base.match_speaker(speaker)
     match what:
-        case ["word"]:
-            raise typer.BadParameter('Which word? "hilt words" lists those that were learned.')
+        case ["word" | "phrase" as kind]:
+            raise typer.BadParameter(f'Which {kind}? "hilt words" lists those that were learned.')
         case ["word", name]:
             base.forget_word(name, said, speaker)
             return f'Forgot the word "{name}".'
-        case ["phrase"]:
-            raise typer.BadParameter('Which phrase? "hilt words" lists those that were learned.')
         case ["phrase", *words]:
             phrase = base.forget_phrase(" ".join(words), said, speaker)
             return f'Forgot the phrase "{phrase.pattern}".'

@@ -14,8 +14,8 @@ from .open_question import OpenQuestion
 from .reply import Reply
 from .teaching import (
     lesson_from_statement,
+    may_end,
     reason_rules,
-    reporter_of,
     rules_to_retract,
     trust_in,
 )
@@ -68,7 +68,7 @@ class BeliefRevision:
         is_of_told = said.is_of_told or conversation.topic_from == "deed"
         topic = () if is_of_told and not is_just_told else conversation.topic
         rules = rules_to_retract(self._base, said, turn.speaker, topic)
-        own = [rule for rule in rules if self._may_retract(turn.speaker, rule)]
+        own = [rule for rule in rules if may_end(self._base, turn.speaker, rule)]
         if rules and not own:
             return conversation.answered(turn, "not_yours", "failed", speaker=rules[0].speaker)
         if not own:
@@ -92,14 +92,6 @@ class BeliefRevision:
             text, speaker=turn.speaker, discourse=conversation.discourse
         )
         return any(each.is_dismissal for each in answers)
-
-    def _may_retract(self, speaker: str, rule: Rule) -> bool:
-        """Whether a speaker said or reported a rule; of norms also whether one is trusted more."""
-        trust, other = (trust_in(self._base, each) for each in (speaker, rule.speaker))
-        return (rule.kind == "norm" and trust > other) or speaker in {
-            rule.speaker,
-            reporter_of(self._base, rule),
-        }
 
     def _new_names(self, said: meaning.Statement, turn: UnderstoodTurn) -> Iterator[NewWord]:
         """The names of objects that "it" stands for and that no statement has used before."""

@@ -9,6 +9,7 @@ from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
+from ...kb.history import IMPORT
 from ...kb.knowledge_base import KnowledgeBase
 from ...kb.rule import Rule
 from ...nlu.language import Language
@@ -211,6 +212,13 @@ class Conversation:
             return words.norm_phrase(laid_down)
         said = meaning_from_rule(rule)
         return words.rule_phrase(said) if said else repr(rule)
+
+    def words_of(self, rule: Rule) -> str:
+        """Return the sentence that taught a rule; what came from a file was not said in words."""
+        utterance = self.base.utterance(rule.utterance) if rule.utterance else None
+        if utterance is None or utterance.kind == IMPORT:
+            return self.describe(rule)
+        return utterance.text
 
     def quote(self, rule: Rule) -> str:
         """Return a rule in words, with who told it if that is not the listener."""

@@ -24,8 +24,8 @@ from ..execution.outcome import AnswerContent, GoalResult
 from ..execution.request import Request
 from .conversation import Answered, Conversation, UnderstoodTurn, spoken
 from .reply import Reply
-from .teaching import trust_in
-from .translation import norm_from_rule, request_from_command, rule_from_norm
+from .teaching import may_end
+from .translation import request_from_command, rule_from_norm
 
 MOST_LISTED = 8
 
@@ -50,7 +50,7 @@ class NormDialogue:
         rules = [rule_from_norm(each, turn.speaker, turn.heard) for each in said.norms]
         contrary = [(new, old) for new in rules for old in self._contrary(new)]
         for new, old in contrary:
-            if new.functor == PERMITTED and not self._may_lift(turn.speaker, old):
+            if new.functor == PERMITTED and not may_end(self._base, turn.speaker, old):
                 return conversation.spoken(turn, self._told("not_yours_to_lift", old))
         return self._kept(turn, rules, [old.id for new, old in contrary if _is_opposite(new, old)])
 
@@ -64,11 +64,6 @@ class NormDialogue:
         for new in rules:
             self._forget_momentary(new)
         return conversation.lesson_reply(turn, rules, text)
-
-    def _may_lift(self, speaker: str, rule: Rule) -> bool:
-        """Whether a speaker may end a norm: its own, or that of one who is trusted less."""
-        trust, other = (trust_in(self._base, each) for each in (speaker, rule.speaker))
-        return speaker == rule.speaker or trust > other
 
     def _contrary(self, new: Rule) -> list[Rule]:
         """The norms over which a new one prevails wherever it applies: permissions, or others."""
@@ -166,11 +161,8 @@ class NormDialogue:
         """An answer with who said a norm, and in which words."""
         if rule.id in self._momentary:
             text = self._momentary[rule.id][1].text
-        elif rule.utterance is None or self._base.utterance(rule.utterance).kind == "import":
-            norm = norm_from_rule(rule)
-            text = self._conversation.language.answers.norm_phrase(norm) if norm else repr(rule)
         else:
-            text = self._base.utterance(rule.utterance).text
+            text = self._conversation.words_of(rule)
         return AnswerContent(key, {"speaker": rule.speaker, "texts": (text,)}, "refused")
 
     # --- Questions -------------------------------------------------------------------------------

@@ -320,7 +320,7 @@ def _denials(made: Inference | None, name: str) -> tuple[Rule, ...]:
 
 def _sources(rules: Sequence[Rule], known: Conversation) -> dict[str, tuple[str, ...]]:
     """Who told Hilt some rules, and in which words, each once."""
-    texts = tuple(dict.fromkeys(_words(rule, known) for rule in rules))
+    texts = tuple(dict.fromkeys(map(known.words_of, rules)))
     speakers = dict.fromkeys(reporter_of(known.base, rule) for rule in rules)
     return {"speakers": tuple(speakers), "texts": texts}
 
@@ -342,14 +342,8 @@ def _reasons(question: Question, known: Conversation) -> Sequence[Rule]:
 
 def _because(rules: Sequence[Rule], known: Conversation) -> Answered:
     if rules[-1].status == "induced":
-        return spoken("because_alike", done=True, texts=_words(rules[-1], known)), tuple(rules)
+        return spoken("because_alike", done=True, texts=known.words_of(rules[-1])), tuple(rules)
     return spoken("because_told", done=True, **_sources(rules, known)), tuple(rules)
-
-
-def _words(rule: Rule, known: Conversation) -> str:
-    """The sentence that taught a rule; what came from a file was not said in words."""
-    utterance = known.base.utterance(rule.utterance or 0)
-    return known.describe(rule) if utterance.kind == "import" else utterance.text
 
 
 def _not_so(question: Question, decision: Decision | None) -> str:

@@ -118,6 +118,13 @@ def reporter_of(base: KnowledgeBase, rule: Rule) -> str:
     return rule.speaker if said.kind == IMPORT else said.speaker
 
 
+def may_end(base: KnowledgeBase, speaker: str, rule: Rule) -> bool:
+    """Return whether a speaker said or reported a rule, or of a norm is trusted more."""
+    is_trusted_more = trust_in(base, speaker) > trust_in(base, rule.speaker)
+    is_own = speaker in {rule.speaker, reporter_of(base, rule)}
+    return is_own or (rule.kind == "norm" and is_trusted_more)
+
+
 def _corrected(new: Rule, before: Sequence[Rule], topic: Sequence[Rule]) -> list[Rule]:
     """The rules that a correction replaces; "no, I meant the knife" replaces the last one."""
     same = [old for old in before if can_replace(old, new) and old.id != new.id]

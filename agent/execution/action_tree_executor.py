@@ -466,17 +466,14 @@ class TreeExecutor:
     ) -> tuple[str | None, AnswerContent | None]:
         """Return the part to hold by under the norms, another one if they forbid the chosen one."""
         norms = self._norms
-        denied = {each.argument.name for each in inference.denied if each.argument}
-        own = (*percept.parts, *self._context.parts.get(percept.object, ()))
-        known = [name for name in dict.fromkeys(own) if name not in denied]
+        known = self._allowed_parts(percept, inference)
         refusal = norms.of_step(node, target, percept, part)
         if part is None:
             refused = (norms.of_step(node, target, percept, each) for each in known)
             refusal = refusal or next(filter(None, refused), None)
         if refusal is None or self._part:
             return part, refusal
-        grip = self._context.grips.get(percept.object)
-        for each in sorted(known, key=lambda name: name != grip):
+        for each in known:
             if norms.of_step(node, target, percept, each) is None:
                 if self.decision:
                     self.decision = replace(self.decision, allowed_part=each)
@@ -499,7 +496,7 @@ class TreeExecutor:
                 return None, self._no_part("no_part", percept, part=part)
             return part, None
         if decision and inference.denied:
-            allowed = self._allowed_part(percept, inference)
+            allowed = next(iter(self._allowed_parts(percept, inference)), None)
             self.decision = replace(decision, allowed_part=allowed)
             return allowed, None if allowed else self._no_part("no_part_allowed", percept)
         unsure = [each for each in inference.candidates if each.verdict == "unsure"]
@@ -532,8 +529,8 @@ class TreeExecutor:
     def _no_part(self, key: str, percept: Percept, **slots: str) -> AnswerContent:
         return AnswerContent(key, {"object": percept.object, **slots}, "failed", "no_part")
 
-    def _allowed_part(self, percept: Percept, inference: Inference) -> str | None:
-        """Return a part that is not forbidden: the one made for holding, or else one in view."""
+    def _allowed_parts(self, percept: Percept, inference: Inference) -> list[str]:
+        """The known parts that no rule forbids: the one made for holding, then those in view."""
         forbidden = [each.argument for each in inference.denied]
         above = self._context.affordances.taxonomy.above
         known = dict.fromkeys((*percept.parts, *self._context.parts.get(percept.object, ())))
@@ -543,7 +540,7 @@ class TreeExecutor:
             if not any(kind in forbidden for kind, _ in above(Atom("part", part)))
         ]
         grip = self._context.grips.get(percept.object)
-        return grip if grip in allowed else next(iter(allowed), None)
+        return sorted(allowed, key=lambda part: part != grip)
 
     def _lacks(self, percept: Percept, part: str) -> bool:
         """Whether an object is known to have no such part, rather than it being out of view."""

@@ -37,7 +37,6 @@ from ..verification.finite_cases import (
     check_words,
 )
 from ..verification.hypotheses import COMMANDS, check_growth, check_situations, check_teaching
-from ..verification.scenario_space import ScenarioSpace
 from ..verification.weak_orders import WeakOrderClass, weak_order_blocks
 
 FIXED: Mapping[str, Callable[..., CheckResult]] = {
@@ -107,20 +106,16 @@ class AllScenariosExperiment(Experiment):
         return {"certificate.json": make_certificate(self._space, self._facts(results), pinned)}
 
     @cached_property
-    def _space(self) -> ScenarioSpace:
-        return ScenarioSpace.from_paper(self.objects, self.affordances)
-
-    @cached_property
-    def _taught_space(self) -> VerbalizedSpace:
-        return VerbalizedSpace(self._space)
+    def _space(self) -> VerbalizedSpace:
+        return VerbalizedSpace.from_paper(self.objects, self.affordances)
 
     def _run(self, spec: Json) -> CheckResult:
         ((what, numbers),) = cast("Mapping[str, list[int]]", spec).items()
         if what == "choices":
             return WeakOrderClass(self.objects, *numbers).verify()
         if what in DRAWN:
-            return DRAWN[what](self._taught_space, self.seed, *numbers)
-        return FIXED[what](self._taught_space, *numbers)
+            return DRAWN[what](self._space, self.seed, *numbers)
+        return FIXED[what](self._space, *numbers)
 
     @staticmethod
     def _facts(results: Sequence[CaseResult]) -> dict[str, list[Json]]:

@@ -17,8 +17,8 @@ from ....kb.interval import VACUOUS
 from ....kb.rule import DEFAULT_SPEAKER, Rule
 from ....nlu.language import Language
 from ....nlu.semantics import meaning
-from ....ontology.objects import load_household
 from ....sim.scene.scene import Placement, Scene
+from ...config import household
 from ...dialogue.translation import request_from_command, rule_from_meaning
 from ...execution.outcome import Json
 from ...execution.perception import PerfectVision
@@ -37,12 +37,8 @@ DIGITS = 9  # precision of written scores; exact for the levels of the paper
 FINDING = "pointTo"  # the action that only finds an object
 
 
-class VerbalizedSpace:
+class VerbalizedSpace(ScenarioSpace):
     """A space of learning scenarios, with the language that teaches them."""
-
-    def __init__(self, space: ScenarioSpace) -> None:
-        self.space = space
-        self._statements: dict[str, frozenset[GraphStatement]] = {}
 
     @cached_property
     def language(self) -> Language:
@@ -52,8 +48,8 @@ class VerbalizedSpace:
     @cached_property
     def rules(self) -> dict[tuple[RuleKey, str], Rule]:
         """Cell and level -> the rule that its sentence teaches."""
-        cells = ((cell, level) for cell in self.space.cells for level in LEVELS)
-        return {key: self.rule(self.space.sentence(*key)) for key in cells}
+        cells = ((cell, level) for cell in self.cells for level in LEVELS)
+        return {key: self.rule(self.sentence(*key)) for key in cells}
 
     def rule(self, sentence: str) -> Rule:
         """Return the only rule that a sentence teaches."""
@@ -62,6 +58,10 @@ class VerbalizedSpace:
             raise TypeError(f'"{sentence}" is not understood as a statement: {said}.')
         (rule,) = said.rules
         return rule_from_meaning(rule, DEFAULT_SPEAKER)
+
+    @cached_property
+    def _statements(self) -> dict[str, frozenset[GraphStatement]]:
+        return {}
 
     def statements_of(self, sentence: str) -> frozenset[GraphStatement]:
         """Return the graph of beliefs after telling one sentence only, or none if it is empty."""
@@ -72,31 +72,30 @@ class VerbalizedSpace:
 
     def taught_agent(self, codes: Sequence[int]) -> TaughtAgent:
         """Return an agent that was taught a learning scenario."""
-        cells = zip(self.space.cells, codes, strict=True)
+        cells = zip(self.cells, codes, strict=True)
         return TaughtAgent(
             self.rules[cell, level] for cell, code in cells for level in levels_of(code)
         )
 
     def cell_mask(self, cells: Iterable[RuleKey]) -> int:
         """Return the bit mask of a set of cells."""
-        return sum(1 << self.space.index[cell] for cell in set(cells))
+        return sum(1 << self.index[cell] for cell in set(cells))
 
 
 # --- Words -------------------------------------------------------------------------------------
 
 
-def check_words(taught_space: VerbalizedSpace) -> CheckResult:
+def check_words(space: VerbalizedSpace) -> CheckResult:
     """Check the rules of all sentences, the goals of all commands, and perception of all scenes."""
-    space = taught_space.space
     taught = [
         [space.sentence(*key), space.index[RuleKey.from_rule(rule)], *astuple(rule.interval)]
-        for key, rule in taught_space.rules.items()
+        for key, rule in space.rules.items()
     ]
-    asked = [_command(taught_space, text) for text, *_ in space.commands()]
+    asked = [_command(space, text) for text, *_ in space.commands()]
     seen = [_seen(space, mask) for mask in range(2 ** len(space.objects))]
     wanted = [
         [space.sentence(cell, level), space.index[cell], CONFIDENCES[level], 1.0]
-        for cell, level in taught_space.rules
+        for cell, level in space.rules
     ]
     commands = [list(each) for each in space.commands()]
     pairs = ((taught, wanted), (asked, commands), (seen, range(len(seen))))
@@ -104,21 +103,21 @@ def check_words(taught_space: VerbalizedSpace) -> CheckResult:
     return {"sentences": taught, "commands": asked, "scenes": seen}, wrong
 
 
-def _command(taught_space: VerbalizedSpace, text: str) -> list[str | int]:
-    said = taught_space.language.understand(text).meaning
+def _command(space: VerbalizedSpace, text: str) -> list[str | int]:
+    said = space.language.understand(text).meaning
     if not isinstance(said, meaning.Command):
         return [text, -1, -1]
     request = request_from_command(said, DEFAULT_SPEAKER)
     target = request.arguments["object"]
     wanted = target.used_for if isinstance(target, Target) else None
-    affordances = taught_space.space.affordances
+    affordances = space.affordances
     number = affordances.index(wanted) if wanted in affordances else -1
     return [text, list(ACTIONS).index(request.action), number]
 
 
 def _seen(space: ScenarioSpace, mask: int) -> int:
     things = tuple(Placement(name, name) for name in space.scene(mask))
-    vision = PerfectVision(Scene(things, seed=0), load_household().objects)
+    vision = PerfectVision(Scene(things, seed=0), household().objects)
     found = vision.search([f"object:{name}" for name in space.objects])
     return space.mask([percept.object for percept in found if percept.confidence == 1.0])
 
@@ -132,7 +131,7 @@ def differences(found: Sequence[object], wanted: Sequence[object]) -> list[str]:
 # --- Scores ------------------------------------------------------------------------------------
 
 
-def check_scores(taught_space: VerbalizedSpace, shift: int) -> CheckResult:
+def check_scores(space: VerbalizedSpace, shift: int) -> CheckResult:
     """Check the score of each cell at one code, among cells of other codes.
 
     A row is lower, upper, lambda, accepted, then the cells of the proof, those that were read, and
@@ -140,15 +139,15 @@ def check_scores(taught_space: VerbalizedSpace, shift: int) -> CheckResult:
     Each score must be the same, to the last bit, with all objects in the scene and if only its own
     cell was taught; and evaluating its proof again must give the same interval.
     """
-    cells, objects = taught_space.space.cells, taught_space.space.objects
-    codes = taught_space.space.shifted(shift)
-    with taught_space.taught_agent(codes) as taught:
-        found = [_score(taught_space, taught, cell) for cell in cells]
+    cells, objects = space.cells, space.objects
+    codes = space.shifted(shift)
+    with space.taught_agent(codes) as taught:
+        found = [_score(space, taught, cell) for cell in cells]
         full = [candidate_of(cell, decide_about(taught, cell, objects)) for cell in cells]
     wrong: list[str] = []
     for cell, code, (candidate, row), other in zip(cells, codes, found, full, strict=True):
-        with TaughtAgent(taught_space.rules[cell, level] for level in levels_of(code)) as taught:
-            alone, _ = _score(taught_space, taught, cell)
+        with TaughtAgent(space.rules[cell, level] for level in levels_of(code)) as taught:
+            alone, _ = _score(space, taught, cell)
         is_same = _bounds(candidate) == _bounds(other) == _bounds(alone)
         # Evaluating the proof again must give the interval of the candidate.
         is_proven = not candidate or candidate.proof.evaluate(Operators()) == candidate.interval
@@ -158,14 +157,14 @@ def check_scores(taught_space: VerbalizedSpace, shift: int) -> CheckResult:
 
 
 def _score(
-    taught_space: VerbalizedSpace, taught: TaughtAgent, cell: RuleKey
+    space: VerbalizedSpace, taught: TaughtAgent, cell: RuleKey
 ) -> tuple[Candidate | None, list[float]]:
     """Return the candidate of a cell with only its object in the scene, and its row."""
     decided = decide_about(taught, cell, [cell.object])
     candidate = candidate_of(cell, decided)
     rules = candidate.rules if candidate else ()
     sets = (map(RuleKey.from_rule, rules), decided.read, decided.listed)
-    return candidate, [*score_of(candidate), *map(taught_space.cell_mask, sets)]
+    return candidate, [*score_of(candidate), *map(space.cell_mask, sets)]
 
 
 def score_of(candidate: Candidate | None) -> list[float]:
@@ -202,13 +201,13 @@ def _bounds(candidate: Candidate | None) -> tuple[float, float]:
 # --- Grasps ------------------------------------------------------------------------------------
 
 
-def check_grasps(taught_space: VerbalizedSpace, first: int) -> CheckResult:
+def check_grasps(space: VerbalizedSpace, first: int) -> CheckResult:
     """Check the choice between the parts of each object, one at code `first`, the other at any.
 
     A row contains the bit mask of the acceptable parts for each object and context.
     """
-    codes = range(taught_space.space.full + 1)
-    rows = [_grasp_row(taught_space, first, second) for second in codes]
+    codes = range(space.full + 1)
+    rows = [_grasp_row(space, first, second) for second in codes]
     wrong = [
         f"codes {first} and {second} give {mask}"
         for second, row in enumerate(rows)
@@ -218,14 +217,13 @@ def check_grasps(taught_space: VerbalizedSpace, first: int) -> CheckResult:
     return {"rows": rows}, wrong
 
 
-def _grasp_row(taught_space: VerbalizedSpace, first: int, second: int) -> list[int]:
-    space = taught_space.space
+def _grasp_row(space: VerbalizedSpace, first: int, second: int) -> list[int]:
     firsts = {(name, space.parts[name][0]) for name in space.objects}
     codes = [
         (first if (cell.object, cell.argument) in firsts else second) if cell.context else 0
         for cell in space.cells
     ]
-    with taught_space.taught_agent(codes) as taught:
+    with space.taught_agent(codes) as taught:
         return [
             parts_mask(space, name, taught.decide(context, Target(object=name), [name]).part)
             for name in space.objects

@@ -46,12 +46,12 @@ COMMANDS = 5  # given in each random learning scenario
 Choice = list[int]  # scene, action, affordance, acceptable objects, acceptable parts of the first
 
 
-def check_teaching(taught_space: VerbalizedSpace, seed: int, number: int) -> CheckResult:
+def check_teaching(space: VerbalizedSpace, seed: int, number: int) -> CheckResult:
     """Check H1: teach a random learning scenario by sentence, read it back, and give commands.
 
     The number of rules is log-uniform: few and many are equally likely. Number 0 is all rules.
     """
-    space, rng = taught_space.space, _random(seed, number)
+    rng = _random(seed, number)
     share = (len(space.cells) * len(LEVELS)) ** (rng.random() - 1)
     codes = space.drawn(rng, share if number else 1.0)
     sizes = (2 ** len(space.objects), len(ACTIONS), len(space.affordances))
@@ -63,7 +63,7 @@ def check_teaching(taught_space: VerbalizedSpace, seed: int, number: int) -> Che
         held = _read_back(space, agent.base.rules())
         statements = belief_statements(agent.base)
         choices = [_commanded(space, agent, *each) for each in asked]
-    apart = (taught_space.statements_of(each) for each in ("", *once))
+    apart = (space.statements_of(each) for each in ("", *once))
     wrong = [] if held == list(codes) else [f"{codes} is read back as {held}"]
     if statements != frozenset[GraphStatement]().union(*apart):
         wrong.append("the beliefs are not the union of the beliefs from each sentence")
@@ -102,34 +102,28 @@ def _masks(space: ScenarioSpace, found: Inference | None, part: Inference | None
     return [space.mask(names), parts_mask(space, names[0], part) if names else 0]
 
 
-def check_situations(
-    taught_space: VerbalizedSpace, seed: int, number: int, action: int
-) -> CheckResult:
+def check_situations(space: VerbalizedSpace, seed: int, number: int, action: int) -> CheckResult:
     """Check H2: one action in all scenes for all affordances, with the cells that were read.
 
     A line of the digest gives the scene, the affordance, the acceptable objects, the acceptable
     parts of the first of them, the cells read, and those whose rules were met. Number 0 is the
     learning scenario of all rules.
     """
-    space = taught_space.space
     codes = space.drawn(_random(seed, number), 0.5 if number else 1.0)
-    with taught_space.taught_agent(codes) as taught:
-        lines = list(_situations(taught_space, taught, action))
+    with space.taught_agent(codes) as taught:
+        lines = list(_situations(space, taught, action))
     truth = [[*each[:2], *_definition(space, codes, each[0], action, each[1])] for each in lines]
     counts = [sum(min(line[2].bit_count(), 2) == n for line in lines) for n in range(3)]
     facts = {"codes": codes, "none": counts[0], "unique": counts[1], "ties": counts[2]}
     return {**facts, "digest": _digest(lines)}, differences(lines, truth)
 
 
-def _situations(
-    taught_space: VerbalizedSpace, taught: TaughtAgent, action: int
-) -> Iterator[list[int]]:
-    space = taught_space.space
+def _situations(space: VerbalizedSpace, taught: TaughtAgent, action: int) -> Iterator[list[int]]:
     for mask in range(2 ** len(space.objects)):
         for number, affordance in enumerate(space.affordances):
             target = Target(used_for=affordance)
             decided = taught.decide([*ACTIONS][action], target, space.scene(mask))
-            sets = map(taught_space.cell_mask, (decided.read, decided.listed))
+            sets = map(space.cell_mask, (decided.read, decided.listed))
             yield [mask, number, *_masks(space, decided.object, decided.part), *sets]
 
 
@@ -151,13 +145,13 @@ def _definition(
     return [sum(1 << i for i in objects), parts, *sets]
 
 
-def check_growth(taught_space: VerbalizedSpace, seed: int, number: int) -> CheckResult:
+def check_growth(space: VerbalizedSpace, seed: int, number: int) -> CheckResult:
     """Check H2: teach all rules one by one; after each, the scores of the cells of its node.
 
     A line of the digest gives lower, upper, lambda and accepted for each of these cells.
     """
-    space, rng = taught_space.space, _random(seed, number)
-    rules = list(taught_space.rules.items())
+    rng = _random(seed, number)
+    rules = list(space.rules.items())
     order = sorted(range(len(rules)), key=lambda _: rng.random())
     codes = [0] * len(space.cells)
     lines: list[list[float]] = []

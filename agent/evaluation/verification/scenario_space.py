@@ -13,10 +13,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from random import Random
+from typing import TYPE_CHECKING
 
 from ....kb.rule import Rule
-from ....ontology.objects import load_household
+from ...config import household
 from ..learning_scenarios import ACTIONS, CONTEXTS, LEVELS, command, load_scenarios, rule_sentence
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
 
 # Table 2: level -> confidence
 CONFIDENCES: Mapping[str, float] = dict(zip(LEVELS, (0.95, 0.75, 0.5, 0.25), strict=True))
@@ -57,11 +61,11 @@ class ScenarioSpace:
     parts: Mapping[str, tuple[str, ...]]
 
     @classmethod
-    def from_paper(cls, objects: int = 8, affordances: int = 5) -> ScenarioSpace:
+    def from_paper(cls, objects: int = 8, affordances: int = 5) -> Self:
         """Return the space of the paper, or of its first few objects and affordances."""
         scenario, _ = load_scenarios()
         names = tuple(scenario.grasps)[:objects]
-        types = load_household().objects
+        types = household().objects
         parts = {name: tuple(types[name].parts) for name in names}
         return cls(names, tuple(scenario.affordances)[:affordances], parts)
 

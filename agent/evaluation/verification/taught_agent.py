@@ -16,7 +16,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, field, fields
-from functools import cache
 from typing import TypeAlias
 
 from ....inference.affordance import Affordances, RuleSource
@@ -27,10 +26,8 @@ from ....inference.types import Candidate, Inference, Target
 from ....kb.knowledge_base import KnowledgeBase
 from ....kb.rdf.rule_mapping import BELIEFS, DERIVED_FROM, GENERATED_AT
 from ....kb.rule import DEFAULT_SPEAKER, Rule
-from ....ontology.actions import load_actions
-from ....ontology.objects import load_household
 from ....sim.scene.scene import Placement, Scene
-from ...config import open_base
+from ...config import actions_with, household, open_base
 from ...execution.goal_manager import GoalManager
 from ...execution.outcome import Decision
 from ...execution.perception import PerfectVision
@@ -39,10 +36,6 @@ from .scenario_space import RuleKey
 
 GraphStatement: TypeAlias = "tuple[object, ...]"  # subject, predicate, object
 PROVENANCE = (DERIVED_FROM, GENERATED_AT)
-
-# The data of the package never changes and is read once.
-_objects = cache(lambda: load_household().objects)
-_actions = cache(load_actions)
 
 STATED = frozenset({"interval", "speaker", "utterance", "time", "status", "trust", "id", "support"})
 
@@ -122,8 +115,8 @@ class TaughtAgent(AbstractContextManager["TaughtAgent"]):
     def decide(self, action: str, target: Target, scene: Sequence[str]) -> TracedDecision:
         """Decide about a command, with perfect detection of the objects in the scene."""
         things = Scene(tuple(Placement(name, name) for name in scene), seed=0)
-        vision = PerfectVision(things, _objects())
-        manager = GoalManager(_actions(), self._affordances, vision, None, self._norms)
+        vision = PerfectVision(things, household().objects)
+        manager = GoalManager(actions_with(None), self._affordances, vision, None, self._norms)
         trace = self._source.trace
         trace.listed.clear()
         trace.read.clear()

@@ -24,7 +24,7 @@ from hilt.agent.evaluation.verification.hypotheses import (
     check_situations,
     check_teaching,
 )
-from hilt.agent.evaluation.verification.scenario_space import RuleKey, ScenarioSpace, belief
+from hilt.agent.evaluation.verification.scenario_space import RuleKey, belief
 from hilt.agent.evaluation.verification.taught_agent import TaughtAgent, TracingSource
 from hilt.agent.evaluation.verification.weak_orders import (
     OpaqueScore,
@@ -170,7 +170,7 @@ def test_another_fusion_is_found_out(monkeypatch):
     other = Settings(operators=Operators(fusion="mean"))
     monkeypatch.setattr(Settings, "load", classmethod(lambda cls: other))
 
-    _, wrong = check_scores(VerbalizedSpace(ScenarioSpace.from_paper(1, 1)), shift=3)
+    _, wrong = check_scores(VerbalizedSpace.from_paper(1, 1), shift=3)
 
     assert wrong
 
@@ -178,7 +178,7 @@ def test_another_fusion_is_found_out(monkeypatch):
 @pytest.fixture(scope="module")
 def taught_space() -> VerbalizedSpace:
     """Three objects, one affordance: a node has up to 12 or 24 rules."""
-    return VerbalizedSpace(ScenarioSpace.from_paper(3, 1))
+    return VerbalizedSpace.from_paper(3, 1)
 
 
 def hide_at_node(monkeypatch, hidden, owner=KnowledgeBase, name="rules_at_nodes"):
@@ -321,7 +321,7 @@ def test_base_that_forgets_is_found_out(monkeypatch):
 
     monkeypatch.setattr(KnowledgeBase, "believe", forgetful)
 
-    _, wrong = check_teaching(VerbalizedSpace(ScenarioSpace.from_paper(1, 1)), 0, 0)
+    _, wrong = check_teaching(VerbalizedSpace.from_paper(1, 1), 0, 0)
 
     assert "the beliefs are not the union of the beliefs from each sentence" in wrong
 
