@@ -156,16 +156,24 @@ def read_yaml(path: Path) -> YamlNode:
     Raises:
         DataError: the file cannot be read, is not UTF-8 or YAML, or uses a rejected feature.
     """
+    return parse_yaml(read_text(path, most_bytes=MAX_BYTES), source=str(path))
+
+
+def read_text(path: Path, *, most_bytes: int | None = None) -> str:
+    """Return the text of a file in UTF-8, without a byte order mark.
+
+    Raises:
+        DataError: it cannot be read, is larger than `most_bytes`, or is not UTF-8.
+    """
     try:
-        if path.stat().st_size > MAX_BYTES:
-            raise DataError(f"the file is larger than {MAX_BYTES} bytes.", source=str(path))
-        text = path.read_text(encoding="utf-8")
+        if most_bytes is not None and path.stat().st_size > most_bytes:
+            raise DataError(f"the file is larger than {most_bytes} bytes.", source=str(path))
+        return path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError as error:
         problem = f"expected UTF-8 text; byte {error.start} is not."
         raise DataError(problem, source=str(path)) from error
     except OSError as error:
         raise DataError(f"cannot be read: {error.strerror}.", source=str(path)) from error
-    return parse_yaml(text, source=str(path))
 
 
 def parse_yaml(text: str, *, source: str = "<text>") -> YamlNode:

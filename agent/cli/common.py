@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, Literal, cast
 import typer
 
 from ...ontology.errors import DataError, HiltError, StoreError, ValidationError
+from ...ontology.yaml_reader import read_text
 from .. import config, presentation
 from ..config import open_base
 from ..presentation.plain_text import printable
@@ -131,20 +132,6 @@ def read_sparql(text_or_file: str) -> str:
     if looks_like_file and Path(text_or_file).suffix in {".rq", ".ru", ".sparql"}:
         return read_text(Path(text_or_file))
     return text_or_file
-
-
-def read_text(path: Path) -> str:
-    """Return the text of a file in UTF-8, without a byte order mark.
-
-    Raises:
-        DataError: it cannot be read, or is not UTF-8.
-    """
-    try:
-        return path.read_text(encoding="utf-8-sig")
-    except OSError as error:
-        raise DataError(f"cannot be read: {error.strerror}.", source=str(path)) from error
-    except UnicodeDecodeError as error:
-        raise DataError("expected UTF-8 text.", source=str(path)) from error
 
 
 def print_json(document: object) -> None:

@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING, Annotated, cast
 import typer
 
 from ...ontology.errors import DataError
+from ...ontology.yaml_reader import read_text
 from .. import presentation
 from .common import (
     announce,
     exit_with,
     print_json,
-    read_text,
     report_error,
     show,
     utterances,

@@ -6,7 +6,7 @@ of candidates: `nlu.generation` words an answer from its `key` and `slots`.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -181,6 +181,14 @@ class Decision:
         """The proofs of the object and of the part, or of the likeliest candidates."""
         shown = [(*each.candidates, *each.absent)[:1] for each in self.inferences]
         return tuple(candidate.proof for first in shown for candidate in first)
+
+    def explained(self) -> Iterator[tuple[str, list[str]]]:
+        """Yield a line about every candidate of every node, with the lines of its proof."""
+        for node in self.inferences:
+            for candidate in (*node.candidates, *node.absent):
+                about = f"{candidate.name} {candidate.argument or ''}".strip()
+                line = f"{about}: {candidate.verdict}, {candidate.reason}"
+                yield line, [f"  {each}" for each in candidate.proof.lines()]
 
     def proofs_as_json(self) -> list[Json]:
         """Every candidate of every node with its proof."""

@@ -205,11 +205,8 @@ def explanation(reply: Reply, changes: Sequence[Counterfactual]) -> RenderableTy
         if verdict.forbidding and verdict.proof:
             parts.append(Text(f"forbidden by {verdict.forbidding!r}", "bold"))
             parts.append(Text("\n".join(f"  {line}" for line in verdict.proof.lines())))
-    for inference in decision.inferences if decision else ():
-        for candidate in (*inference.candidates, *inference.absent):
-            about = f"{candidate.name} {candidate.argument or ''}".strip()
-            parts.append(Text(f"{about}: {candidate.verdict}, {candidate.reason}", "bold"))
-            parts.append(Text("\n".join(f"  {line}" for line in candidate.proof.lines())))
+    for about, proof in decision.explained() if decision else ():
+        parts += [Text(about, "bold"), Text("\n".join(proof))]
     if changes:
         rows = (
             (str(c.evidence.interval), str(c.after), c.evidence.about, c.chosen or "nothing")

@@ -9,6 +9,7 @@ random scenes are compared with the file.
 from __future__ import annotations
 
 import csv
+import io
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -22,6 +23,7 @@ from ....kb.rule import Rule
 from ....ontology.actions import load_actions
 from ....ontology.errors import DataError, HiltError
 from ....ontology.objects import ObjectType
+from ....ontology.yaml_reader import read_text
 from ....sim.scene.scene import Scene, scene_with
 from ...agent import Agent
 from ...config import household, load_language, open_base
@@ -71,11 +73,7 @@ def read_facts(path: Path) -> list[Fact]:
     Raises:
         DataError: the file cannot be read, or a row is wrong; gives the line.
     """
-    try:
-        with path.open(encoding="utf-8-sig", newline="") as file:
-            rows = list(csv.DictReader(file, delimiter="\t"))
-    except (OSError, UnicodeDecodeError) as error:
-        raise DataError(f"cannot be read: {error}.", source=str(path)) from error
+    rows = csv.DictReader(io.StringIO(read_text(path)), delimiter="\t")
     return [_fact(row, str(path), line) for line, row in enumerate(rows, start=2)]
 
 

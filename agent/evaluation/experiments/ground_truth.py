@@ -10,12 +10,12 @@ what it chose and takes the next best object has decided right but not succeeded
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 from ....inference.types import Candidate
 from ...dialogue.reply import Reply
-from ...execution.outcome import Decision, GoalResult, Json, WorldOutcome
+from ...execution.outcome import GoalResult, Json, WorldOutcome
 from ..case import Case, CaseResult, Kind
 from ..learning_scenarios import LearningScenario
 
@@ -146,12 +146,6 @@ def _grasp_facts(world: WorldOutcome, taken: str, parts: Collection[str]) -> Jso
 def explain_reply(reply: Reply) -> list[str]:
     """Return the command and its answer, then every candidate with its verdict and proof."""
     decision = reply.result.decision if reply.result else None
-    return [reply.text, reply.said, *(_candidate_lines(decision) if decision else ())]
-
-
-def _candidate_lines(decision: Decision) -> Iterator[str]:
-    for inference in (decision.object, decision.part):
-        for candidate in (*inference.candidates, *inference.absent) if inference else ():
-            about = f"{candidate.name} {candidate.argument or ''}".strip()
-            yield f"{about}: {candidate.verdict}, {candidate.reason}"
-            yield from (f"  {line}" for line in candidate.proof.lines())
+    explained = decision.explained() if decision else ()
+    lines = (line for about, proof in explained for line in (about, *proof))
+    return [reply.text, reply.said, *lines]

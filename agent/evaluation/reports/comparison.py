@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar, cast
 
 from ....ontology.errors import DataError
+from ....ontology.yaml_reader import read_text
 from ...execution.outcome import Json
 
 if TYPE_CHECKING:
@@ -68,12 +69,9 @@ def compare(first: Path, second: Path) -> EvaluationComparison:
 
 
 def _read(path: Path) -> Json:
+    text = read_text(path)
     try:
-        document: object = json.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise DataError(f"cannot be read: {error.strerror}.", source=str(path)) from error
-    except UnicodeDecodeError as error:
-        raise DataError("expected UTF-8 text.", source=str(path)) from error
+        document: object = json.loads(text)
     except ValueError as error:
         raise DataError(f"is not JSON: {error}.", source=str(path)) from error
     if not isinstance(document, dict) or "runs" not in document:
