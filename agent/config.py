@@ -7,11 +7,11 @@ same names as keys, and the command line makes its options from the same declara
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields, replace
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from ..ontology.errors import DataError, HiltError
 from ..ontology.yaml_reader import YamlNode, read_yaml
@@ -25,6 +25,7 @@ if TYPE_CHECKING:  # at run time only where they are needed, so that `hilt --hel
     from ..ontology.actions import Actions
     from ..ontology.objects import Household
 
+T = TypeVar("T")
 FILES = (".yaml", ".yml")
 
 
@@ -157,17 +158,9 @@ OPTIONS: Mapping[str, ConfigOption] = {
 
 
 @cache
-def _own_household() -> Household:
-    from ..ontology.objects import load_household
-
-    return load_household()
-
-
-@cache
-def _own_actions() -> Actions:
-    from ..ontology.actions import load_actions
-
-    return load_actions()
+def _read_once(load: Callable[[], T]) -> T:
+    """What comes with Hilt, which never changes."""
+    return load()
 
 
 @cache
@@ -191,7 +184,7 @@ def household(path: Path | None = None) -> Household:
     """
     from ..ontology.objects import load_household
 
-    return load_household(path, added_to=_own_household()) if path else _own_household()
+    return load_household(path, added_to=household()) if path else _read_once(load_household)
 
 
 def load_language(kinds: Household, lexicon: Path | None = None) -> Language:
@@ -212,7 +205,7 @@ def actions_with(path: Path | None) -> Actions:
     """
     from ..ontology.actions import load_actions
 
-    return load_actions(path, added_to=_own_actions()) if path else _own_actions()
+    return load_actions(path, added_to=actions_with(None)) if path else _read_once(load_actions)
 
 
 def default_location() -> Path:
@@ -238,7 +231,7 @@ def open_base(
     from ..kb.knowledge_base import KnowledgeBase
 
     base = KnowledgeBase.open(location or default_location())
-    base.load_domain((kinds or household()).objects, actions or _own_actions())
+    base.load_domain((kinds or household()).objects, actions or actions_with(None))
     return base
 
 

@@ -12,13 +12,14 @@ definitions of docs/inference.md, written here again in exact fractions, without
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache, cached_property
 from math import log2, prod
 from random import Random
 from typing import ClassVar
 
+from hilt.agent.agent import Agent
 from hilt.agent.config import household
 from hilt.agent.evaluation.experiments.paper import PaperExperiment
 from hilt.agent.evaluation.learning_scenarios import CONTEXTS, load_scenarios, rule_sentence
@@ -121,7 +122,6 @@ class DisputedScenario:
 
     name: str
     seed: int
-    trust: Mapping[str, str] = field(default_factory=lambda: TRUST)
 
     @property
     def affordances(self) -> tuple[str, ...]:
@@ -190,6 +190,13 @@ class TeachersExperiment(PaperExperiment):
     def scenarios(self) -> Mapping[str, DisputedScenario]:
         """Two disputed scenarios."""
         return {name: DisputedScenario(name, self.seed) for name in "AB"}
+
+    def new_agent(self) -> Agent:
+        """Return an agent that trusts the teachers to their degrees."""
+        agent = super().new_agent()
+        for speaker, trust in TRUST.items():
+            agent.base.set_trust(speaker, float(trust))
+        return agent
 
     def _covers(self, _: object) -> bool:
         """Take the scenes as they come: a seed may have no two objects with equal opinions."""

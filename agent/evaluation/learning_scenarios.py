@@ -38,11 +38,6 @@ class LearningScenario:
     levels: tuple[str, ...] = LEVELS
 
     @property
-    def trust(self) -> Mapping[str, str]:
-        """The trust in the only speaker is the default."""
-        return {}
-
-    @property
     def objects(self) -> tuple[str, ...]:
         """The objects."""
         return tuple(self.grasps)

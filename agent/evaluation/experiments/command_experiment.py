@@ -118,8 +118,6 @@ class DecisionExperiment(Experiment):
 
 def teach(scenario: LearningScenario, agent: Agent) -> Agent:
     """Tell an agent the sentences of a scenario, and return it."""
-    for speaker, trust in scenario.trust.items():
-        agent.base.set_trust(speaker, float(trust))
     for speaker, sentence in scenario.told():
         agent.hear(sentence, speaker=speaker, only="tell")
     return agent

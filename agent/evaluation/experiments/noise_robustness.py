@@ -14,7 +14,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from random import Random
-from typing import ClassVar, Literal, cast
+from typing import Any, ClassVar, Literal, cast
 
 from ....ontology.errors import HiltError, UnknownNameError
 from ....sim.scene.scene import scene_with
@@ -83,11 +83,9 @@ class NoiseExperiment(Experiment):
 
     def run(self, case: Case) -> CaseResult:
         """Teach a scenario, give the 15 commands, and count the outcomes."""
-        curve = CURVES[str(case.spec["curve"])]
-        line, value = str(case.spec["line"]), cast("float", case.spec["value"])
-        trial = cast("int", case.spec["trial"])
-        trial_run = _Trial(curve, line, value, trial, self.seed, self.sim)
-        outcomes = list(trial_run.outcomes())
+        spec = cast("dict[str, Any]", case.spec)
+        curve, line, value = CURVES[spec["curve"]], str(spec["line"]), float(spec["value"])
+        outcomes = list(_Trial(curve, line, value, spec["trial"], self.seed, self.sim).outcomes())
         counted = Counter(outcome for outcome, _ in outcomes)
         facts: Json = {"commands": len(outcomes), **{name: counted[name] for name in OUTCOMES}}
         facts["why"] = [f"{outcome}: {text}" for outcome, text in outcomes if outcome != "right"]
@@ -133,7 +131,7 @@ class _Trial:
 
     @cached_property
     def _scenario(self) -> LearningScenario:
-        return _scenarios()[self.trial % 2]
+        return _scenarios()["AB"[self.trial % 2]]
 
     def _recognised(self, text: str, chance: float) -> str:
         if self.curve.name != "speech":
@@ -186,12 +184,14 @@ def _claim(curves: Sequence[Json]) -> Json:
     }
 
 
-_scenarios = lru_cache(maxsize=1)(load_scenarios)
+@lru_cache(maxsize=1)
+def _scenarios() -> Mapping[str, LearningScenario]:
+    return {scenario.name: scenario for scenario in load_scenarios()}
 
 
 @lru_cache(maxsize=1)
 def _vocabulary() -> tuple[str, ...]:
-    scenario, _ = _scenarios()
+    scenario = _scenarios()["A"]
     commands = [command(action, use) for action in ACTIONS for use in scenario.affordances]
     words = {word for text in (*scenario.sentences(), *commands) for word in text.split()}
     return tuple(sorted(words))
@@ -199,15 +199,15 @@ def _vocabulary() -> tuple[str, ...]:
 
 @lru_cache(maxsize=4)
 def _correctly_taught(scenario: str, noise: str, choices: str) -> Agent:
-    return _taught_by(_named(scenario).sentences(), noise=noise, choices=choices)
+    return _taught_by(_scenarios()[scenario].sentences(), noise=noise, choices=choices)
 
 
 @lru_cache(maxsize=4)
 def _contradicted(scenario: str, trust: float, share: float, choices: str, seed: str) -> Agent:
     """Return an agent taught by a trusted speaker, then by another who contradicts some rules."""
-    taught = _taught_by(_named(scenario).sentences(), choices=choices)
+    taught = _taught_by(_scenarios()[scenario].sentences(), choices=choices)
     taught.base.set_trust(OTHER, trust)
-    (opposite,) = (each for each in _scenarios() if each.name != scenario)
+    opposite = _scenarios()["B" if scenario == "A" else "A"]
     levels = (each for uses in opposite.affordances.values() for each in uses.values())
     sentences = opposite.sentences()[: sum(map(len, levels))]  # those about affordances come first
     rng = Random(seed)  # noqa: S311
@@ -223,11 +223,6 @@ def _taught_by(sentences: Sequence[str], *, noise: str = "", choices: str = "") 
         with suppress(HiltError):  # a misrecognised sentence may be invalid
             taught.hear(sentence, only="tell")
     return taught
-
-
-def _named(name: str) -> LearningScenario:
-    (scenario,) = (each for each in _scenarios() if each.name == name)
-    return scenario
 
 
 # --- Misrecognised sentences -------------------------------------------------------------
