@@ -204,6 +204,10 @@ class Actions:
         """Action -> the more general action, for the actions that have one."""
         return {name: tree.is_a for name, tree in self.trees.items() if tree.is_a}
 
+    def used_by(self, name: str) -> set[str]:
+        """Return the trees that a tree contains, directly or through others."""
+        return _reached(name, lambda tree: [step.action for step in tree.all_steps], self.trees)
+
     def _paths(self, name: str, path: str) -> Iterator[str]:
         yield path
         for step in self.trees[name].all_steps if name in self.trees else ():
@@ -237,7 +241,7 @@ def load_actions(path: Path = ACTIONS_FILE, *, added_to: Actions | None = None) 
     for name, spec in specs.items():
         trees[name] = _TreeReader(name, spec.entries(), signatures, failures).read()
     for name, spec in specs.items():
-        _reject_cycles(name, spec, trees)
+        _reject_cycles(name, spec, Actions(primitives, trees))
     return Actions(primitives, trees)
 
 
@@ -358,11 +362,11 @@ def _items(keys: Mapping[str, YamlNode], key: str) -> tuple[YamlNode, ...]:
     return keys[key].items() if key in keys else ()
 
 
-def _reject_cycles(name: str, spec: YamlNode, trees: Mapping[str, ActionTree]) -> None:
+def _reject_cycles(name: str, spec: YamlNode, actions: Actions) -> None:
     """Reject a tree that contains itself, directly or through others, or is a kind of itself."""
-    if name in _reached(name, lambda tree: [step.action for step in tree.all_steps], trees):
+    if name in actions.used_by(name):
         raise spec.fail(f'the tree "{name}" contains itself.')
-    if name in _reached(name, lambda tree: [tree.is_a] if tree.is_a else [], trees):
+    if name in _reached(name, lambda tree: [tree.is_a] if tree.is_a else [], actions.trees):
         raise spec.fail(f'the tree "{name}" would be a kind of itself.')
 
 

@@ -54,33 +54,31 @@ class ActionLessons:
     def _read(self) -> None:
         """Take over the taught actions of the base."""
         found = {each.name: definition_of(each) for each in self._base.actions()}
-        self._definitions = {
-            name: each for name, each in found.items() if name not in self._own.trees
-        }
+        definitions = {name: each for name, each in found.items() if name not in self._own.trees}
         uses = self._conversation.language.tool_acts
-        trees = {name: tree_from_definition(each, uses) for name, each in self._definitions.items()}
+        trees = {name: tree_from_definition(each, uses) for name, each in definitions.items()}
         self.actions = replace(self._own, trees={**self._own.trees, **trees})
-        frames = {n: d.links for n, d in self._definitions.items() if len(d.parameters) != 1}
-        words = [NewWord(name, "context", name) for name in self._definitions]
+        frames = {n: d.links for n, d in definitions.items() if len(d.parameters) != 1}
+        words = [NewWord(name, "context", name) for name in definitions]
         language = self._conversation.language.with_words(words)
         self._conversation.language = language.with_frames(frames)
 
     def learn(self, turn: UnderstoodTurn, said: ActionDefinition) -> Reply:
         """Learn an action, or ask how its first unknown step is done."""
         conversation = self._conversation
-        if said.action in self._reached(said):
+        actions = self._with(said)
+        if said.action in actions.used_by(said.action):
             return conversation.answered(turn, "calls_itself", "refused", goal=said.action)
-        unknown = next(self._unknown(said), None)
+        unknown = next((each for each in _acts(said) if each.goal not in actions.trees), None)
         if unknown:
             return self._ask(turn, said, unknown)
         spoken = " ".join(map(conversation.say, self._echo(said)))
-        nodes = self._with(said).nodes
         taught = TaughtAction(
             Atom("action", said.action),
             json.dumps(said.as_json()),
             turn.understood.text,
             turn.speaker,
-            nodes=tuple(each for each in nodes if each.split("/")[0] == said.action),
+            nodes=tuple(each for each in actions.nodes if each.split("/")[0] == said.action),
         )
         conversation.believe(turn, (), spoken, turn.understood.new_words, actions=[taught])
         self._read()
@@ -168,20 +166,6 @@ class ActionLessons:
     def _with(self, said: ActionDefinition) -> Actions:
         tree = tree_from_definition(said, self._conversation.language.tool_acts)
         return replace(self._own, trees={**self.actions.trees, said.action: tree})
-
-    def _unknown(self, said: ActionDefinition) -> Iterator[Act]:
-        """The steps whose actions are not known, in order."""
-        return (each for each in _acts(said) if each.goal not in self.actions.trees)
-
-    def _reached(self, said: ActionDefinition) -> set[str]:
-        """The actions that a definition uses, directly or through others."""
-        found: set[str] = set()
-        waiting = [said]
-        while waiting:
-            goals = {each.goal for each in _acts(waiting.pop())} - found
-            found |= goals
-            waiting += [self._definitions[goal] for goal in goals if goal in self._definitions]
-        return found
 
 
 def definition_of(taught: TaughtAction) -> ActionDefinition:
