@@ -10,7 +10,7 @@ import csv
 from collections.abc import Iterable, Iterator, Sequence
 from functools import lru_cache
 from operator import itemgetter
-from typing import TextIO, TypeAlias
+from typing import TextIO
 
 from ...ontology.errors import DataError, HiltError, ValidationError
 from ..bulk.nquads_reader import remember
@@ -24,7 +24,6 @@ COLUMNS = (
     *("speaker", "status", "time"),
 )
 REQUIRED = ("features", "functor", "lower")
-Cells: TypeAlias = Sequence[str]  # of a rule, one for each of `COLUMNS`
 
 
 def read_table(lines: Iterable[str], *, source: str) -> Iterator[Rule]:
@@ -44,11 +43,11 @@ def write_table(target: TextIO, rules: Iterable[Rule]) -> None:
     """Write a table with a row for each rule."""
     writer = csv.writer(target, lineterminator="\n")
     writer.writerow(COLUMNS)
-    writer.writerows(map(rule_cells, rules))
+    writer.writerows(map(_cells, rules))
 
 
-def rule_cells(rule: Rule) -> Cells:
-    """Return the cells of a rule."""
+def _cells(rule: Rule) -> tuple[str, ...]:
+    """The cells of a rule, one for each of `COLUMNS`."""
     argument_kind = ARGUMENT_KINDS.get(rule.functor)
     return (
         _write_atoms(rule.features, value_notation.FEATURE_KIND),

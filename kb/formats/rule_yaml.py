@@ -21,7 +21,7 @@ from ..rdf.terms import write_time
 from ..rule import ARGUMENT_KINDS, GRASP_OBJECT, NORMS, USED_FOR, Atom, Rule
 from . import value_notation
 
-MAX_LINE = 2**20  # characters
+_MAX_LINE = 2**20  # characters of an entry
 _CONCLUSIONS = ("affordance", "part", "functor", *NORMS)
 _KEYS = (
     *("object", "properties", "features", "context", "contexts", "material"),
@@ -49,7 +49,7 @@ def write_sheet(target: TextIO, rules: Iterable[Rule]) -> None:
     target.write("# Rules of Hilt, one a line: features, contexts, conclusion, interval.\nrules:")
     end = " []\n"
     for rule in rules:
-        entry = yaml.dump(_entry(rule), Dumper=dumper, width=MAX_LINE, **style)
+        entry = yaml.dump(_entry(rule), Dumper=dumper, width=_MAX_LINE, **style)
         target.write(f"\n  - {entry.rstrip()}")
         end = "\n"
     target.write(end)
