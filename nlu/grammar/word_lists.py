@@ -7,12 +7,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from itertools import chain
 from pathlib import Path
 
 from ...ontology.yaml_reader import read_yaml
-from .word_patterns import Slots, Steps, match_pattern, read_patterns, read_phrases
+from .word_patterns import ANY, SLOTS, Slots, Steps, match_pattern, read_patterns, read_phrases
 
 Phrase = tuple[str, ...]
 
@@ -22,20 +22,28 @@ class WordLists:
     """What one file lists.
 
     Attributes:
-        patterns: patterns by key.
-        groups: patterns by key, and by what they stand for.
+        patterns: by key what each pattern stands for, if anything, and its graph.
         phrases: single words and phrases by key.
     """
 
-    patterns: Mapping[str, tuple[Steps, ...]]
-    groups: Mapping[str, Mapping[str, tuple[Steps, ...]]]
+    patterns: Mapping[str, Sequence[tuple[str, Steps]]]
     phrases: Mapping[str, frozenset[Phrase]]
+
+    def of_group(
+        self, key: str, words: Sequence[str], start: int = 0
+    ) -> Iterator[tuple[str, int, Slots]]:
+        """Yield what the patterns of a key stand for that begin at a place, with end and slots."""
+        known = self._by_first_word[key]
+        first = words[start] if start < len(words) else ""
+        for name, step in known.get(first, known[""]):
+            for end, slots in match_pattern((step,), words, start):
+                yield name, end, slots
 
     def matches(
         self, key: str, words: Sequence[str], start: int = 0
     ) -> Iterator[tuple[int, Slots]]:
         """Yield where a pattern of a key may end that begins at a place, with its slots."""
-        return (each for steps in self.patterns[key] for each in match_pattern(steps, words, start))
+        return ((end, slots) for _, end, slots in self.of_group(key, words, start))
 
     def end(self, key: str, words: Sequence[str], start: int = 0) -> int:
         """The end of the longest pattern of a key that begins at a place; the place without one."""
@@ -45,14 +53,9 @@ class WordLists:
         """Whether a pattern of a key is all of some words from a place on."""
         return any(end == len(words) for end, _ in self.matches(key, words, start))
 
-    def of_group(
-        self, group: str, words: Sequence[str], start: int = 0
-    ) -> Iterator[tuple[str, int, Slots]]:
-        """Yield what the patterns of a group stand for that begin at a place, as `matches`."""
-        for name, patterns in self.groups[group].items():
-            for steps in patterns:
-                for end, slots in match_pattern(steps, words, start):
-                    yield name, end, slots
+    def names(self, key: str) -> Sequence[str]:
+        """What the patterns of a key stand for, in the order of the file."""
+        return tuple(dict.fromkeys(name for name, _ in self.patterns[key]))
 
     def has(self, key: str, *words: str) -> bool:
         """Whether some words are a phrase of a key."""
@@ -61,6 +64,20 @@ class WordLists:
     def words(self, key: str) -> frozenset[str]:
         """The words of all phrases of a key."""
         return frozenset(chain.from_iterable(self.phrases[key]))
+
+    @cached_property
+    def _by_first_word(self) -> Mapping[str, Mapping[str, Sequence[tuple[str, tuple[str, Steps]]]]]:
+        """By key and word the first steps that take it; by an empty word those that take any."""
+        found: dict[str, dict[str, list[tuple[str, tuple[str, Steps]]]]] = {}
+        for key, patterns in self.patterns.items():
+            steps = [
+                (n, step) for n, graph in patterns for step in graph if isinstance(step, tuple)
+            ]
+            found[key] = {
+                word: [each for each in steps if each[1][0] in {word, ANY, *SLOTS}]
+                for word in {"", *(step[0] for _, step in steps)}
+            }
+        return found
 
 
 @lru_cache(maxsize=16)
@@ -73,11 +90,11 @@ def load_word_lists(
 ) -> WordLists:
     """Return what a file lists under these keys; `DataError` says where it has others or errs."""
     parts = read_yaml(path).entries(required=(*patterns, *groups, *phrases), optional=())
+    named = {key: parts[key].entries() for key in groups} | {k: {"": parts[k]} for k in patterns}
     return WordLists(
-        {key: read_patterns(parts[key]) for key in patterns},
         {
-            key: {name: read_patterns(each) for name, each in parts[key].entries().items()}
-            for key in groups
+            key: [(name, graph) for name, field in of.items() for graph in read_patterns(field)]
+            for key, of in named.items()
         },
         {key: read_phrases(parts[key]) for key in phrases},
     )

@@ -15,9 +15,9 @@ from typing import TypeAlias
 
 from ...ontology.yaml_reader import YamlNode
 
-_ANY = "*"
+ANY = "*"
 _BREAK = ";"  # the token between sentences
-_NEVER_ANY = frozenset({_BREAK, "not", "never", "no"})
+_NEVERANY = frozenset({_BREAK, "not", "never", "no"})
 SLOTS = {
     **dict.fromkeys(("THING", "OBJECT"), 5),
     **dict.fromkeys(("HEAD", "HEADING", "STATE", "FAILURE"), 9),
@@ -109,7 +109,7 @@ def match_pattern(
                 yield from match_pattern(step[1], words, end, {**slots, step[0]: (start, end)})
         elif start < len(words):
             word = words[start]
-            if step[0] == word or (step[0] == _ANY and word not in _NEVER_ANY):
+            if step[0] == word or (step[0] == ANY and word not in _NEVERANY):
                 yield from match_pattern(step[1], words, start + 1, slots)
 
 

@@ -40,7 +40,7 @@ class ControlPhrases:
             place = end
             if control:
                 found[control] = thing or found.get(control)
-        controls = self.words.groups["controls"]
+        controls = self.words.names("controls")
         return next(((each, found[each]) for each in controls if each in found), None)
 
     def _control(

@@ -83,7 +83,7 @@ class CourtesyPhrases:
                 found.add(kind)
         if not found:
             return None
-        kind = next((each for each in self.words.groups["courtesies"] if each in found), "")
+        kind = next((each for each in self.words.names("courtesies") if each in found), "")
         rest = _text(tokens, kept[0][0], kept[-1][1]) if kept else ""
         is_within = kept and kept[0][0] < introduced[0] < kept[-1][0]
         return Courtesy(kind, rest, found <= _FORMAL, "" if is_within else name)
@@ -120,7 +120,7 @@ class CourtesyPhrases:
         is_denied = not lists.words("denying").isdisjoint(words)
         is_stated = not lists.words("stating").isdisjoint(words)
         is_of_hilt = lists.end("openers", words) > 0
-        for kind in lists.groups["courtesies"]:
+        for kind in lists.names("courtesies"):
             is_bare = kind in _JUDGING and not is_of_hilt
             places = range(1 if is_bare else len(words))
             if (is_bare and is_stated) or not any(self._is_all(kind, words, at) for at in places):

@@ -51,7 +51,7 @@ def test_thousands_of_words_are_learned_one_by_one(language: Language) -> None:
         name = "zorp" + "".join(chr(97 + int(digit)) for digit in str(number))
         taught = taught.with_words([NewWord(name, "object", name)])
 
-    assert len(taught.learned) == 3000
+    assert len(taught.lexicon.learned) == 3000
     assert taught.understand("a zorpcjjj is used for cutting").new_words == ()
 
 
