@@ -141,7 +141,7 @@ class Agent:
         """Return the inference over the rules of a source and what grasps came to."""
         classes = self.embodiment.household.classes
         rules = InducedRuleSource(source, self.objects, classes) if self.config.induce else source
-        kinds = Taxonomy.from_base(self.base)
+        kinds = Taxonomy.declared(self.base)
         return Affordances(rules, self.config.load_settings(), kinds, experience)
 
     def hear(

@@ -19,7 +19,7 @@ from itertools import chain
 from typing import Protocol
 
 from ..kb.interval import CERTAIN, VACUOUS
-from ..kb.rule import GRASP_OBJECT, Atom, Rule
+from ..kb.rule import GRASP_OBJECT, KIND_OF, Atom, Rule
 from .decision import DecisionRule, ObjectRules
 from .experience import Experience, OutcomeCounts
 from .node_rules import FIND, NodeRules, acting_for, features_of, implied_atoms
@@ -62,9 +62,15 @@ class Affordances:
         self.source = source
         self.experience = experience
         self.settings = settings or Settings()
-        self.taxonomy = taxonomy
+        self._declared = self._taxonomy = taxonomy
         self._sequence = -1
         self._rules: dict[str, tuple[Rule, ...]] = {}
+
+    @property
+    def taxonomy(self) -> Taxonomy:
+        """The taxonomy that was given, and the kinds that the rules of the source conclude."""
+        self._refresh()
+        return self._taxonomy
 
     def features(self, node: str, goal: Goal) -> tuple[Atom, ...]:
         """Return the features that vision has to look for at a node (getFeatures), sorted.
@@ -73,7 +79,7 @@ class Affordances:
         """
         here = self._node_context(node, goal)
         atoms = {*here.named_features, *here.relevant_features}
-        return tuple(sorted(kind for atom in atoms for kind in self.taxonomy.below(atom)))
+        return tuple(sorted(kind for atom in atoms for kind in self._taxonomy.below(atom)))
 
     def infer(self, node: str, goal: Goal, observations: Sequence[Observation]) -> Inference:
         """Infer what the observed objects afford at a node (getAffordance).
@@ -102,13 +108,14 @@ class Affordances:
 
     def _node_context(self, node: str, goal: Goal) -> NodeRules:
         self._refresh()
-        return NodeRules(node, goal, self._rules_at, self.taxonomy)
+        return NodeRules(node, goal, self._rules_at, self._taxonomy)
 
     def _refresh(self) -> None:
         """Drop cached rules that are out of date."""
         sequence = self.source.sequence
         if sequence != self._sequence:
             self._rules.clear()
+            self._taxonomy = self._declared.with_rules(self.source.rules_at_nodes([KIND_OF]))
             self._sequence = sequence
 
     def _rules_at(self, key: str) -> Sequence[Rule]:
@@ -121,7 +128,7 @@ class Affordances:
     ) -> Candidate:
         """Return how surely an object is what the command asks for."""
         target = here.goal.target
-        shown = implied_atoms(seen.atoms, self.taxonomy)
+        shown = implied_atoms(seen.atoms, self._taxonomy)
         steps = [_evidence(atom, here, seen, shown) for atom in here.named_features]
         argument, applied = None, ObjectRules()
         for conclusion, is_negated in target.wanted:
@@ -138,7 +145,7 @@ class Affordances:
         self, here: NodeRules, seen: Observation, decision: DecisionRule
     ) -> Iterator[Candidate]:
         """Yield the parts (or other arguments) that the most specific rules name."""
-        shown = implied_atoms(seen.atoms, self.taxonomy)
+        shown = implied_atoms(seen.atoms, self._taxonomy)
         for applied in here.binding(seen, shown).by_argument():
             proof = self._conclude(applied.rules, here, seen, shown)
             argument = applied.rules[0].argument
@@ -158,7 +165,7 @@ class Affordances:
         self, here: NodeRules, observations: Sequence[Observation], decision: DecisionRule
     ) -> Iterator[Candidate]:
         """Yield candidates for objects that rules name but that are not in view."""
-        shown = [implied_atoms(seen.atoms, self.taxonomy) for seen in observations]
+        shown = [implied_atoms(seen.atoms, self._taxonomy) for seen in observations]
         for conclusion, is_negated in here.goal.target.wanted:
             groups: dict[str, list[Rule]] = defaultdict(list)
             wanted = conclusion.argument

@@ -10,10 +10,12 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterable, Mapping
 
+from ..kb.interval import Interval
 from ..kb.knowledge_base import KnowledgeBase
-from ..kb.rule import Atom
+from ..kb.rule import KIND_OF, Atom, Rule
 from ..ontology.errors import DataError
 from ..ontology.vocabulary import Iri, split
+from .interval_operators import fuse_yager
 
 _IS_A = "SELECT ?kind ?above { GRAPH graph:domain { ?kind hilt:isA ?above } } ORDER BY ?kind ?above"
 _KINDS = ("object", "part", "property", "action", "place", "role")
@@ -42,10 +44,40 @@ class Taxonomy:
         self._above: dict[Atom, tuple[tuple[Atom, int], ...]] = {}
 
     @classmethod
-    def from_base(cls, base: KnowledgeBase) -> Taxonomy:
-        """Return the taxonomy in the domain graph of a knowledge base."""
+    def declared(cls, base: KnowledgeBase) -> Taxonomy:
+        """Return the taxonomy in the domain graph of a knowledge base, without what was taught."""
         atoms = ((_atom(kind), _atom(above)) for kind, above in base.select(_IS_A))
         return cls((kind, above) for kind, above in atoms if kind and above)
+
+    @classmethod
+    def from_base(cls, base: KnowledgeBase) -> Taxonomy:
+        """Return the taxonomy in the domain graph of a knowledge base, and what was taught."""
+        return cls.declared(base).with_rules(base.rules_at_nodes([KIND_OF]))
+
+    def with_rules(self, rules: Iterable[Rule]) -> Taxonomy:
+        """Return this taxonomy with the kinds that rules conclude, those told last coming first.
+
+        What several say of one pair is fused; it holds if it is more plausible than not. What would
+        close a cycle is left out.
+        """
+        said: dict[tuple[Atom, Atom], list[Interval]] = defaultdict(list)
+        for rule in sorted(rules, key=lambda each: -(each.utterance or 0)):
+            if rule.object and rule.argument:
+                said[Atom("object", rule.object), rule.argument].append(rule.support)
+        fused = ((pair, fuse_yager(supports)) for pair, supports in said.items())
+        told = [pair for pair, interval in fused if interval.lower + interval.upper > 1]
+        if not told:
+            return self
+        found = Taxonomy((kind, above) for kind, each in self._parents.items() for above in each)
+        for kind, above in told:
+            if kind not in _reachable(found._parents, above):
+                found._parents[kind].append(above)
+                found._children[above].append(kind)
+        return found
+
+    def is_above(self, name: str, other: str) -> bool:
+        """Whether an object is another one, or a more general kind of it."""
+        return Atom("object", name) in _reachable(self._parents, Atom("object", other))
 
     def above(self, atom: Atom) -> tuple[tuple[Atom, int], ...]:
         """Return the atom and its superclasses, each with its distance, nearest first."""

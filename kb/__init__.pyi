@@ -1,6 +1,6 @@
 from .interval import CERTAIN, VACUOUS, Interval
 from .knowledge_base import KnowledgeBase
-from .rule import Atom, Rule, functional, grasping
+from .rule import Atom, Rule, functional, grasping, kind_rule
 
 __all__ = [
     "CERTAIN",
@@ -11,4 +11,5 @@ __all__ = [
     "Rule",
     "functional",
     "grasping",
+    "kind_rule",
 ]

@@ -25,12 +25,19 @@ from .interval import DIGITS, Interval
 
 USED_FOR = "usedFor"
 GRASP_OBJECT = "graspObject"
+KIND_OF = "kindOf"  # concludes a more general kind of object
 FIND_OBJECT = "findObject"  # the node that functional rules are attached to
 FORBIDDEN, OBLIGED, PERMITTED = "forbidden", "obliged", "permitted"  # the functors of norms
 NORMS = (FORBIDDEN, OBLIGED, PERMITTED)
 # The kind of argument that known functors need; any other functor takes any.
-ARGUMENT_KINDS: Mapping[str, str] = MappingProxyType({USED_FOR: "affordance", GRASP_OBJECT: "part"})
-_EXAMPLES = {USED_FOR: "usedFor(affordance:cutting)", GRASP_OBJECT: "graspObject(part:blade)"}
+ARGUMENT_KINDS: Mapping[str, str] = MappingProxyType(
+    {USED_FOR: "affordance", GRASP_OBJECT: "part", KIND_OF: "object"}
+)
+_EXAMPLES = {
+    USED_FOR: "usedFor(affordance:cutting)",
+    GRASP_OBJECT: "graspObject(part:blade)",
+    KIND_OF: "kindOf(object:knife)",
+}
 DEFAULT_SPEAKER = "sam"  # where no speaker is named
 MAX_NAME = 100  # characters
 
@@ -313,6 +320,11 @@ def grasping(
     contexts = _context("action", context)
     features, argument = _features(name, properties), Atom("part", part)
     return Rule(features, contexts, GRASP_OBJECT, argument, interval, speaker)
+
+
+def kind_rule(name: str, above: str, *, interval: Interval, speaker: str = DEFAULT_SPEAKER) -> Rule:
+    """The rule that an object is of a more general kind."""
+    return Rule(_features(name, ()), frozenset(), KIND_OF, Atom("object", above), interval, speaker)
 
 
 def norm(

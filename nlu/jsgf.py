@@ -36,6 +36,7 @@ _FILLED: Mapping[str, str] = {
     "object:a": "<an_object>",
     "object:many": "<objects>",
     "patient": "<object>",
+    "kind_of": "<object>",
     "affordance": "<affordance>",
     "used_for": "<affordance>",
     "not_used_for": "<affordance>",

@@ -55,6 +55,7 @@ from .semantics.discourse import Discourse, after_offer
 from .semantics.interpretation import Interpreter
 from .semantics.licence_table import load_licence
 from .semantics.meaning import (
+    TEACHING,
     Acknowledgement,
     Answer,
     AskBack,
@@ -62,8 +63,6 @@ from .semantics.meaning import (
     Control,
     Meaning,
     Misunderstanding,
-    Statement,
-    TopicStatement,
 )
 from .semantics.pragmatics import load_pragmatics
 
@@ -466,7 +465,7 @@ class Session:
         """Return the meaning of an utterance at this point, and the session after it."""
         understood = self.language.understand(text, speaker=speaker, discourse=self.discourse)
         language = self.language
-        if isinstance(understood.meaning, (Statement, TopicStatement)):
+        if isinstance(understood.meaning, TEACHING):
             language = language.with_words(understood.new_words)
         return understood, Session(language, understood.discourse)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
+from ...inference.taxonomy import Taxonomy
 from ...kb.rule import Rule
 from ...nlu.lexicon.vocabulary import NewWord
 from ...nlu.semantics import meaning
@@ -34,7 +35,24 @@ class BeliefRevision:
     def __init__(self, conversation: Conversation) -> None:
         self._base, self._conversation = conversation.base, conversation
 
-    def learn(self, turn: UnderstoodTurn, said: meaning.Statement) -> Reply:
+    def learn_kinds(self, turn: UnderstoodTurn, said: meaning.KindStatement) -> Reply:
+        """Believe of which kinds things are, unless they would be kinds of themselves."""
+        taxonomy = Taxonomy.from_base(self._base)
+        circle = [
+            each
+            for each in said.rules
+            if not each.denies and taxonomy.is_above(each.object, each.kind_of)
+        ]
+        if not circle:
+            return self.learn(turn, said)
+        words = self._conversation.language.answers
+        known = tuple(
+            words.kind_phrase(replace(each, object=each.kind_of, kind_of=each.object))
+            for each in circle
+        )
+        return self._conversation.answered(turn, "kind_circle", "failed", rules=known)
+
+    def learn(self, turn: UnderstoodTurn, said: meaning.Statement | meaning.KindStatement) -> Reply:
         """Believe what a speaker states, and return the reply that says what that is."""
         conversation = self._conversation
         taught = lesson_from_statement(
@@ -93,7 +111,9 @@ class BeliefRevision:
         )
         return any(each.is_dismissal for each in answers)
 
-    def _new_names(self, said: meaning.Statement, turn: UnderstoodTurn) -> Iterator[NewWord]:
+    def _new_names(
+        self, said: meaning.Statement | meaning.KindStatement, turn: UnderstoodTurn
+    ) -> Iterator[NewWord]:
         """The names of objects that "it" stands for and that no statement has used before."""
         known = {meaning.ANY_OBJECT, *(word.word for word in turn.understood.new_words)}
         for name in dict.fromkeys(rule.object for rule in said.rules):

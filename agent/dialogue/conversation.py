@@ -29,7 +29,7 @@ from .teaching import (
     word_from_base,
     word_to_keep,
 )
-from .translation import meaning_from_rule, norm_from_rule
+from .translation import meaning_from_rule, norm_from_rule, relation_from_rule
 
 Answered = tuple[AnswerContent, tuple[Rule, ...]]  # an answer, and the rules that it rests on
 
@@ -210,6 +210,9 @@ class Conversation:
         laid_down, words = norm_from_rule(rule), self.language.answers
         if laid_down:
             return words.norm_phrase(laid_down)
+        relation = relation_from_rule(rule)
+        if relation:
+            return words.kind_phrase(relation)
         said = meaning_from_rule(rule)
         return words.rule_phrase(said) if said else repr(rule)
 

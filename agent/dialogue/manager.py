@@ -88,6 +88,7 @@ class DialogueManager:
         # Meaning -> who responds, and the answer where only trusted speakers may say it.
         self._listeners: dict[type, tuple[Callable[[UnderstoodTurn, Any], Reply], str]] = {
             meaning.Statement: (self._beliefs.learn, "not_trusted"),
+            meaning.KindStatement: (self._beliefs.learn_kinds, "not_trusted"),
             meaning.NormStatement: (self._norms.lay_down, "not_trusted"),
             meaning.Retraction: (self._forget, ""),
             meaning.ActionDefinition: (self.lessons.learn, "not_trusted"),

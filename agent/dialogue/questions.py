@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import cast
 
 from ...inference.abduction import Hypothesis, find_hypotheses
@@ -15,9 +15,9 @@ from ...inference.taxonomy import Taxonomy
 from ...inference.types import Conclusion, Goal, Inference, Observation, Target
 from ...kb.interval import CERTAIN
 from ...kb.rdf.rule_mapping import atom_iri, rule_id
-from ...kb.rule import GRASP_OBJECT, USED_FOR, Atom, Rule
+from ...kb.rule import GRASP_OBJECT, KIND_OF, USED_FOR, Atom, Rule
 from ...nlu.parsing.understanding import Understanding
-from ...nlu.semantics.meaning import Command, Question, ToolCommand
+from ...nlu.semantics.meaning import Command, KindRelation, Question, ToolCommand
 from ...ontology.vocabulary import Iri
 from ..execution.outcome import AnswerContent, Decision, Slot
 from ..execution.outcome_answer import use_slot
@@ -42,8 +42,8 @@ def answer(question: Question, known: Conversation) -> Answered:
 
 
 def _uses_of(question: Question, known: Conversation) -> Answered:
-    strongest = _strongest(known.base.rules(object=question.object), "affordance")
-    rules = [rule for rule in strongest if rule.asserts]
+    strongest = (_strongest(rules, "affordance") for rules in _by_kind(question, known))
+    rules = next(filter(None, ([r for r in each if r.asserts] for each in strongest)), [])
     if not rules:
         return spoken("no_uses_of", object=question.object), ()
     uses = tuple(
@@ -91,22 +91,31 @@ def _how(question: Question, known: Conversation) -> Answered:
 
 def _grasp_rules(question: Question, known: Conversation) -> list[Rule]:
     """The rules on how an object is held: about it or its nearest kind, else about any object."""
-    named = Atom("object", question.object) if question.object else None
-    kinds = Taxonomy.from_base(known.base).above(named) if named else ()
-    for name in [kind.name for kind, _ in kinds] or [None]:
-        rules = known.base.rules(object=name, context=question.context)
+    for rules in _by_kind(question, known):
         grasps = [rule for rule in rules if rule.kind == "action"]
         if grasps:
             return grasps
-    if named is None or question.context is None:
+    if question.object is None or question.context is None:
         return []
+    named = Atom("object", question.object)
     asked = {"context": [atom_iri(Atom("action", question.context))], "object": [atom_iri(named)]}
     found = known.base.select(_ABOUT_ANY, asked)
     return [known.base.rule(rule_id(cast(Iri, row[0]))) for row in found]
 
 
+def _by_kind(question: Question, known: Conversation) -> Iterator[Sequence[Rule]]:
+    """The rules on what a question names: about its object, then about more general kinds."""
+    named = Atom("object", question.object) if question.object else None
+    kinds = Taxonomy.from_base(known.base).above(named) if named else ()
+    for name in [kind.name for kind, _ in kinds] or [None]:
+        yield known.base.rules(
+            object=name, affordance=question.affordance, context=question.context
+        )
+
+
 def _is_used_for(question: Question, known: Conversation) -> Answered:
-    rules = [r for r in _functional(question, known) if r.object == question.object]
+    found = (_on_material(rules, question, known) for rules in _by_kind(question, known))
+    rules: Sequence[Rule] = next(filter(None, found), ())
     if not rules:
         slots = {"object": question.object, "affordance": _use(question)}
         others = known.base.rules(object=question.object, affordance=question.affordance)
@@ -119,6 +128,27 @@ def _is_used_for(question: Question, known: Conversation) -> Answered:
         return spoken("hardly_sure", done=True, **slots), (rules[0],)
     key = "is_used_for" if rules[0].asserts else "is_denied"
     return _told(key, rules[0], known), (rules[0],)
+
+
+def _is_kind_of(question: Question, known: Conversation) -> Answered:
+    """Whether an object is of a kind, by all that was told of the kinds between the two."""
+    name, kind = question.object or "", question.kind_of or ""
+    taxonomy = Taxonomy.from_base(known.base)
+    above = [atom.name for atom, _ in taxonomy.above(Atom("object", name))]
+    between = {each for each in above if taxonomy.is_above(kind, each)}
+    pairs = between or {name, kind}
+    told = [
+        rule
+        for rule in known.base.rules_at_nodes([KIND_OF])
+        if rule.object in pairs and rule.argument and rule.argument.name in pairs
+    ]
+    if not between and not told:
+        return spoken("is_of_no_kind", object=name, kind=kind), ()
+    if not between:
+        return _told("is_denied", told[0], known), (told[0],)
+    itself = known.language.answers.kind_phrase(KindRelation(kind, name, (1.0, 1.0)))
+    said = tuple(known.quote(rule) for rule in told if rule.asserts) or (itself,)
+    return spoken("is_of_kind", done=True, rules=said), tuple(told)
 
 
 def _about(question: Question, known: Conversation) -> Answered:
@@ -448,6 +478,7 @@ _ANSWERS: Mapping[str, Callable[[Question, Conversation], Answered]] = {
     "best_for": _best_for,
     "confidence": _confidence,
     "how": _how,
+    "is_kind_of": _is_kind_of,
     "is_used_for": _is_used_for,
     "objects_for": _objects_for,
     "see": _see,

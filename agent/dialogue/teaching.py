@@ -19,7 +19,15 @@ from ...nlu.lexicon.vocabulary import NewWord
 from ...nlu.offers.meaning_shapes import MeaningShape
 from ...nlu.offers.phrase_memory import PhrasePattern
 from ...nlu.semantics import meaning
-from ...nlu.semantics.meaning import ANY_OBJECT, Answer, Confidence, Question, Retraction, Statement
+from ...nlu.semantics.meaning import (
+    ANY_OBJECT,
+    Answer,
+    Confidence,
+    KindStatement,
+    Question,
+    Retraction,
+    Statement,
+)
 from ..execution.outcome import AnswerContent
 from .translation import rule_from_meaning
 
@@ -71,7 +79,11 @@ class Lesson:
 
 
 def lesson_from_statement(
-    base: KnowledgeBase, said: Statement, speaker: str, heard: float, topic: Sequence[Rule] = ()
+    base: KnowledgeBase,
+    said: Statement | KindStatement,
+    speaker: str,
+    heard: float,
+    topic: Sequence[Rule] = (),
 ) -> Lesson:
     """Return what a statement teaches to a base.
 

@@ -10,7 +10,7 @@ from dataclasses import replace
 
 from ...inference.types import Target
 from ...kb.interval import Interval
-from ...kb.rule import Atom, Rule, functional, grasping, norm
+from ...kb.rule import KIND_OF, Atom, Rule, functional, grasping, kind_rule, norm
 from ...nlu.language import Language
 from ...nlu.lexicon.vocabulary import NewWord
 from ...nlu.semantics import meaning
@@ -21,9 +21,13 @@ from ..execution.request import Argument, Request
 from ..execution.taught_trees import PARAMETERS
 
 
-def rule_from_meaning(said: meaning.Rule, speaker: str, heard: float = 1.0) -> Rule:
+def rule_from_meaning(
+    said: meaning.Rule | meaning.KindRelation, speaker: str, heard: float = 1.0
+) -> Rule:
     """Return the rule that a statement asserts, discounted by the confidence of the recogniser."""
     interval = Interval(*said.confidence).discounted(heard)
+    if isinstance(said, meaning.KindRelation):
+        return kind_rule(said.object, said.kind_of, interval=interval, speaker=speaker)
     if isinstance(said, meaning.FunctionalRule):
         return functional(
             said.object,
@@ -60,6 +64,14 @@ def meaning_from_rule(rule: Rule) -> meaning.Rule | None:
     if rule.kind == "action" and rule.part and rule.context:
         return meaning.ActionRule(name, rule.context, rule.part, confidence, props)
     return None
+
+
+def relation_from_rule(rule: Rule) -> meaning.KindRelation | None:
+    """Return the relation of kinds that a rule states; None for any other rule."""
+    if rule.functor != KIND_OF or not rule.object or not rule.argument:
+        return None
+    confidence = (rule.interval.lower, rule.interval.upper)
+    return meaning.KindRelation(rule.argument.name, rule.object, confidence)
 
 
 def rule_from_norm(said: meaning.Norm, speaker: str, heard: float = 1.0) -> Rule:

@@ -18,11 +18,12 @@ from ...ontology.errors import DataError, HiltError
 from ...ontology.yaml_reader import YamlNode, parse_yaml
 from ..interval import Interval
 from ..rdf.terms import write_time
-from ..rule import ARGUMENT_KINDS, GRASP_OBJECT, NORMS, USED_FOR, Atom, Rule
+from ..rule import ARGUMENT_KINDS, GRASP_OBJECT, KIND_OF, NORMS, USED_FOR, Atom, Rule
 from . import value_notation
 
 _MAX_LINE = 2**20  # characters of an entry
-_CONCLUSIONS = ("affordance", "part", "functor", *NORMS)
+_ARGUMENTS = {USED_FOR: "affordance", GRASP_OBJECT: "part", KIND_OF: "kind_of"}  # functor -> key
+_CONCLUSIONS = (*_ARGUMENTS.values(), "functor", *NORMS)
 _KEYS = (
     *("object", "properties", "features", "context", "contexts", "material"),
     *(*_CONCLUSIONS, "argument", "interval", "speaker", "status", "time"),
@@ -110,13 +111,12 @@ def _conclusion(entry: YamlNode, found: Mapping[str, YamlNode]) -> tuple[str, At
             f"a rule concludes one thing: expected one of {', '.join(_CONCLUSIONS)}, "
             f"found {' and '.join(given) or 'none'}."
         )
-    if given[0] in {"affordance", "part"} and "argument" in found:
+    if given[0] in _ARGUMENTS.values() and "argument" in found:
         raise found["argument"].fail(f'"argument" goes with "functor", not with "{given[0]}".')
     name = given[0] if given[0] in NORMS else found[given[0]].text()
-    if given == ["affordance"]:
-        return USED_FOR, value_notation.read_atom(name, "affordance")
-    if given == ["part"]:
-        return GRASP_OBJECT, value_notation.read_atom(name, "part")
+    for functor, key in _ARGUMENTS.items():
+        if given == [key]:
+            return functor, value_notation.read_atom(name, ARGUMENT_KINDS[functor])
     return name, value_notation.read_argument(_optional(found, "argument") or "", name)
 
 
@@ -137,8 +137,8 @@ def _optional(found: Mapping[str, YamlNode], key: str) -> str | None:
 def _entry(rule: Rule) -> dict[str, object]:
     """What `_rule` reads; the status of an active rule is left out."""
     functor, argument, interval = rule.functor, rule.argument, rule.interval
-    concluded = {USED_FOR: "affordance", GRASP_OBJECT: "part"}.get(functor, "argument")
-    named = {} if functor in ARGUMENT_KINDS else {"functor": functor}
+    concluded = _ARGUMENTS.get(functor, "argument")
+    named = {} if functor in _ARGUMENTS else {"functor": functor}
     said = value_notation.write_atom(argument, ARGUMENT_KINDS.get(functor)) if argument else ""
     return {
         **_written_atoms(rule.features, value_notation.FEATURE_KIND, "object", "features"),

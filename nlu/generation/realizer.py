@@ -21,6 +21,8 @@ from ..semantics.meaning import (
     Command,
     Confidence,
     FunctionalRule,
+    KindRelation,
+    KindStatement,
     Meaning,
     ObjectReference,
     Plan,
@@ -68,6 +70,8 @@ class Realizer:
                 return self._say("rules", "way", **self._way(meaning))
             case Question():
                 return self._question(meaning)
+            case KindStatement(rules):
+                return self._say("rules", "several").join(map(self._kind, rules))
             case Retraction() | TopicStatement():
                 return self._turn(meaning)
             case Acknowledgement(ack):
@@ -79,6 +83,10 @@ class Realizer:
         things = self.answers.act_on(meaning.action, *meaning.parameters, links=meaning.links)
         return {"action": things, "steps": self.realize(Plan(meaning.steps))}
 
+    def _kind(self, rule: KindRelation) -> str:
+        text = self.answers.kind_phrase(rule)
+        return self._say("rules", "told", source=rule.source, rule=text) if rule.source else text
+
     def _turn(self, meaning: Retraction | TopicStatement) -> str:
         """A sentence that retracts rules or opens a topic."""
         match meaning:
@@ -89,7 +97,9 @@ class Realizer:
             case Retraction(about=None, rule=None):
                 return self._say("rules", "last_taken_back")
             case Retraction(rule) if rule is not None:
-                return self._say("rules", "taken_back", rule=self._rule(rule, reported=True))
+                is_kind = isinstance(rule, KindRelation)
+                told = self._kind(rule) if is_kind else self._rule(rule, reported=True)
+                return self._say("rules", "taken_back", rule=told)
             case Retraction(about=name) if name and name != ANY_OBJECT:
                 return self._say("rules", "taken_back_about", object=name)
             case _:

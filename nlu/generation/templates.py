@@ -23,6 +23,7 @@ from ..semantics.meaning import (
     Command,
     Confidence,
     FunctionalRule,
+    KindRelation,
     Norm,
     ObjectReference,
     Rule,
@@ -46,6 +47,7 @@ _SLOT_FORMS = {"a", "act", "the", "be", "it", "many", "to", "done", "name", "use
 PHRASES = (
     *("functional", "negative", "seldom", "possible"),  # rules on uses
     *("action", "holding", "forbidden", "seldom_by"),  # rules on holding
+    *("kind", "no_kind"),  # relations of kinds
     *("must_not", "may", "only_by", "must_first", "may_without"),  # norms
     *("by_part", "in_place", "to_whom", "with_tool"),  # what is added to an act
     *("for_material", "noted", "source", "any_object", "any_with", "joined"),
@@ -120,6 +122,11 @@ class AnswerTemplates:
             slots |= {"act": self.act_with(rule.context), "part": rule.part}
         return " ".join(self.fill(text, slots).split())
 
+    def kind_phrase(self, relation: KindRelation) -> str:
+        """Return of which kind an object is in words: "a bread knife is a kind of knife"."""
+        kinds: dict[str, Slot] = {"object": relation.object, "kind": relation.kind_of}
+        return self.fill(self.phrases["no_kind" if relation.denies else "kind"], kinds)
+
     def norm_phrase(self, norm: Norm) -> str:
         """Return a norm in words: "I must not pass a knife to a child in the kitchen"."""
         said, act = self.phrases, self._act_phrase(norm.act)
@@ -188,7 +195,8 @@ class AnswerTemplates:
     def noun_phrase(self, name: str, props: Sequence[str] = ()) -> str:
         """Return a kind of object with its properties and the indefinite article."""
         if name != ANY_OBJECT:
-            return self.inflection.with_article(" ".join([*props, name]))
+            words = " ".join([*props, name])
+            return words if name in self.mass else self.inflection.with_article(words)
         if not props:
             return self.phrases["any_object"]
         return self.phrases["any_with"].replace("{props}", " ".join(props))
@@ -220,7 +228,7 @@ class AnswerTemplates:
     def _form(self, value: Slot, form: str | None) -> str:
         said, plural = self.phrases, self.inflection.is_plural_only
         forms: Mapping[str, Callable[[str], str]] = {
-            "a": self.inflection.with_article,
+            "a": self.noun_phrase,
             "the": lambda word: f"the {word}",
             "be": lambda word: said["be_many" if plural(word) else "be"],
             "it": lambda word: said["it_many" if plural(word) else "it"],

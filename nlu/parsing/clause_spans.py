@@ -22,7 +22,15 @@ from ..semantics.clause_features import (
     FeatureReader,
     UtteranceFeatures,
 )
-from ..semantics.meaning import ActionRule, Command, FunctionalRule, Meaning, Statement, ToolCommand
+from ..semantics.meaning import (
+    ActionRule,
+    Command,
+    FunctionalRule,
+    KindStatement,
+    Meaning,
+    Statement,
+    ToolCommand,
+)
 from .chart import Derivation
 from .derivation_views import lexical_entries
 
@@ -38,7 +46,7 @@ def features_of(
     words = list(_words(reader, derivation, tokens.words, MAIN))
     found = reader.features(words, tokens.removed)
     named = dict(features_of_names(reader, tokens.words, meaning, new_words))
-    source = meaning.source if isinstance(meaning, Statement) else None
+    source = meaning.source if isinstance(meaning, (Statement, KindStatement)) else None
     if source and not _is_person(reader, derivation, tokens.words, source):
         named["source"] = frozenset({"other"})
     if isinstance(meaning, Command) and _may_be_place(reader, derivation, tokens.words):

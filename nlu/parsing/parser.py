@@ -22,7 +22,7 @@ from ..lexicon.unknown_words import new_words
 from ..semantics.clause_features import FeatureReader
 from ..semantics.coreference import PRONOUNS, resolve
 from ..semantics.discourse import SOMETHING, Discourse
-from ..semantics.interpretation import Interpreter, short_answer
+from ..semantics.interpretation import KIND_FORMS, Interpreter, short_answer
 from ..semantics.licence_table import LicenceTable
 from ..semantics.meaning import Answer, Confidence, Meaning, NormStatement
 from ..semantics.norm_interpretation import meaning_of
@@ -41,6 +41,10 @@ from .understanding import Reading
 MAX_EXPECTED = 5
 
 _WORD_COST = 1e-3  # of two readings alike that with longer turns of phrase is likelier
+
+
+_STATED = frozenset({"implies", "and", "says", *KIND_FORMS})
+"""The forms of statements, which a question mark makes questions."""
 
 
 @dataclass(frozen=True)
@@ -166,7 +170,7 @@ class SentenceParser:
         if tokens.asks and (act == "FRAGMENT" or form.name in load_predicates().fragments):
             act, form = "FRAGMENT", PredicateForm("asked", (form,))
         act = _act_with_question_mark(act, form, tokens)
-        if act == "QUESTION" and form.name in {"implies", "and", "says"}:
+        if act == "QUESTION" and form.name in _STATED:
             form = PredicateForm("isTrue", (form,))
         speech_act = PredicateForm(
             act, (PredicateForm(context.speaker), PredicateForm(context.addressee), form)
@@ -233,4 +237,4 @@ def _act_with_question_mark(act: str, form: PredicateForm, tokens: Tokens) -> st
         return act
     if act == "INSTRUCT":
         raise UninterpretableError("as_question", asks=True)
-    return "QUESTION" if act == "STATEMENT" and form.name in {"implies", "and", "says"} else act
+    return "QUESTION" if act == "STATEMENT" and form.name in _STATED else act

@@ -19,6 +19,7 @@ from ..semantics.clause_features import FeatureReader
 from ..semantics.meaning import (
     Command,
     FunctionalRule,
+    KindStatement,
     Meaning,
     NormStatement,
     Question,
@@ -54,7 +55,7 @@ class ReadingFilter:
             if (not negated or _is_negative(each.meaning))
             and not (repaired and isinstance(each.meaning, Statement) and each.meaning.rules[1:])
             and not self._names_with_features(each)
-            and self._may_introduce_words(each, tokens)
+            and (not each.new_words or self._may_introduce_words(each, tokens))
             and self._may_introduce_recipients(each, tokens)
         ]
 
@@ -79,8 +80,6 @@ class ReadingFilter:
 
     def _may_introduce_words(self, reading: Reading, tokens: Tokens) -> bool:
         meaning, words = reading.meaning, reading.new_words
-        if not words:
-            return True
         if isinstance(meaning, Statement):
             is_plain = len(words) <= MAX_NEW_NAMES * len(meaning.rules) + 1
             return (
@@ -88,17 +87,36 @@ class ReadingFilter:
                 and not self._may_name_agent(words)
                 and not any(self._may_be_no_material(rule, words, tokens) for rule in meaning.rules)
             )
+        if isinstance(meaning, KindStatement):
+            return self._may_introduce_kinds(reading)
         if isinstance(meaning, (TopicStatement, NormStatement)):
             is_thing = not any(self.features.is_abstract(word.said, word.word) for word in words)
             is_of_use = isinstance(meaning, NormStatement) and _is_of_tool(meaning)
             return is_thing and not is_of_use and [word.role for word in words] == ["object"]
-        if len(words) > MAX_NEW_NAMES:
-            return False
+        return len(words) <= MAX_NEW_NAMES and self._may_name_words(meaning, words, tokens)
+
+    def _may_name_words(self, meaning: Meaning, words: Sequence[NewWord], tokens: Tokens) -> bool:
+        """Whether what teaches no rule may name new words."""
         if isinstance(meaning, (Command, ToolCommand)):
             # No action is done to people.
             are_people = tokens.proper.intersection(word.said for word in words)
             return not are_people and all(map(self._may_be_acted_on, words))
         return isinstance(meaning, Question) and all(map(self._may_be_asked_about, words))
+
+    def _may_introduce_kinds(self, reading: Reading) -> bool:
+        """Whether a new word may name a kind: in "a knife is a danger" it does not."""
+        above = {
+            part.arguments[1].name.replace("_", " ")
+            for part in reading.speech_act
+            if part.name == "isA"
+        }
+        return all(
+            word.role == "object"
+            and word.word not in above
+            and self.known_words.is_surely_name(word.said)
+            and not self.features.is_abstract(word.said, word.word)
+            for word in reading.new_words
+        )
 
     def _may_be_acted_on(self, word: NewWord) -> bool:
         """Whether something may be done to what a new word names, or by the part that it names."""

@@ -23,6 +23,7 @@ from ..lexicon.tokenizer import BREAK, Token, Tokens, tokenize
 from ..lexicon.unknown_words import KnownWords
 from ..semantics.discourse import update_discourse
 from ..semantics.meaning import (
+    TEACHING,
     Acknowledgement,
     ActionCommand,
     ActionDefinition,
@@ -36,7 +37,6 @@ from ..semantics.meaning import (
     Retraction,
     Statement,
     ToolCommand,
-    TopicStatement,
 )
 from ..semantics.predicates import PredicateForm, UnlearnableError
 from .chart import Chart
@@ -409,9 +409,7 @@ def _understanding(
     readings: int = 0,
 ) -> Understanding:
     people, discourse = (context.speaker, context.addressee), context.discourse
-    new_words = (
-        reading.new_words if reading and isinstance(meaning, (Statement, TopicStatement)) else ()
-    )
+    new_words = reading.new_words if reading and isinstance(meaning, TEACHING) else ()
     if reading is not None:
         discourse = update_discourse(meaning, reading.speech_act.arguments[-1], discourse)
     return Understanding(

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 from ..lexicon.vocabulary import NewWord
 from ..semantics.clause_features import UtteranceFeatures
 from ..semantics.discourse import Discourse, update_discourse
-from ..semantics.meaning import Confidence, Json, Meaning, Statement
+from ..semantics.meaning import TEACHING, Confidence, Json, Meaning
 from ..semantics.predicates import PredicateForm
 from .chart import Derivation
 from .derivation_views import DerivationStep, derivation_step
@@ -66,7 +66,7 @@ class Understanding:
         """Return this understanding after its speaker has chosen a meaning that was asked about."""
         if self.reading is None:
             return replace(self, meaning=meaning)
-        words = self.reading.new_words if isinstance(meaning, Statement) else ()
+        words = self.reading.new_words if isinstance(meaning, TEACHING) else ()
         said = self.reading.speech_act.arguments[-1]
         discourse = update_discourse(meaning, said, self.discourse)
         return replace(self, meaning=meaning, new_words=words, discourse=discourse)

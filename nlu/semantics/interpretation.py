@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import chain
 
 from ..lexicon.immutable_index import ImmutableIndex
 from ..lexicon.vocabulary import NewWord
@@ -21,6 +22,8 @@ from .meaning import (
     Command,
     Confidence,
     FunctionalRule,
+    KindRelation,
+    KindStatement,
     Meaning,
     ObjectReference,
     Question,
@@ -38,7 +41,10 @@ GOALS = ("pass", "pickUp", "pointTo", "grasp", "use", "putDown", "putBack", "rel
 
 _NAMELESS = frozenset({"self", "speaker", "someone", "it", "both", "butNot"})
 
-_UNLEARNABLE = {"noKinds": "no_kinds", "noPast": "no_past"}
+KIND_FORMS = frozenset({"kindOf", "isA"})
+"""The forms of "a knife is a kind of tool" and of "a knife is a tool"."""
+
+_UNLEARNABLE = {"noPast": "no_past"}
 """The answer to what is understood, but not learned."""
 
 
@@ -91,15 +97,34 @@ class Interpreter:
             case _:
                 return Acknowledgement(content.name)
 
-    def _statement(self, form: PredicateForm) -> Statement:
+    def _statement(self, form: PredicateForm) -> Statement | KindStatement:
         if form.name == "and" and form.arguments[0].name == "graspObject":
             raise self._order_beside_rule(*form.arguments)
-        rules = tuple(dict.fromkeys(self._rules(form)))
-        if len({rule.source for rule in rules}) > 1:
+        said = self._stated(form)
+        if len({rule.source for rule in said.rules}) > 1:
             raise UninterpretableError("whose_words", asks=True)
-        if is_contradictory(rules):
+        if isinstance(said, Statement) and is_contradictory(said.rules):
             raise UninterpretableError("contradiction", asks=True)
-        return Statement(rules)
+        return said
+
+    def _stated(self, form: PredicateForm) -> Statement | KindStatement:
+        if _is_of_kinds(form):
+            return KindStatement(tuple(dict.fromkeys(self._relations(form))))
+        return Statement(tuple(dict.fromkeys(self._rules(form))))
+
+    def _relations(self, form: PredicateForm) -> Iterator[KindRelation]:
+        """The kinds of objects that a form states, in the order they were said."""
+        if form.name not in KIND_FORMS:
+            *source, content = form.arguments if form.name == "says" else (form,)
+            parts = content.arguments if content.name == "and" else (content,)
+            for relation in chain.from_iterable(map(self._relations, parts)):
+                yield replace(relation, source=name_of(source[0])) if source else relation
+            return
+        (name, props), above = kind_and_properties(form.arguments[0]), _kind(form.arguments[1])
+        degree = form.arguments[2].name
+        if props or ANY_OBJECT in {name, above} or name == above:
+            raise UninterpretableError("of_which_object", asks=True)
+        yield KindRelation(above, name, self.intervals[degree])
 
     def _order_beside_rule(self, order: PredicateForm, rule: PredicateForm) -> UninterpretableError:
         """Why an order is no rule: "grab it by the rim and never grab it by the rim"."""
@@ -140,9 +165,9 @@ class Interpreter:
         if form.name in {"retract", "retractTold"} and not form.arguments:
             return Retraction(is_of_told=form.name == "retractTold")
         if form.name == "retract":
-            return Retraction(self._one_rule(form.arguments[0]))
-        if form.name == "correct" and form.arguments[0].name in {"implies", "and"}:
-            return with_rules(Statement(tuple(self._rules(form.arguments[0]))), revises=True)
+            return Retraction(self._told(form.arguments[0]))
+        if form.name == "correct" and form.arguments[0].name in {"implies", "and", *KIND_FORMS}:
+            return with_rules(self._stated(form.arguments[0]), revises=True)
         return self._fragment(form, discourse)
 
     def _fragment(self, form: PredicateForm, discourse: Discourse) -> Meaning:
@@ -267,6 +292,10 @@ class Interpreter:
             tool = self._reference(form.arguments[2])
         return ToolCommand(form.name, patient, tool)
 
+    def _told(self, form: PredicateForm) -> Rule | KindRelation:
+        """The one thing that was told."""
+        return next(self._relations(form)) if form.name in KIND_FORMS else self._one_rule(form)
+
     def _one_rule(self, form: PredicateForm, problem: str = "one_rule_at_a_time") -> Rule:
         rules = list(self._rules(form))
         if len(rules) != 1:
@@ -308,6 +337,8 @@ class Interpreter:
                 return self._question_naming(ask, kind, thing)
             case "howSure", (PredicateForm(arguments=()) as thing, *_):
                 return Question(ask, object=_kind(thing))
+            case "isTrue", (PredicateForm(name="kindOf" | "isA", arguments=(thing, above, _)), *_):
+                return Question("is_kind_of", object=_kind(thing), kind_of=_kind(above))
             case "isTrue" | "howSure", (rule, *_):
                 return self._question_on_rule(ask, rule)
             case "source", (PredicateForm(name="implies" | "and") as rule, *_):
@@ -387,6 +418,13 @@ class Interpreter:
         if form.name in acts or form.name in self.tool_acts:
             return self._question_on_act(ask, form)
         return Question(ask, object=_kind(form))
+
+
+def _is_of_kinds(form: PredicateForm) -> bool:
+    """Whether all that a form states is of which kinds things are."""
+    parts = form.arguments if form.name == "and" else form.arguments[1:]
+    is_joined = form.name in {"and", "says"}
+    return all(map(_is_of_kinds, parts)) if is_joined else form.name in KIND_FORMS
 
 
 def _use(form: PredicateForm) -> tuple[str, str | None]:

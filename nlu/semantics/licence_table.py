@@ -12,6 +12,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
 from pathlib import Path
+from typing import TypeVar
 
 from ...ontology.yaml_reader import YamlNode, read_yaml
 from .clause_features import ASIDE, CONDITION, MAIN, UtteranceFeatures, Values
@@ -19,6 +20,8 @@ from .meaning import (
     ActionRule,
     Command,
     Confidence,
+    KindRelation,
+    KindStatement,
     Meaning,
     NormStatement,
     Retraction,
@@ -34,6 +37,8 @@ ABSENT = "none"
 """Stands in a row for the absence of a feature."""
 
 KINDS = ("use", "holding", "correction", "retraction", "command", "norm")
+
+AnyRule = TypeVar("AnyRule", Rule, KindRelation)
 
 _CLAUSES = (MAIN, CONDITION, ASIDE)
 _LIKELY = 0.5  # a rule whose upper bound is below states that something is not so
@@ -77,7 +82,7 @@ class LicenceTable:
 
     def weakened(self, meaning: Meaning, features: UtteranceFeatures) -> Meaning:
         """Return a meaning whose rules are as sure as their features allow."""
-        if not isinstance(meaning, Statement):
+        if not isinstance(meaning, (Statement, KindStatement)):
             return meaning
         bounds = [
             self.degrees[feature, value]
@@ -86,6 +91,8 @@ class LicenceTable:
             for value in values
             if (feature, value) in self.degrees
         ]
+        if isinstance(meaning, KindStatement):
+            return KindStatement(tuple(_bounded(each, bounds) for each in meaning.rules))
         return Statement(tuple(_bounded(rule, bounds) for rule in meaning.rules))
 
 
@@ -106,6 +113,8 @@ def kinds_of(meaning: Meaning) -> frozenset[str]:
     """The kinds of meaning that rows speak of; empty for what needs no licence."""
     if isinstance(meaning, Statement):
         return frozenset(map(_kind, meaning.rules))
+    if isinstance(meaning, KindStatement):
+        return frozenset({"use"})  # what holds of objects of a kind, as their uses do
     if isinstance(meaning, NormStatement):
         return frozenset({"norm"})
     if isinstance(meaning, Retraction):
@@ -160,7 +169,7 @@ def _kind(rule: Rule) -> str:
     return "holding" if isinstance(rule, ActionRule) else "use"
 
 
-def _bounded(rule: Rule, bounds: Sequence[Confidence]) -> Rule:
+def _bounded(rule: AnyRule, bounds: Sequence[Confidence]) -> AnyRule:
     if rule.revises:
         return rule
     return replace(rule, confidence=reduce(bounded, bounds, rule.confidence))

@@ -252,6 +252,44 @@ class NormStatement:
 
 
 @dataclass(frozen=True)
+class KindRelation(_Rule):
+    """An object is of a more general kind: "a bread knife is a kind of knife".
+
+    Attributes:
+        kind_of: the more general kind.
+        object, confidence, revises, source: as of a `FunctionalRule`.
+    """
+
+    kind_of: str
+    object: str
+    confidence: Confidence
+    revises: bool = False
+    source: str | None = None
+
+    def as_json(self) -> Json:
+        """Return the relation as a JSON object, which says only whether it is denied."""
+        given = {key: value for key, value in _Record.as_json(self).items() if key != "confidence"}
+        return given | ({"negated": True} if self.denies else {})
+
+
+@dataclass(frozen=True)
+class KindStatement:
+    """Of which kinds some objects are, in the order it was said."""
+
+    kind: ClassVar[str] = "statement"
+    rules: tuple[KindRelation, ...]
+
+    @property
+    def source(self) -> str | None:
+        """The person whose words the speaker reports, None for the speaker."""
+        return next((rule.source for rule in self.rules), None)
+
+    def as_json(self) -> Json:
+        """Return the one relation, or `{"all": [...]}`."""
+        return _one_or_all(self.rules)
+
+
+@dataclass(frozen=True)
 class ActionCommand(_Record):
     """A taught action on several objects, or on none: "swap the knife and the spoon", "tidy up".
 
@@ -346,13 +384,14 @@ class Question(_Record):
 
     Attributes:
         ask: `about`, `best_for`, `capabilities`, `confidence`, `exceptions`, `first_told`,
-            `hearing`, `holding`, `how`, `identity`, `is_used_for`, `known`, `last_asked`,
-            `last_done`, `last_spoken_of`, `last_told`, `objects_for`, `repeated`, `see`,
-            `source`, `told`, `trust`, `uses_of`, `wellbeing`, `what_if`, `which_context`, `why`,
-            `why_not`, `forbidden` or `may`.
+            `hearing`, `holding`, `how`, `identity`, `is_kind_of`, `is_used_for`, `known`,
+            `last_asked`, `last_done`, `last_spoken_of`, `last_told`, `objects_for`, `repeated`,
+            `see`, `source`, `told`, `trust`, `uses_of`, `wellbeing`, `what_if`, `which_context`,
+            `why`, `why_not`, `forbidden` or `may`.
         object, affordance, context, part, speaker: what the question names, else None.
         material: what the affordance is asked for ("bread", for cutting), or None for anything.
         norm: the permission that it asks for: "may you pick up the mug?".
+        kind_of: the more general kind that it asks about: "is a spoon a tool?".
     """
 
     kind: ClassVar[str] = "question"
@@ -364,6 +403,7 @@ class Question(_Record):
     speaker: str | None = None
     material: str | None = None
     norm: Norm | None = None
+    kind_of: str | None = None
 
 
 @dataclass(frozen=True)
@@ -379,7 +419,7 @@ class Retraction:
     """
 
     kind: ClassVar[str] = "correction"
-    rule: Rule | None = None
+    rule: Rule | KindRelation | None = None
     about: str | None = None
     part: str | None = None
     is_of_told: bool = False
@@ -501,14 +541,16 @@ class Misunderstanding:
 
 def with_rules(meaning: Meaning, **changes: object) -> Meaning:
     """Return a meaning with these attributes of its rules changed, if it has any."""
-    if not isinstance(meaning, Statement):
+    if not isinstance(meaning, (Statement, KindStatement)):
         return meaning
-    return Statement(tuple(replace(rule, **changes) for rule in meaning.rules))  # pyright: ignore
+    rules = tuple(replace(rule, **changes) for rule in meaning.rules)  # pyright: ignore
+    return replace(meaning, rules=rules)  # pyright: ignore
 
 
 Meaning = (
     Statement
     | NormStatement
+    | KindStatement
     | Command
     | ToolCommand
     | ActionCommand
@@ -522,3 +564,6 @@ Meaning = (
     | AskBack
     | Misunderstanding
 )
+
+TEACHING = (Statement, KindStatement, NormStatement, TopicStatement)
+"""The meanings whose new words are learned."""

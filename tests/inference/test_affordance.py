@@ -372,7 +372,7 @@ def test_rules_are_read_again_only_after_a_change():
     source.rules.append(functional("spoon", "cutting", interval=C))
     after = affordances.features(FIND, CUTTING)
 
-    assert before == 1
+    assert before == 2  # the kinds of objects, and the node
     assert Atom("object", "spoon") in after
 
 

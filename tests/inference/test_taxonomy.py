@@ -1,13 +1,15 @@
 """A rule about a kind holds for its subkinds, unless a more specific rule exists."""
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from hilt.inference.affordance import Affordances
 from hilt.inference.settings import Settings
 from hilt.inference.taxonomy import Taxonomy
 from hilt.inference.types import Goal, Observation, Target
 from hilt.kb.interval import CERTAIN, Interval
-from hilt.kb.rule import Atom, Rule, functional, grasping
+from hilt.kb.rule import Atom, Rule, functional, grasping, kind_rule
 from hilt.ontology.errors import DataError
 
 from .rule_sources import Told
@@ -158,3 +160,33 @@ def test_threshold_of_a_place_only_raises_the_threshold(
     inference = Affordances(Told(), settings, kinds).infer("serve/findObject", goal, [SEEN])
 
     assert inference.threshold == threshold
+
+
+PAIRS = st.lists(st.tuples(st.sampled_from("abcde"), st.sampled_from("abcde")), max_size=12)
+
+
+@given(PAIRS)
+def test_what_is_told_never_closes_a_cycle(pairs: list[tuple[str, str]]):
+    """Whatever is told, no object is above itself through others; the later is left out."""
+    rules = [kind_rule(one, other, interval=G) for one, other in pairs]
+
+    taxonomy = Taxonomy().with_rules(rules)
+
+    for name in "abcde":
+        above = [kind.name for kind, steps in taxonomy.above(Atom("object", name)) if steps]
+        assert name not in above
+        assert not any(taxonomy.is_above(name, each) for each in above)
+
+
+def test_kinds_that_are_told_are_read_again_after_a_change():
+    """Rules on kinds are inherited along as soon as they are told, and no longer when forgotten."""
+    knives = functional("knife", "cutting", interval=G)
+    source = Told(knives, kind_rule("bread knife", "knife", interval=G))
+    affordances = Affordances(source)
+
+    told = affordances.infer("pass/findObject", CUTTING, [SEEN]).best
+    source.rules, source.sequence = (knives,), 1
+    forgotten = affordances.infer("pass/findObject", CUTTING, [SEEN]).best
+
+    assert told is not None
+    assert (told.interval, told.inherited, forgotten) == (G, 1, None)

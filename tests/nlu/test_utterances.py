@@ -53,6 +53,7 @@ def check(language: Language, text: str, before: str | None, group: dict[str, ob
         "conversation",
         "materials",
         "attitudes",
+        "kinds",
         "new_words",
     ),
 )
