@@ -57,14 +57,14 @@ def parse(
     if jsonl is not None:
         _parse_file(session, jsonl, speaker)
         return
-    from ...nlu.parsing.derivation_views import draw_svg
 
     session = session.after(before or (), speaker=speaker)
     understood = [session.hear(said, speaker=speaker)[0] for said in utterances(text or "")]
     for found in understood:
         show(found, presentation.console.understanding, as_json=as_json)
         if svg is not None and found.derivation is not None:
-            write_svg(svg, draw_svg(found.derivation))
+            drawn = presentation.deduction_svg.from_derivation(found.derivation)
+            write_svg(svg, presentation.deduction_svg.draw_svg([drawn]))
     exit_with(all(found.reading is not None for found in understood))
 
 

@@ -1,4 +1,4 @@
-from . import console, proof_svg
+from . import console, deduction_svg
 from .video import Film
 
-__all__ = ["Film", "console", "proof_svg"]
+__all__ = ["Film", "console", "deduction_svg"]

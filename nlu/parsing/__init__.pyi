@@ -1,6 +1,6 @@
 from .chart import Chart, Derivation
 from .clarification import Clarifier
-from .derivation_views import DerivationStep, draw_svg
+from .derivation_views import DerivationStep
 from .parser import SentenceParser, UtteranceContext
 from .reading_filter import ReadingFilter
 from .segmentation import combine_meanings, segmentations
@@ -19,6 +19,5 @@ __all__ = [
     "UtteranceContext",
     "UtteranceParser",
     "combine_meanings",
-    "draw_svg",
     "segmentations",
 ]

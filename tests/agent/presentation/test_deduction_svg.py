@@ -1,19 +1,19 @@
-"""Derivations as drawings."""
+"""Derivations as drawings of deductions."""
 
 from __future__ import annotations
 
 from xml.etree import ElementTree
 
+from hilt.agent.presentation.deduction_svg import draw_svg, from_derivation
 from hilt.nlu import Language
-from hilt.nlu.parsing.derivation_views import draw_svg
 
 
-def test_the_drawing_has_every_word_and_step(language: Language) -> None:
+def test_the_drawing_has_every_word_and_step() -> None:
     """The drawing is well-formed XML with each word and the meaning of the utterance."""
-    step = language.understand("A knife is used for cutting").derivation
+    step = Language.load().understand("A knife is used for cutting").derivation
     assert step is not None
 
-    drawn = ElementTree.fromstring(draw_svg(step))  # noqa: S314 - our own
+    drawn = ElementTree.fromstring(draw_svg([from_derivation(step)]))  # noqa: S314 - our own
 
     texts = ["".join(each.itertext()) for each in drawn.iter("{http://www.w3.org/2000/svg}text")]
     assert {"knife", "used", "for", "cutting"} <= {*" ".join(texts).split()}
