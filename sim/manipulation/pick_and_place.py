@@ -80,7 +80,10 @@ class PickAndPlace:
         return self.in_hand.context.percept if self.in_hand else None
 
     def grasp(self, percept: Percept, part: str | None) -> MotionReport:
-        """Close the hand on an object, by this part only; None leaves the choice to the hand."""
+        """Close the hand on an object, by this part only; None leaves the choice to the hand.
+
+        An object that the hand holds by this part already is kept.
+        """
         return self._moved("grasp", lambda: self._take(percept, part))
 
     def lift(self, height_m: float = LIFT_HEIGHT) -> MotionReport:
@@ -160,7 +163,7 @@ class PickAndPlace:
     def _take(self, percept: Percept, part: str | None) -> MotionReport:
         if self.robot.kind.gripper is None:
             return MotionReport("grasp", ok=False, reason="no_gripper")
-        if self._resumes(percept, part):
+        if self._keeps(percept, part):
             return self._report("grasp", "")
         self._clear_hand()
         self._task = GraspAttempts(percept.name, part)
@@ -203,13 +206,15 @@ class PickAndPlace:
         self._motion.release(self._motion.path_planner(held.context))
         self.in_hand = None
 
-    def _resumes(self, percept: Percept, part: str | None) -> bool:
-        """Whether the hand still holds an object as wanted, after an interruption."""
+    def _keeps(self, percept: Percept, part: str | None) -> bool:
+        """Whether the hand holds an object as wanted already, which a new task or none begins."""
         held = self.in_hand
-        if not self._is_interrupted or held is None or held.name != percept.name:
+        if held is None or held.name != percept.name or part not in {None, held.context.part}:
             return False
+        if not self._is_interrupted:
+            self._task = GraspAttempts(percept.name, part)
         self._is_interrupted = False
-        return part in {None, held.context.part}
+        return True
 
     def _observe(self, name: str, part: str | None) -> GraspContext | None:
         """How an object and its surroundings are seen now; None when it is not visible."""

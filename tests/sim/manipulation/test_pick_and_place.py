@@ -112,6 +112,22 @@ def test_object_lost_on_the_way_is_grasped_again_and_handed_over():
         assert body.world.points("knife")[:, 2].min() > 0.1
 
 
+def test_object_that_is_held_by_the_part_already_is_kept():
+    """No second grasp is made; by another part it is put back and grasped again."""
+    with body_with("objects:knife", seed=7) as body:
+        assert grasped(body, "knife", "blade").ok
+        assert body.lift().ok
+        before = body.world.time
+        (held,) = body.search(["object:knife"])
+
+        again = body.grasp(held, "blade")
+        kept = body.world.time == before
+        other = body.grasp(held, "handle")
+
+    assert (again.ok, again.attempts, again.touched, kept) == (True, 0, ("blade",), True)
+    assert (other.ok, other.touched) == (True, ("handle",))
+
+
 def test_run_that_is_not_recorded_renders_only_what_vision_needs(monkeypatch: pytest.MonkeyPatch):
     """One image of each of four cameras, without the waiting robot."""
     drawn: list[CameraImage] = []
