@@ -15,6 +15,7 @@ from hilt.agent.agent import Agent
 from hilt.agent.config import AgentConfig
 from hilt.agent.dialogue.reply import Reply
 from hilt.agent.execution.outcome import Constraint
+from hilt.inference.affordance import Affordances
 from hilt.inference.settings import Settings
 from hilt.inference.taxonomy import Taxonomy
 from hilt.kb.interval import Interval
@@ -564,7 +565,7 @@ def test_part_of_a_kind_is_the_part_that_the_thing_has():
     seen = Percept("bread knife", "knife", 1.0, {"serrated blade": POINT})
     arm = Arm({})
     with Agent.open("memory:", vision=Eyes(), motion=arm) as agent:
-        agent.affordances.taxonomy = Taxonomy([(serrated, blade)])
+        agent.affordances = Affordances(agent.base, taxonomy=Taxonomy([(serrated, blade)]))
         agent.goals.vision = OneThing(seen)
         agent.hear("To pass a knife grab it by the blade")
         reply = agent.hear("pass me the knife")
