@@ -1,9 +1,7 @@
 """Pictures of a scene for people: rendering, tints, drawn grasps, name labels and captions.
 
 A picture is rendered at twice the size and reduced (Lanczos), which smooths all edges. The white
-background of the simulator is replaced by a soft gradient. The boards and the grain of the table
-are laid over its plain colour afterwards, computed from the place in the world behind each pixel:
-as a texture in the simulator they would slow every image that the robot takes.
+background of the simulator is replaced by a soft gradient.
 
 Grasps are drawn as small hands: two fingers, what joins them, and the wrist. Rejected ones are thin
 and red, accepted ones green, the chosen one thick.
@@ -38,10 +36,7 @@ Picture = NDArray[np.uint8]
 PICTURE_SUFFIXES = (".png", ".jpg", ".jpeg")
 PICTURE_LIGHT = Lighting(direction=(0.5, -0.9, 1.6), shadow=True)
 SUPERSAMPLING = 2.0
-TABLE_TOP = ("table", "top")
 CAPTION_BACKGROUND, CAPTION_COLOUR = (252, 250, 246), (52, 44, 38)
-BOARD_WIDTH = 0.16  # [m]
-SEAM = 0.0018  # [m], half the width of the dark line between two boards
 TINT = (0.10, 0.45, 1.0)  # red, green, blue of a highlighted part
 WALL_TOP, WALL_BOTTOM = (250, 247, 242), (232, 224, 213)  # warm white
 
@@ -91,43 +86,10 @@ def take_picture(
     with engine.rendering.tinted(*tint, TINT) if tint else nullcontext():
         view = large.capture(engine, light=light)
     picture = view.colour.copy()
-    if TABLE_TOP[0] in engine.bodies.names:
-        table = view.mask(*TABLE_TOP)
-        shades = _table_shades(large)[table] * picture[table]
-        picture[table] = np.minimum(shades, 255).astype(np.uint8)
     background = ~np.isin(view.labels, np.fromiter(view.names, dtype=np.int32))
     picture[background] = _wall(large)[background]
     size, lanczos = (camera.width, camera.height), Image.Resampling.LANCZOS
     return picture if smoothing == 1 else np.asarray(Image.fromarray(picture).resize(size, lanczos))
-
-
-@lru_cache(maxsize=4)
-def _table_shades(camera: Camera) -> NDArray[np.float32]:
-    """Return brightness factors of the table where each pixel meets it, (height, width, 3)."""
-    height, width = camera.height, camera.width
-    columns, rows = np.meshgrid(np.arange(width) + 0.5, np.arange(height) + 0.5)
-    ahead = np.full(columns.shape, -camera.focal)
-    rays = np.stack([columns - width / 2, height / 2 - rows, ahead], axis=-1)
-    rays = rays @ camera.world_from_camera[:3, :3].T
-    down = np.minimum(rays[..., 2], -1e-3)  # rays that never come down miss the table
-    far = (-camera.eye[2] / down)[..., None]
-    places = np.array(camera.eye[:2]) + far * rays[..., :2]
-    return _grain(places).astype(np.float32)
-
-
-def _grain(places: Array) -> Array:
-    """Return brightness factors (..., 3) of wood at places (..., 2) of the table."""
-    x, y = places[..., 0], places[..., 1]
-    board = np.floor(y / BOARD_WIDTH)
-    across = y / BOARD_WIDTH - board
-    tone = np.sin(board * 12.9898) * 43758.5453 % 1.0  # one number in [0, 1] a board
-    # Rings of a trunk cut lengthwise: lines along the board that wander slowly.
-    wander = 0.35 * np.sin(3.1 * x + 40 * tone) + 0.15 * np.sin(7.7 * x + 90 * tone)
-    rings = np.sin(2 * np.pi * (across * 5 + wander + 9 * tone))
-    fibre = np.sin(900 * y + 25 * np.sin(5 * x + 60 * tone)) * np.sin(31 * x + 500 * y)
-    seam = np.clip(np.minimum(across, 1 - across) * BOARD_WIDTH / SEAM, 0, 1)
-    light = (0.93 + 0.12 * tone + 0.025 * rings + 0.012 * fibre) * (0.72 + 0.28 * seam)
-    return light[..., None] ** np.array([0.8, 1.0, 1.25])  # dark wood is redder
 
 
 @lru_cache(maxsize=4)

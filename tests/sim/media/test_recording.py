@@ -40,15 +40,14 @@ def recorded(world: World, path: Path, captions: tuple[str, ...]) -> Path:
     return path
 
 
-def test_picture_shows_a_warm_wall_and_a_wooden_table(world: World):
-    """The upper edge is nearly white; the table below is brown and not plain."""
+def test_picture_shows_a_warm_wall_and_a_brown_table(world: World):
+    """The upper edge is nearly white; the table below is brown."""
     picture = take_picture(world.engine, SMALL).astype(float)
 
     assert picture.shape == (90, 120, 3)
     assert picture[0].min() > 230
     table = picture[-30:, 40:80].reshape(-1, 3)
     assert (table[:, 0] > table[:, 2] + 30).mean() > 0.9
-    assert table[:, 0].std() > 2
 
 
 def test_picture_leaves_the_world_alone(world: World):
