@@ -78,5 +78,4 @@ class _Findings:
             self.conflicts += find_conflicts((other, weighted))
 
     def add_different(self, rule: Rule) -> None:
-        """Keep a rule that has another status in the base."""
         self.kept.append(rule)

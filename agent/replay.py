@@ -127,7 +127,6 @@ def _again(episode: Episode) -> dict[str, Any]:
 
 
 def _agent(circumstances: Mapping[str, Any], words: Iterable[LearnedWord], *, gui: bool) -> Agent:
-    """An agent under these circumstances, over an empty base of its own."""
     embodiment = embodiment_from_json(circumstances["embodiment"], gui=gui)
     return Agent(
         open_base("memory:", embodiment.household),

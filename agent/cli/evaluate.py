@@ -139,7 +139,6 @@ def evaluate(  # noqa: PLR0917 - every option is a parameter
 
 
 def _show(report: EvaluationReport, *, cases: bool) -> None:
-    """Print the cases if wanted, the curves if there are any, and the summary last."""
     for table in (report.table() if cases else None, report.points()):
         if table is not None:
             terminal().print(table)

@@ -144,7 +144,6 @@ def _session(lexicon: Path | None) -> Session:
 
 
 def _parse_file(session: Session, path: Path, speaker: str) -> None:
-    """One result line for each line of the file, each in a session of its own."""
     for text, before in _lines(path):
         found, _ = session.after(before, speaker=speaker).hear(text, speaker=speaker)
         print_json(found.as_json())

@@ -104,7 +104,6 @@ def _asked(question: str) -> NamedQuery:
 
 
 def _arguments(given: Sequence[str]) -> dict[str, list[str]]:
-    """Return the values of each variable; a variable that is given twice has two."""
     found: dict[str, list[str]] = {}
     for one in given:
         name, _, value = one.partition("=")

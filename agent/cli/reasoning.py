@@ -52,7 +52,6 @@ def explain(
 
 
 def _changes(agent: Agent, decision: Decision | None) -> list[Counterfactual]:
-    """What would change the choice of the thing, and of the part, the smallest change first."""
     from ...inference.explanation import counterfactuals
 
     nodes = decision.inferences if decision else ()

@@ -91,7 +91,6 @@ def trust(
 
 
 def _suggest_trust(speaker: str | None, kb: str | None, *, as_json: bool) -> None:
-    """Show how the grasps turned out as each speaker told, and the trust that agrees with it."""
     from ...inference.experience import read_records, teacher_records
 
     with open_for_reading(kb) as base:

@@ -52,7 +52,6 @@ class ActionLessons:
         self._read()
 
     def _read(self) -> None:
-        """Take over the taught actions of the base."""
         found = {each.name: definition_of(each) for each in self._base.actions()}
         definitions = {name: each for name, each in found.items() if name not in self._own.trees}
         uses = self._conversation.language.tool_acts
@@ -149,7 +148,6 @@ class ActionLessons:
         return self._conversation.language.answers.act_on(act.goal, *_names(act))
 
     def _echo(self, said: ActionDefinition) -> Iterator[AnswerContent]:
-        """What was learned, as it was understood."""
         language = self._conversation.language
         frame = language.answers.act_on(said.action, *said.parameters, links=said.links)
         steps = tuple(language.generate(_about_a_thing(each)) for each in said.steps)

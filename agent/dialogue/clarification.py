@@ -91,7 +91,6 @@ class ClarificationDialogue:
     def _offer(
         self, turn: UnderstoodTurn, said: meaning.AskBack, choices: Sequence[meaning.Meaning]
     ) -> None:
-        """Wait for the choice of a meaning."""
         heard = tuple(partial(self._take, turn, each) for each in choices)
         again = partial(self.ask_back, turn, said)
         only = heard[0] if len(heard) == 1 else again

@@ -165,7 +165,6 @@ class DialogueManager:
         return self._conversation.answered(turn, "waiting" if said.is_halt else "going_on", "done")
 
     def _respond(self, turn: UnderstoodTurn) -> Reply:
-        """Act on what was understood, and return the reply."""
         self._conversation.discourse = turn.understood.discourse
         said = turn.understood.meaning
         if turn.understood.kind in {"statement", "correction", "command"}:
@@ -320,7 +319,6 @@ class DialogueManager:
         carry_out: Callable[[Request, Sequence[Request]], Reply],
         rest: Sequence[Request],
     ) -> None:
-        """Wait for the answer to what Hilt asked about a request."""
         is_so, is_not = (request.told(result, is_so=each) for each in (True, False))
         settled = is_so or request.confirmed(result)
 

@@ -199,11 +199,9 @@ class NormDialogue:
 
 
 def _circumstances(rule: Rule) -> frozenset[Atom]:
-    """Where and to whom a norm applies."""
     return frozenset(atom for atom in rule.contexts if atom.kind != "action")
 
 
 def _is_opposite(one: Rule, other: Rule) -> bool:
-    """Whether two norms say the opposite of the same act."""
     premises = ((each.features, each.contexts, each.argument) for each in (one, other))
     return next(premises) == next(premises)

@@ -131,7 +131,6 @@ def _is_used_for(question: Question, known: Conversation) -> Answered:
 
 
 def _is_kind_of(question: Question, known: Conversation) -> Answered:
-    """Whether an object is of a kind, by all that was told of the kinds between the two."""
     name, kind = question.object or "", question.kind_of or ""
     taxonomy = Taxonomy.from_base(known.base)
     above = [atom.name for atom, _ in taxonomy.above(Atom("object", name))]
@@ -400,7 +399,6 @@ def _reason(decision: Decision | None, name: str | None) -> str | None:
 
 
 def _wanted_use(last: Reply, name: str) -> Question | None:
-    """Whether an object is used for what a command wanted; None when it wanted no use."""
     said = last.understanding.meaning
     if isinstance(said, ToolCommand):
         use, material = said.tool.used_for, said.tool.material or said.patient

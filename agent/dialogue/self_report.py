@@ -28,7 +28,6 @@ def _fixed(key: str, _: Question, __: Conversation) -> Answered:
 
 
 def _capabilities(_: Question, known: Conversation) -> Answered:
-    """What Hilt can do, the actions included that it was taught."""
     taught = tuple(each.name for each in known.base.actions())
     if not taught:
         return spoken("capabilities", done=True), ()
@@ -122,7 +121,6 @@ def _told_at_an_end(question: Question, known: Conversation, *, newest_first: bo
 
 
 def _last_said(_: Question, known: Conversation, *, kinds: Collection[str]) -> Answered:
-    """What the listener said last that is of one of some kinds."""
     for each in known.base.history(newest_first=True):
         is_looking_back = each.predicate in {"lastAsked", "lastSpokenOf"}
         if each.speaker == known.listener and each.kind in kinds and not is_looking_back:
@@ -131,7 +129,6 @@ def _last_said(_: Question, known: Conversation, *, kinds: Collection[str]) -> A
 
 
 def _taught_by(speaker: str, known: Conversation, *, newest_first: bool) -> Iterator[Utterance]:
-    """What a speaker taught, in order or newest first."""
     for each in known.base.history(newest_first=newest_first):
         if each.speaker == speaker and each.kind in _TAUGHT and each.accepted and each.asserts:
             yield each

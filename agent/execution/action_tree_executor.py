@@ -386,7 +386,6 @@ class TreeExecutor:
         return self._primitives.not_sensed(loop.until) if self._primitives and loop.until else None
 
     def _passed(self, step: TreeStep, arguments: Mapping[str, Argument]) -> dict[str, Argument]:
-        """The arguments that a step passes on, reviewed if it is a tree itself."""
         passed = {name: _value(each, arguments) for name, each in step.arguments.items()}
         if step.action in self._context.actions.trees:
             return review_arguments(
@@ -558,7 +557,6 @@ class TreeExecutor:
 
 
 def _value(given: str | DescribedObject, arguments: Mapping[str, Argument]) -> Argument:
-    """What a step passes on: an argument of its tree, a word, or the object of a description."""
     match given:
         case DescribedObject():
             return Target(**vars(given))

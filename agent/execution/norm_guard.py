@@ -121,7 +121,6 @@ class NormGuard:
 
     @property
     def _patient(self) -> str | None:
-        """What a tool is used on."""
         return named(self._arguments.get(PATIENT))
 
     def _ahead(self, target: Target) -> tuple[str, ...]:

@@ -210,7 +210,6 @@ def _not_found(key: str, **slots: Slot) -> AnswerContent:
 
 
 def _wanted(target: Target) -> str | tuple[str, ...] | None:
-    """Return the affordance or conclusion that the target must have; None for any."""
     if target.affords:
         return str(target.affords)
     use = target.used_for or target.not_used_for
@@ -218,7 +217,6 @@ def _wanted(target: Target) -> str | tuple[str, ...] | None:
 
 
 def _description(target: Target) -> str:
-    """Return the name of the target with its adjectives."""
     return " ".join((*sorted(target.properties), target.object or "thing"))
 
 

@@ -125,7 +125,6 @@ def _spread_out(
 
 
 def _refine(scores: GraspScores, fine: LabelledPointCloud, gripper: Gripper) -> GraspScores:
-    """Add the scores of poses near the best ones."""
     best = scores[_distinct(scores, REFINED, above=-2 * scoring.REJECTION_PENALTY)]
     centred = best.world_from_grip @ _corrections(best)
     scores = scores.joined(scoring.score_grasps(centred, best.section_width, fine, gripper))

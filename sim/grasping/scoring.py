@@ -76,7 +76,6 @@ class GraspScores:
     twist: Array
 
     def __getitem__(self, index: np.ndarray) -> GraspScores:
-        """The scores of some poses."""
         return GraspScores(*(each[index] for each in vars(self).values()))
 
     def joined(self, other: GraspScores) -> GraspScores:

@@ -123,7 +123,6 @@ class PickAndPlace:
         return self._moved("point_at", lambda: self._point_at(percept))
 
     def _act(self, action: str, act: Callable[[HeldObject], MotionReport]) -> MotionReport:
-        """The report of an action with the held object."""
         held = self.in_hand
         if held is None:
             return MotionReport(action, ok=False, reason="nothing_held")

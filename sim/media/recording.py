@@ -84,7 +84,6 @@ class WorldRecorder:
 
     @property
     def _moment(self) -> tuple[int, str]:
-        """The time in the world and the caption."""
         return self._world.engine.steps, self.caption
 
     def _watch(self) -> None:

@@ -237,7 +237,6 @@ def _section(sweep: Sweep, corners: int, centre: Array, size: Array, ahead: Arra
 
 
 def _read_mesh(form: MeshFile) -> trimesh.Trimesh:
-    """Return the mesh of a file, scaled to metres."""
     try:
         mesh: Any = trimesh.load_mesh(form.path)
     except Exception as error:  # each of its readers has errors of its own

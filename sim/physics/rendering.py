@@ -109,7 +109,6 @@ class Rendering:
     def _painted(
         self, shapes: Sequence[_Shape], paint: Callable[[Sequence[float]], Sequence[float]]
     ) -> Generator[None]:
-        """Give shapes the colours that `paint` makes of theirs inside this block."""
         try:
             for number, link, index, own in shapes:
                 self._paint(number, link, index, paint(own))

@@ -81,7 +81,6 @@ def _place_loose(
 
 
 def _mount(placement: Placement, mount: Fixture, support: DropPose) -> DropPose:
-    """Return the spot of an object that stands in another one."""
     x, y, z = mount.at
     support_from_object = poses.translation(x, y, z - mount.depth)
     at, yaw = support.placement.at, support.placement.yaw

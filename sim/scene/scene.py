@@ -223,7 +223,6 @@ def _check_names(placements: Sequence[Placement], items: Sequence[YamlNode]) -> 
 
 
 def _with_unique_names(placements: Sequence[Placement]) -> tuple[Placement, ...]:
-    """Return the placements with a number after repeated names."""
     taken: Counter[str] = Counter(RESERVED)
     result: list[Placement] = []
     for placement in placements:

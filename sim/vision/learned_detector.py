@@ -154,7 +154,6 @@ class LearnedDetector(ObjectDetector):
             yield replace(percept, name=name if number == 1 else f"{name} {number}")
 
     def _percepts(self, segment: Segment) -> Iterator[Percept]:
-        """The percepts of one segment: an object, and what stands in it."""
         objects = self.world.objects
         kind, confidence = self._recogniser.recognise(segment)
         mounts = ((name, objects[name].mount) for name in self._recogniser.kinds)

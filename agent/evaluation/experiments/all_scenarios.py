@@ -119,7 +119,6 @@ class AllScenariosExperiment(Experiment):
 
     @staticmethod
     def _facts(results: Sequence[CaseResult]) -> dict[str, list[Json]]:
-        """Return kind of cases -> their facts, in the order of the cases."""
         found: dict[str, list[Json]] = defaultdict(list)
         for result in results:
             if result.kind == "check":  # errors are left out: then the certificate is incomplete

@@ -168,7 +168,6 @@ class _ScenarioReader:
         return {context: part.text() for context, part in spec.entries().items()}
 
     def _taught_rule(self, where: YamlNode, sentence: str) -> meaning.Rule:
-        """Return the rule that a sentence teaches."""
         said = self.language.understand(sentence).meaning
         if isinstance(said, meaning.Statement):
             return said.rules[0]

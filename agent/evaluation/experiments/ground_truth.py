@@ -118,7 +118,6 @@ def _first_choice(reply: Reply, action: str) -> Candidate | None:
 
 
 def _execution_facts(achieved: GoalResult, truth: CorrectChoices, *, is_done: bool) -> Json:
-    """Return the facts about the object that was taken in the end."""
     world = achieved.world
     best = achieved.decision.object.best if achieved.decision else None
     taken = best.object if best else ""

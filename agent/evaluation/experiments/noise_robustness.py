@@ -115,7 +115,6 @@ class _Trial:
     sim: bool
 
     def outcomes(self) -> Iterator[tuple[Outcome, str]]:
-        """Yield the outcome of each command with a description."""
         rng = Random(f"{self.seed}/{self.trial}")  # noqa: S311 - scenes, not secrets
         taught = self._taught_agent()
         for affordance in self._scenario.affordances:
@@ -140,7 +139,6 @@ class _Trial:
         return garble(text, self.line, self.value, rng, _vocabulary())
 
     def _taught_agent(self) -> Agent:
-        """Return an agent that was taught the scenario, with the noise of the curve."""
         choices = self.curve.lines[self.line] if "=" in self.curve.lines[self.line] else ""
         if self.curve.is_sensor_noise:
             noise = f"{self.curve.name}={self.value}"

@@ -93,7 +93,6 @@ def _leaves(document: Json, prefix: str = "") -> Iterator[tuple[str, object]]:
 
 
 def _points(curve: Json) -> Json:
-    """Return the accuracies of a curve by line and noise level."""
     lines = cast("dict[str, list[Json]]", curve["lines"])
     measure = str(curve.get("measure", "accuracy"))
     return {f"{line} at {p['x']}": p[measure] for line, each in lines.items() for p in each}

@@ -83,7 +83,6 @@ _FORMATS: Mapping[str, Callable[[Experiment, Sequence[Case], EvaluationReport], 
 
 
 def _pictures(experiment: Experiment, cases: Sequence[Case]) -> Iterator[EmbeddedPicture]:
-    """Yield pictures of the initial scenes of a simulated run, at most `MAX_PICTURES`."""
     if not isinstance(experiment, DecisionExperiment) or not experiment.sim:
         return
     scenes: dict[tuple[str, ...], str] = {}

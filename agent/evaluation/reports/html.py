@@ -77,7 +77,6 @@ def render_page(
 
 
 def _curves(curves: Sequence[Json]) -> Iterator[Json]:
-    """Yield the name, label, plot and values of each curve."""
     for curve in curves:
         label, lines = str(curve["label"]), cast("dict[str, list[Json]]", curve["lines"])
         measure = str(curve.get("measure", "accuracy"))

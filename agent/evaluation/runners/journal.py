@@ -93,7 +93,6 @@ class RunJournal(AbstractContextManager["RunJournal"]):
             raise StoreError(f'Another process is writing the run in "{self.folder}".') from error
 
     def _resume_or_start(self, header: Json, *, resume: bool) -> None:
-        """Read the existing journal, or start a new one."""
         self._file.seek(0)
         whole, incomplete = _whole_lines(self._file.read())
         if incomplete:
@@ -131,7 +130,6 @@ class RunJournal(AbstractContextManager["RunJournal"]):
 
 
 def _header(experiment: Experiment, cases: Sequence[Case]) -> Json:
-    """Return what identifies a run: the experiment, its options and its cases."""
     digest = hashlib.sha256()
     for case in cases:
         digest.update(f"{to_json_line(case.as_json())}\n".encode())

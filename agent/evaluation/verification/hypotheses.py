@@ -86,7 +86,6 @@ def _read_back(space: ScenarioSpace, rules: Sequence[Rule]) -> list[int]:
 
 
 def _commanded(space: ScenarioSpace, agent: Agent, mask: int, action: int, wanted: int) -> Choice:
-    """Return what an agent chooses that is given a command as a sentence."""
     text = command([*ACTIONS][action], space.affordances[wanted])
     scene = scene_with(space.scene(mask), seed=0, objects=agent.objects)
     with agent.in_scene(scene) as other:

@@ -52,7 +52,6 @@ class TracingRule(Rule):
     """A rule that records that it was met, and when its content is read."""
 
     def __getattribute__(self, name: str) -> object:
-        """Return an attribute; record the cell first."""
         state = object.__getattribute__(self, "__dict__")
         if "trace" in state and not name.startswith("__"):  # absent during construction
             state["trace"].listed.add(state["key"])
