@@ -55,11 +55,7 @@ class Agent:
     Most programs make one by `Agent.open`.
 
     Args:
-        base: the knowledge base.
-        language: what it understands and speaks.
-        actions: what it can do.
-        embodiment: its scene, its robot and its vision.
-        config: the other choices: induction, settings of the inference, contexts.
+        config: the choices beside the embodiment: induction, settings of the inference, contexts.
         vision: replaces the simulator's vision.
         motion: the motion that goes with `vision`; without one the agent decides but does not act.
         dialogue: a language part that is asked before Hilt's own.

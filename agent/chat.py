@@ -51,14 +51,7 @@ def run(agent: Agent, out: Console, source: TextIO, speaker: str) -> None:
 
 @dataclass
 class Chat:
-    """A chat on a terminal or through a pipe: answers each line, and runs slash commands.
-
-    Attributes:
-        agent: the agent.
-        out: where it is shown.
-        speaker: the current speaker.
-        is_interactive: whether it takes place on a terminal.
-    """
+    """A chat on a terminal or through a pipe: answers each line, and runs slash commands."""
 
     agent: Agent
     out: Console

@@ -28,13 +28,7 @@ AFTERWARDS = ("pick up the knife", "pass me something used for rolling")
 
 @dataclass(frozen=True)
 class ExampleReplies:
-    """The replies of the running example.
-
-    Attributes:
-        lessons: the replies to the three sentences.
-        commands: the replies to the command and to the two after it.
-        simulate: whether a robot moved.
-    """
+    """The replies of the running example: to three sentences, a command, and the two after it."""
 
     lessons: tuple[Reply, ...]
     commands: tuple[Reply, ...]

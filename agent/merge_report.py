@@ -18,7 +18,6 @@ class MergeReport:
     """What a merge changed.
 
     Attributes:
-        summary: the change in numbers.
         new: rules that the base did not know.
         conflicts: pairs of a rule of the base and a new one, the heaviest first.
         kept: rules that hold in one base and were retracted in the other, as they stand in the

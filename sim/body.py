@@ -39,10 +39,7 @@ class Body(Striking, AbstractContextManager["Body"]):
     Use it in a `with` block, or `close` it.
 
     Args:
-        scene: what is on the table.
-        objects: the object types there are.
         seed: from which all choices of the motions are drawn.
-        gui: whether to show a window.
         robot: its name in `robots.yaml`.
         vision: where percepts come from: "mask", "learned" or "learned:FILE".
         noise: of the cameras' depths; none when None.

@@ -12,11 +12,7 @@ from ..execution.outcome import AnswerContent
 
 
 class Acquaintances:
-    """Who speaks, by the name under which they are heard.
-
-    Args:
-        base: knows whom to trust.
-    """
+    """Who speaks, by the name under which they are heard."""
 
     def __init__(self, base: KnowledgeBase) -> None:
         self._base = base

@@ -38,12 +38,8 @@ from .reply import Reply
 class ActionLessons:
     """Learns, lists and forgets actions that people teach.
 
-    Args:
-        conversation: the conversation in which they are taught.
-        actions: those that Hilt comes with.
-
     Attributes:
-        actions: these and the taught ones.
+        actions: those that Hilt comes with, and the taught ones.
     """
 
     def __init__(self, conversation: Conversation, actions: Actions) -> None:

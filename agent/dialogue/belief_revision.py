@@ -26,11 +26,7 @@ _BARE = (meaning.Retraction(), meaning.Retraction(is_of_told=True))
 
 
 class BeliefRevision:
-    """Changes what Hilt believes by what is said in a conversation.
-
-    Args:
-        conversation: the conversation in which it is said.
-    """
+    """Changes what Hilt believes by what is said in a conversation."""
 
     def __init__(self, conversation: Conversation) -> None:
         self._base, self._conversation = conversation.base, conversation

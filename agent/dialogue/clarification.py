@@ -19,7 +19,6 @@ class ClarificationDialogue:
     """What Hilt asks back in a conversation, and its understanding of short answers.
 
     Args:
-        conversation: the conversation in which it asks.
         hear: understands an utterance again, or one that a short answer stands for; its arguments
             are those of `DialogueManager.hear`.
         respond: acts on what was understood, and returns the reply.

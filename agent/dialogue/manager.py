@@ -50,7 +50,6 @@ class DialogueManager:
     """One conversation, with any number of speakers.
 
     Args:
-        conversation: what is said.
         goals: returns the goal manager, which is made when the first command comes.
         record_episode: called with every command that was carried out and its reply, and whether
             it is to be kept.

@@ -34,7 +34,6 @@ class NormDialogue:
     """What is forbidden, obliged and permitted in a conversation.
 
     Args:
-        conversation: the conversation.
         judge: returns what the norms say of a request.
     """
 

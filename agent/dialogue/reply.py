@@ -20,12 +20,9 @@ class Reply:
 
     Attributes:
         text: the utterance.
-        speaker: who said it.
-        understanding: how it was understood.
         said: the spoken answer.
         ending: how the request ended; "done" for a statement that is accepted.
         rules: the rules that were learned, or that the answer rests on.
-        result: the result of a command.
         seed: the seed of everything random in it.
     """
 

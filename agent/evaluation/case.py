@@ -22,7 +22,6 @@ class Case:
     """A case of an experiment: a question with a known answer.
 
     Attributes:
-        experiment: the name of the experiment.
         key: identifies the case within the experiment, in any run.
         spec: everything needed to run it, including its seed.
     """

@@ -54,9 +54,6 @@ class ExecutionContext:
     """What action trees are executed with.
 
     Attributes:
-        actions: the action trees.
-        affordances: inference over the rules.
-        vision: the vision of the robot.
         motion: the motion of the robot; None decides but does not act.
         norms: what is forbidden, and what must come first.
         grips: object -> the part that is made for holding it; a tool is grasped by it when no rule

@@ -31,13 +31,11 @@ class Embodiment:
 
     Attributes:
         scene: what is on the table; its seed is that of everything random.
-        household: the object types.
         objects_file: the user's own file among them, if any.
         robot: its name, or a file of robots and the name in it; see `find_robot`.
         vision: the source of percepts: "mask", "learned" or "learned:FILE".
         noise: how perception fails, as text ("missed=0.1,confused=0.05"); empty for not at all.
         simulate: whether there is a simulated body; without one all is seen with certainty.
-        gui: whether the simulator shows a window.
     """
 
     scene: Scene

@@ -29,7 +29,6 @@ class NormGuard:
 
     Args:
         checker: the norms.
-        actions: the action trees.
         request: the command.
         done: the acts so far, in order: action and type of object; it grows.
         holding: returns the type of the object in the hand.

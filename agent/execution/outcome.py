@@ -79,12 +79,7 @@ class Constraint:
 
 @dataclass(frozen=True)
 class FailedAttempt:
-    """An object that was chosen and tried without success.
-
-    Attributes:
-        candidate: why it was chosen.
-        cause: why it failed.
-    """
+    """An object that was chosen and tried without success."""
 
     candidate: Candidate
     cause: str
@@ -242,15 +237,12 @@ class WorldOutcome:
         executed: whether the robot was asked to act. If its planner found no way, the hand never
             closed, and `attempts` is 0.
         touched: the parts that the fingers touched when they closed.
-        lifted_m: how high the object was lifted [m].
-        held_s: how long the object was held [s].
         handed_over: whether it was still held at the hand-over pose.
         handed_over_at: that pose of the grip: x, y, z [m] and the unit quaternion x, y, z, w; empty
             when nothing was handed over.
         attempts: the number of grasps.
         nail_depth_mm: the depth of the nail in its block [mm]; None when nothing was pounded.
         driven_mm: by how much it was driven in [mm].
-        pictures: files that were written.
     """
 
     executed: bool = False
@@ -294,7 +286,6 @@ class GoalResult:
         answer: what to say in the end.
         decision: which object and part, if the tree looks for any.
         steps: the nodes in the order of execution.
-        world: what happened in the world.
         setbacks: failures that a branch of the tree handled, and what is doubted, to be said before
             the answer.
         trials: what each grasp came to.

@@ -27,7 +27,6 @@ class Request:
     Attributes:
         action: the action tree ("pass").
         arguments: parameter -> the object that is meant, or a name.
-        speaker: who asked.
         part: the part to act on, when the command itself names it.
         contexts: what else holds now, with the interval to which it holds.
         assumed: the parameters that nobody mentioned; a default of the tree takes precedence.

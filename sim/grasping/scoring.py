@@ -143,9 +143,7 @@ class HandPointPairs:
     Attributes:
         hands: number of hands.
         hand: index of the hand of each pair (p,), in ascending order.
-        x: x of the point in the grip frame of that hand (p,) [m].
-        y: y of the point (p,) [m].
-        z: z of the point (p,) [m].
+        x, y, z: the point in the grip frame of that hand, each (p,) [m].
         label: label of the point (p,).
     """
 

@@ -44,7 +44,6 @@ class ObjectModel:
     """An object type as the simulator knows it.
 
     Attributes:
-        kind: the object type.
         urdf: its URDF file, with the meshes beside it.
         corners: corners (n, 3) of the collision pieces of each part, in the object's frame [m].
         silhouette: mean area that it shows to a camera above the table [m^2].

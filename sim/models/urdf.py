@@ -104,7 +104,6 @@ class HandFile:
     """A hand from another file.
 
     Attributes:
-        urdf: URDF file of the hand.
         link: link in that file that is attached, with all links below it.
         carrier: link of the arm that carries the hand.
         at: position x, y, z on the carrier [m].

@@ -54,8 +54,7 @@ class KinematicChain:
         turns: 1 for each revolute joint, 0 for each prismatic one (k, 1).
         parent_from_joint: pose of each joint on the link before it (n, 4, 4).
         axes: unit axes of the joints that move, in their own frames (k, 3).
-        low: lower limits (k,) [rad] or [m].
-        high: upper limits (k,) [rad] or [m].
+        low, high: limits (k,) [rad] or [m].
         speed: highest speeds (k,) [rad/s] or [m/s].
     """
 

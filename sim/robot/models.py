@@ -33,8 +33,7 @@ class Gripper:
     of the hand.
 
     Attributes:
-        joints: names of the joints of the two fingers.
-        links: names of the links of the two fingers.
+        joints, links: names of those of the two fingers.
         grip: distance from the hand's origin to the grip frame, along z [m].
         opening: widest gap between the pads [m].
         force: force of each finger [N].

@@ -56,7 +56,6 @@ class PathPlanner:
     """Plans paths that start where a robot is now.
 
     Attributes:
-        robot: the robot.
         scene: points (n, 3) on everything on the table, in the world [m].
         obstacles: points (n, 3) of the scene without the object that is to be grasped [m].
         table: height of the table [m].

@@ -49,8 +49,6 @@ class World(AbstractContextManager["World"]):
     Use it in a `with` block, or `close` it.
 
     Attributes:
-        scene: the scene.
-        engine: the physics engine.
         objects: all object types, by name.
         kinds: type of each object on the table, by the object's name.
         models: model of each type, by the type's name.

@@ -44,8 +44,7 @@ class Camera:
         eye: position x, y, z of the camera [m].
         target: point x, y, z that it looks at [m].
         field: vertical angle of view [rad].
-        width: width of the image [pixels].
-        height: height of the image [pixels].
+        width, height: of the image [pixels].
     """
 
     name: str
@@ -107,7 +106,6 @@ class CameraImage:
     """An image of one camera.
 
     Attributes:
-        camera: the camera.
         colour: red, green and blue of each pixel (height, width, 3), in 0..255.
         depth: depth along the camera's z axis (height, width) [m].
         labels: label of what each pixel shows (height, width).

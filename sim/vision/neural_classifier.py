@@ -31,12 +31,9 @@ class Classifier:
     """A trained network.
 
     Attributes:
-        mean: means of the inputs (d,).
-        deviation: standard deviations of the inputs (d,).
-        hidden: weights of the hidden layer (d, h).
-        hidden_bias: biases of the hidden layer (h,).
-        output: weights of the output layer (h, c).
-        output_bias: biases of the output layer (c,).
+        mean, deviation: of the inputs (d,).
+        hidden, hidden_bias: weights (d, h) and biases (h,) of the hidden layer.
+        output, output_bias: weights (h, c) and biases (c,) of the output layer.
         temperature: by which the logits are divided.
     """
 

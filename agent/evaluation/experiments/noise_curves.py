@@ -27,7 +27,6 @@ class AccuracyCurve:
     """Accuracy as a function of one kind of noise.
 
     Attributes:
-        name: "missed", ...
         label: the label of the axis.
         values: the noise levels; the first is no noise.
         lines: label of a line -> inference setting ("fusion=mean"), or another variant.

@@ -33,7 +33,6 @@ class RuleKey:
     """The topic of a rule, without its confidence.
 
     Attributes:
-        object: the object.
         argument: the affordance, or the part.
         context: the action it is grasped for; empty for an affordance.
     """
