@@ -25,6 +25,7 @@ from .generation.realizer import Realizer, load_realizer
 from .generation.templates import AnswerTemplates, Slot, load_answers
 from .grammar.combinators import CombinationTable
 from .grammar.grammar import load_grammar
+from .grammar.notation_reader import save_cache
 from .lexicon.control_phrases import ControlPhrases, load_controls
 from .lexicon.immutable_index import ImmutableIndex
 from .lexicon.inflection import Inflection, load_inflection
@@ -160,6 +161,7 @@ class Language:
             roles=builder.humans,
         )
         realizer = load_realizer(folder / "sentences.yaml", answers, builder.tool_acts())
+        save_cache()
         if not gc.get_freeze_count():
             # All of a language is kept: make it old at once, without a collection of the young.
             gc.freeze()

@@ -25,6 +25,7 @@ MAY_IMPORT = {
 }
 IMPORTED_IN = {  # a foreign package that may be exchanged one day, and where alone it is imported
     "jinja2": "agent.evaluation.reports",
+    "lark": "nlu.grammar",
     "pybullet": "sim.physics",
     "pyoxigraph": "kb.stores",
     "ray": "agent.evaluation.runners",
@@ -250,6 +251,7 @@ def test_wheel_holds_only_hilt(tmp_path: Path):
         ".json",
         ".ttl",
         ".rq",
+        ".lark",
         ".typed",
         ".npz",
         ".html",

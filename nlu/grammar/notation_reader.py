@@ -1,178 +1,149 @@
-r"""Reader of the notation for categories, lambda terms, types and pragmatic rules.
+"""Reader of the notation for categories, lambda terms, types and pragmatic rules.
 
-    entry     category ":" term ["@" number]
-    unary     category "=>" category ":" term
-    rule      term "=>" term
-    category  simple (("/" | "/^" | "\" | "\^") simple)*        simple  name | "(" category ")"
-    term      ("λ" | "\") name "." term | group+                group   name | "(" term, .. ")"
-    type      name ["->" type] | "(" type ")" ["->" type]
-
-One token decides how to go on (recursive descent), so values are built straight from the text. A
-mistake becomes a `DataError` with file, line, column and what was expected.
+The language data is written in one small grammar, `notation.lark`. A mistake becomes a `DataError`
+with file, line, column and what was expected. Starting the parser and parsing a thousand lines
+takes half of the time of loading a language, and the lines are nearly always the same: parsed lines
+are kept in a JSON file, under the digest of the grammar and of the code that reads it.
 """
 
 from __future__ import annotations
 
-import re
-from functools import reduce
+import json
+from contextlib import suppress
+from dataclasses import fields
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, cast
 
-from ...ontology.errors import DataError
+from ...ontology.disk_cache import cache_folder, content_key, write_atomically
 from ...ontology.yaml_reader import YamlNode
-from .categories import AtomicCategory, Category, Functor
+from .categories import AtomicCategory, Functor
 from .terms import Application, BoundVariable, Constant, Lambda, Term
-from .types import BASIC_TYPES, BasicType, FunctionType, Type
+from .types import BasicType, FunctionType, Type
+
+if TYPE_CHECKING:
+    from .notation_parser import Entry, Start, TermPair, UnaryRule, Value
 
 MAX_CHARACTERS = 400
 """A longer line is rejected, so that none can nest too deeply to be used."""
 
-_TOKEN = re.compile(
-    r"\s*(?:(?P<name>[A-Za-z_][A-Za-z0-9_]*)|(?P<number>-?\d+(?:\.\d+)?)"
-    r"|(?P<sign>->|=>|[/\\]\^?|[λ().,:@])|(?P<end>$)|(?P<other>.))"
+_SOURCES = (
+    *("notation.lark", "notation_reader.py", "notation_parser.py"),
+    *("categories.py", "terms.py", "types.py"),
 )
-_SHOWN = {"name": "a name", "number": "a number", "end": "the end"}
+_CLASSES: dict[str, Any] = {
+    "AtomicCategory": AtomicCategory,
+    "Functor": Functor,
+    "Application": Application,
+    "BoundVariable": BoundVariable,
+    "Constant": Constant,
+    "Lambda": Lambda,
+    "BasicType": BasicType,
+    "FunctionType": FunctionType,
+}
 
 
-def read_entry(field: YamlNode) -> tuple[Category, Term, float]:
+def read_entry(field: YamlNode) -> Entry:
     """Read the category of a word, its term and its cost: `NP/N : λx.x @1`."""
-    line = _Line(field)
-    category = line.category()
-    line.take(":")
-    term = line.term()
-    cost = float(line.take("number")) if line.has("@") else 0.0
-    line.take("end")
-    return category, term, cost
+    return cast("Entry", _lines().read(field, "entry"))
 
 
-def read_unary(field: YamlNode) -> tuple[Category, Category, Term]:
+def read_unary(field: YamlNode) -> UnaryRule:
     """Read a unary rule, which changes a category: `R => S : λr.r(high)`."""
-    line = _Line(field)
-    source = line.category()
-    line.take("=>")
-    target = line.category()
-    line.take(":")
-    term = line.term()
-    line.take("end")
-    return source, target, term
+    return cast("UnaryRule", _lines().read(field, "unary"))
 
 
-def read_rule(field: YamlNode) -> tuple[Term, Term]:
+def read_rule(field: YamlNode) -> TermPair:
     """Read both sides of a pragmatic rule: `STATEMENT(A,B,X) => wantBelieve(A,B,X)`."""
-    line = _Line(field)
-    left = line.term()
-    line.take("=>")
-    right = line.term()
-    line.take("end")
-    return left, right
+    return cast("TermPair", _lines().read(field, "rule"))
 
 
 def read_type(field: YamlNode) -> Type:
     """Read a type: `e -> e -> t`."""
-    line = _Line(field)
-    found = line.type()
-    line.take("end")
-    return found
+    return cast("Type", _lines().read(field, "type"))
 
 
 def parse_term(text: str) -> Term:
     """Parse a lambda term that stands in no file; for tests and examples."""
-    line = _Line(YamlNode(text, "<text>", 1, 0))
-    term = line.term()
-    line.take("end")
-    return term
+    return cast("Term", _lines().read(YamlNode(text, "<text>", 1, 0), "term"))
 
 
-class _Line:
-    """The tokens of a line, which are taken from left to right."""
+def save_cache() -> None:
+    """Save the lines that were parsed, so that the next program need not parse them again."""
+    _lines().save()
 
-    def __init__(self, field: YamlNode) -> None:
-        self._field, self._text = field, field.text()
-        if len(self._text) > MAX_CHARACTERS:
-            problem = f"expected at most {MAX_CHARACTERS} characters, found {len(self._text)}."
-            raise field.fail(problem)
-        # The kind of a sign is the sign itself, of a slash that composes without its mark.
-        self._tokens = [
-            (said.rstrip("^") if kind == "sign" else kind, said, found.start(kind))
-            for found in _TOKEN.finditer(self._text)
-            if (kind := found.lastgroup) and isinstance(said := found[kind], str)
-        ]
-        self._place = 0
-        self._expected: list[str] = []
 
-    def has(self, *kinds: str) -> str:
-        """Take the next token if it is of one of some kinds, and return it; empty if it is not."""
-        kind, said, _ = self._tokens[self._place]
-        if kind not in kinds:
-            self._expected += kinds
-            return ""
-        self._place += 1
-        self._expected.clear()
-        return said
+@cache
+def _lines() -> NotationCache:
+    return NotationCache(cache_folder() / "notation.json")
 
-    def take(self, kind: str) -> str:
-        """Take the next token, which must be of a kind, and return it."""
-        if self._tokens[self._place][0] != kind:
-            raise self._mistake(kind)
-        return self.has(kind)
 
-    def category(self) -> Category:
-        """Take a category."""
-        found = self._simple()
-        while slash := self.has("/", "\\"):
-            argument, composes = self._simple(), slash.endswith("^")
-            found = Functor(found, argument, forward=slash[0] == "/", composes=composes)
+class NotationCache:
+    """The parsed lines of this program, and those that the last one saved in a file.
+
+    A damaged file, or one of another version, is ignored.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._path, self._saved = path, _read_saved(path)
+        self._used: dict[str, Value] = {}
+
+    def read(self, field: YamlNode, start: Start) -> Value:
+        """Return what a line stands for; `DataError` says where it does not match its rule."""
+        text = field.text()
+        if len(text) > MAX_CHARACTERS:
+            raise field.fail(f"expected at most {MAX_CHARACTERS} characters, found {len(text)}.")
+        found = self.recall(text, start)
+        if found is None:
+            from .notation_parser import parse  # here: lark takes 0.1 s to import and start
+
+            found = self._used[f"{start} {text}"] = parse(field, start)
         return found
 
-    def term(self, scope: tuple[str, ...] = ()) -> Term:
-        """Take a lambda term within functions with these variables, innermost first."""
-        if self.has("λ", "\\"):
-            name = self.take("name")
-            self.take(".")
-            return Lambda(self.term((name, *scope)), name)
-        terms: list[Term] = []
-        while True:
-            if name := self.has("name"):
-                is_bound = name in scope
-                terms.append(BoundVariable(scope.index(name)) if is_bound else Constant(name))
-            elif self.has("("):
-                terms.append(self.term(scope))
-                while self.has(","):
-                    terms.append(self.term(scope))
-                self.take(")")
-            elif terms:
-                return reduce(Application, terms)
-            else:
-                raise self._mistake()
+    def recall(self, text: str, start: Start) -> Value | None:
+        """Return what a line stands for that was parsed before; None if it was not."""
+        key = f"{start} {text}"
+        if key not in self._used and key in self._saved:
+            self._used[key] = _from_plain(self._saved[key])
+        return self._used.get(key)
 
-    def type(self) -> Type:
-        """Take a type."""
-        source: Type
-        if self.has("("):
-            source = self.type()
-            self.take(")")
-        else:
-            source = BasicType(self.take("name"))
-            if source.name not in BASIC_TYPES:
-                known = ", ".join(BASIC_TYPES)
-                problem = f'expected one of {known}, found the type "{source.name}".'
-                raise self._field.fail(problem)
-        return FunctionType(source, self.type()) if self.has("->") else source
+    def save(self) -> None:
+        """Write the lines that this program used, if any is new and the file is writable."""
+        if self._used.keys() - self._saved.keys():
+            self._saved = {key: _to_plain(value) for key, value in self._used.items()}
+            body = json.dumps(self._saved, ensure_ascii=False)
+            with suppress(OSError):
+                write_atomically(self._path, f"{_head(body)}\n{body}")
 
-    def _simple(self) -> Category:
-        if not self.has("("):
-            return AtomicCategory(self.take("name"))
-        found = self.category()
-        self.take(")")
-        return found
 
-    def _mistake(self, *kinds: str) -> DataError:
-        expected = sorted(_SHOWN.get(each) or f'"{each}"' for each in {*self._expected, *kinds})
-        *_, start = self._tokens[self._place]
-        rest = self._text[start : start + 12]
-        found = f'"{rest}"' if rest else "the end"
-        return DataError(
-            f"expected {' or '.join(expected)}, found {found} in {self._text!r}.",
-            source=self._field.source,
-            line=self._field.line,
-            # Such texts stand in quotes, because they hold a colon or an arrow.
-            column=self._field.column + 1 + start,
-        )
+def _read_saved(path: Path) -> dict[str, Any]:
+    try:
+        head, _, body = path.read_text(encoding="utf-8").partition("\n")
+        return json.loads(body) if head == _head(body) else {}
+    except (OSError, ValueError):
+        return {}
+
+
+def _head(body: str) -> str:
+    """The first line of a file: the digests of the code that wrote it, and of what follows."""
+    folder = Path(__file__).parent
+    version = content_key(*((folder / name).read_bytes() for name in _SOURCES))
+    return f"{version} {content_key(body.encode())}"
+
+
+def _to_plain(value: Any) -> Any:
+    """A value for JSON: of a dataclass its name and its fields, of a tuple "" and its items."""
+    if isinstance(value, tuple):
+        return ["", *map(_to_plain, cast("tuple[Any, ...]", value))]
+    name = type(value).__name__
+    if name not in _CLASSES:
+        return value
+    return [name, *(_to_plain(getattr(value, each.name)) for each in fields(value))]
+
+
+def _from_plain(plain: Any) -> Any:
+    if not isinstance(plain, list):
+        return plain
+    name, *parts = cast("list[Any]", plain)
+    values = map(_from_plain, parts)
+    return _CLASSES[name](*values) if name else tuple(values)

@@ -39,8 +39,6 @@ class FunctionType:
 Type: TypeAlias = BasicType | FunctionType
 Signature: TypeAlias = Mapping[str, Sequence[Type]]
 
-BASIC_TYPES = ("e", "t", "d")
-
 
 class TypeMismatchError(TypeError):
     """A term does not have the type that is expected of it; the message is one clause."""

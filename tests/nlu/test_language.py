@@ -76,11 +76,11 @@ def test_all_public_names_are_listed() -> None:
     assert all(hasattr(hilt.nlu, name) for name in hilt.nlu.__all__)
 
 
-def test_importing_reads_no_data() -> None:
-    """The import alone does not load yaml or numpy."""
+def test_importing_reads_no_data_and_no_parser() -> None:
+    """The import alone does not load yaml, lark or numpy."""
     program = (
         "import sys; from hilt.nlu import Language;"
-        "print(sorted({'yaml', 'numpy'} & set(sys.modules)))"
+        "print(sorted({'yaml', 'lark', 'numpy'} & set(sys.modules)))"
     )
 
     done = subprocess.run(
