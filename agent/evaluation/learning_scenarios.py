@@ -102,13 +102,9 @@ def command(action: str, affordance: str) -> str:
     return f"{ACTIONS[action]} something used for {affordance}"
 
 
-def load_scenarios(path: Path = SCENARIOS_FILE) -> tuple[LearningScenario, LearningScenario]:
-    """Return Scenario A, which the file contains, and Scenario B, its mirror image.
-
-    Raises:
-        DataError: the file is invalid; gives the position and what was expected.
-    """
-    top = read_yaml(path).entries(required={"affordances", "grasps"}, optional=())
+def load_scenarios() -> tuple[LearningScenario, LearningScenario]:
+    """Return Scenario A, which the file contains, and Scenario B, its mirror image."""
+    top = read_yaml(SCENARIOS_FILE).entries(required={"affordances", "grasps"}, optional=())
     affordances = {name: _levels(spec) for name, spec in top["affordances"].entries().items()}
     grasps = {name: _parts(spec) for name, spec in top["grasps"].entries().items()}
     scenario = LearningScenario("A", affordances, grasps)

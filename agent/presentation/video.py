@@ -28,7 +28,6 @@ class Film:
     """A film of one body, as long as its `with` block runs.
 
     Args:
-        body: who is filmed.
         goals: what tells at which node of an action tree it is.
         path: the file; its ending is .mp4, .gif or .png.
 

@@ -13,8 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..poses import Array
-from ..scene.scene import ROOM
-from .camera import CameraImage
+from .camera import CAMERAS_ROUND_TABLE, CameraImage
 from .object_detector import ObjectDetector
 from .occlusion import capture_objects
 from .percept import Percept
@@ -34,7 +33,7 @@ class MaskDetector(ObjectDetector):
     """Detects objects by their mask, in images of them alone."""
 
     def _render(self) -> Iterable[CameraImage]:
-        return capture_objects(self.world.engine, self.world.kinds, self.cameras, room=ROOM)
+        return capture_objects(self.world.engine, self.world.kinds, CAMERAS_ROUND_TABLE)
 
     def capture(self) -> tuple[CameraImage, ...]:
         """Take one image with each camera, and smooth depths that have noise."""

@@ -14,7 +14,7 @@ import numpy as np
 
 from ..poses import Array
 from ..scene.world import World
-from .camera import CAMERAS_ROUND_TABLE, Camera, CameraImage
+from .camera import CAMERAS_ROUND_TABLE, CameraImage
 from .percept import Percept, visible_features
 from .perception_noise import NoiseLevels, with_depth_noise
 from .point_cloud_operations import voxel_downsample
@@ -26,19 +26,12 @@ class ObjectDetector(ABC):
     """Detects the objects of a world; new images are taken only after time has passed in it.
 
     Args:
-        world: the world that the cameras see.
-        cameras: those round the table when left out.
+        world: the world that the cameras round the table see.
         noise: only its depth noise is used here; see `NoisyDetector` for the rest.
     """
 
-    def __init__(
-        self,
-        world: World,
-        *,
-        cameras: tuple[Camera, ...] = CAMERAS_ROUND_TABLE,
-        noise: NoiseLevels | None = None,
-    ) -> None:
-        self.world, self.cameras, self.noise = world, cameras, noise or NoiseLevels()
+    def __init__(self, world: World, *, noise: NoiseLevels | None = None) -> None:
+        self.world, self.noise = world, noise or NoiseLevels()
         self._seen: tuple[int, tuple[Percept, ...]] = (-1, ())  # with the time step
 
     @abstractmethod
@@ -54,7 +47,7 @@ class ObjectDetector(ABC):
         )
 
     def _render(self) -> Iterable[CameraImage]:
-        return (camera.capture(self.world.engine) for camera in self.cameras)
+        return (camera.capture(self.world.engine) for camera in CAMERAS_ROUND_TABLE)
 
     @property
     def percepts(self) -> tuple[Percept, ...]:

@@ -13,6 +13,7 @@ import numpy as np
 
 from ..physics.engine import PhysicsEngine
 from ..poses import Array
+from ..scene.scene import ROOM
 from .camera import Camera, CameraImage
 
 BULGE = 0.02  # [m] that the visual shape of a link may exceed its collision shape
@@ -20,15 +21,11 @@ _CORNERS = np.array([(i, j, k) for i in (0, 1) for j in (0, 1) for k in (0, 1)])
 
 
 def capture_objects(
-    engine: PhysicsEngine,
-    objects: Collection[str],
-    cameras: Sequence[Camera],
-    *,
-    room: Collection[str],
+    engine: PhysicsEngine, objects: Collection[str], cameras: Sequence[Camera]
 ) -> Iterator[CameraImage]:
     """Take an image of some bodies with each camera; those of the room cannot hide anything."""
     hidden = tuple(name for name in engine.bodies.names if name not in objects)
-    robot = [body for body in hidden if body not in room]
+    robot = [body for body in hidden if body not in ROOM]
     links = [(body, link) for body in robot for link in engine.rendering.visible_links(body)]
     ends = [np.add(engine.bodies.bounds(*each), [[-BULGE], [BULGE]]) for each in links]
     boxes = np.array(ends).reshape(-1, 2, 3)[:, _CORNERS, [0, 1, 2]]

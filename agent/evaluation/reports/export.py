@@ -93,4 +93,4 @@ def _pictures(experiment: Experiment, cases: Sequence[Case]) -> Iterator[Embedde
         caption = f"scene {name}, seed {seed}: {', '.join(objects) or 'nothing'}"
         with tempfile.TemporaryDirectory() as folder:
             picture = experiment.picture(objects, int(seed), Path(folder) / "scene.jpg")
-            yield EmbeddedPicture(caption, base64.b64encode(picture.read_bytes()).decode(), "jpeg")
+            yield EmbeddedPicture(caption, base64.b64encode(picture.read_bytes()).decode())

@@ -28,11 +28,10 @@ COUNTS = ("runs", "right", "unique", "ties", "none", "executed", "succeeded", "g
 
 @dataclass(frozen=True)
 class EmbeddedPicture:
-    """A picture with its caption, embedded in a page as base64 of its kind ("png" or "jpeg")."""
+    """A picture with its caption, embedded in a page as base64 of a JPEG."""
 
     caption: str
     data: str
-    kind: str = "png"
 
 
 def render_page(

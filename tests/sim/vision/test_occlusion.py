@@ -10,7 +10,7 @@ import pytest
 from hilt.ontology.objects import load_objects
 from hilt.sim.robot.models import find_robot
 from hilt.sim.robot.robot import NAME, Robot
-from hilt.sim.scene.scene import ROOM, parse_scene
+from hilt.sim.scene.scene import parse_scene
 from hilt.sim.scene.world import World
 from hilt.sim.vision.camera import CAMERAS_ROUND_TABLE, CameraImage
 from hilt.sim.vision.occlusion import capture_objects
@@ -31,7 +31,7 @@ def world() -> Iterator[World]:
 
 def images(world: World) -> list[CameraImage]:
     """The images of the cameras, of the objects alone."""
-    return list(capture_objects(world.engine, world.kinds, CAMERAS_ROUND_TABLE, room=ROOM))
+    return list(capture_objects(world.engine, world.kinds, CAMERAS_ROUND_TABLE))
 
 
 def shown(view: CameraImage) -> dict[tuple[str, str], np.ndarray]:
@@ -69,6 +69,6 @@ def test_arm_that_cannot_hide_anything_is_not_drawn(world: World):
 
 def test_empty_table_shows_nothing(world: World):
     """Without objects there is nothing to look at."""
-    (view,) = capture_objects(world.engine, (), CAMERAS_ROUND_TABLE[:1], room=ROOM)
+    (view,) = capture_objects(world.engine, (), CAMERAS_ROUND_TABLE[:1])
 
     assert shown(view) == {}

@@ -76,7 +76,7 @@ def test_page_needs_nothing_else(paper):
     """No script, and nothing that is loaded from elsewhere."""
     text = render_page(*paper, pictures=[EmbeddedPicture("scene 1", "AAAA")])
 
-    assert Links(text).sources == ["data:image/png;base64,AAAA"]
+    assert Links(text).sources == ["data:image/jpeg;base64,AAAA"]
     assert "<script" not in text and "http" not in text
 
 
