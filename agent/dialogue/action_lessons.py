@@ -53,7 +53,7 @@ class ActionLessons:
         uses = self._conversation.language.tool_acts
         trees = {name: tree_from_definition(each, uses) for name, each in definitions.items()}
         self.actions = replace(self._own, trees={**self._own.trees, **trees})
-        frames = {n: d.links for n, d in definitions.items() if len(d.parameters) != 1}
+        frames = {n: d.all_links for n, d in definitions.items() if len(d.parameters) != 1}
         words = [NewWord(name, "context", name) for name in definitions]
         language = self._conversation.language.with_words(words)
         self._conversation.language = language.with_frames(frames)
@@ -145,7 +145,7 @@ class ActionLessons:
 
     def _echo(self, said: ActionDefinition) -> Iterator[AnswerContent]:
         language = self._conversation.language
-        frame = language.answers.act_on(said.action, *said.parameters, links=said.links)
+        frame = language.answers.act_on(said.action, *said.parameters, links=said.all_links)
         steps = tuple(language.generate(_about_a_thing(each)) for each in said.steps)
         yield AnswerContent("learned_action", {"action": frame, "steps": steps})
         for each in said.only_if:

@@ -80,7 +80,7 @@ class Realizer:
                 raise UnknownNameError("sentence for", meaning.kind, SECTIONS)
 
     def _way(self, meaning: ActionDefinition) -> Mapping[str, str]:
-        things = self.answers.act_on(meaning.action, *meaning.parameters, links=meaning.links)
+        things = self.answers.act_on(meaning.action, *meaning.parameters, links=meaning.all_links)
         return {"action": things, "steps": self.realize(Plan(meaning.steps))}
 
     def _kind(self, rule: KindRelation) -> str:

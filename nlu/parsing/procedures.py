@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
+from itertools import chain, pairwise
 from pathlib import Path
 
 from ..grammar.word_lists import WordLists, load_word_lists
@@ -44,6 +44,7 @@ MAX_CLAUSE_WORDS = 20
 
 _EMPTYING = ("putDown", "putBack", "release")  # controls that are steps, too
 _TAKING = ("pickUp", "grasp", "use")
+_USING = ("grasp", "use")  # "take the knife, cut the bread with it" is one command
 _TIMES = {"twice": 2, "two": 2, "three": 3, "four": 4, "five": 5}
 _ACTS = ("CP", "(CP", "((CP", "C/", "B/", "(B", "UV", "CG", "K")  # how those of acts begin
 _ANYTHING = "anythingNamed"  # the object of an action that is taught for any
@@ -131,9 +132,12 @@ class ProcedureReader:
         `sentence` understands a clause by itself.
         """
         for head, body in self._heads(replace(tokens, asks=False)):
-            meaning = self._definition(head, body, _Clauses(self, context, sentence))
+            clauses = _Clauses(self, context, sentence)
+            meaning = self._definition(head, body, clauses)
             if meaning:
-                return Procedure(meaning, head.discourse, head.new_words)
+                new = chain(head.new_words, *map(clauses.new_words_of, meaning.steps))
+                words = {(word.role, word.word): word for word in new}
+                return Procedure(meaning, head.discourse, tuple(words.values()))
         return None
 
     def plan(
@@ -172,8 +176,9 @@ class ProcedureReader:
         wanted = [ActionCondition("is", kind, prop) for kind, each in things for prop in each.props]
         conditions = [each for each in found if isinstance(each, ActionCondition)]
         reactions = tuple(each for each in found if isinstance(each, FailureReaction))
+        links = head.links if {*head.links} - {"and"} else ()
         return ActionDefinition(
-            head.name, head.parameters, steps, (*wanted, *conditions), reactions, head.links
+            head.name, head.parameters, steps, (*wanted, *conditions), reactions, links
         )
 
     def _is_way(self, steps: Sequence[Act], parameters: Sequence[str]) -> bool:
@@ -197,7 +202,10 @@ class ProcedureReader:
         """Yield the heads that an utterance may have, each with its body."""
         for key in ("heads", "asked"):
             for end, head in self._named(key, tokens, is_whole=False):
-                if key == "heads" or not self._is_known_verb(head.name):
+                is_new = key == "heads" or not self._is_known_verb(head.name)
+                # In "to introduce a mug to Anna" the objects belong to the head.
+                is_cut = self.known.builder.is_determiner(tokens.words[end])
+                if is_new and (end in tokens.edges or not is_cut):
                     yield head, tokens.part(end, len(tokens.items))
         for start in _starts(self.words, tokens)[:-1]:
             for _, head in self._named("tails", tokens, start + (tokens.words[start] == BREAK)):
@@ -307,6 +315,7 @@ class _Clauses:
         self._reader, self._words = reader, reader.words
         self._context, self._sentence = context, sentence
         self._found: dict[tuple[Tokens, ClauseState], list[tuple[Clause, ClauseState]] | None] = {}
+        self._new_words: dict[Act, tuple[NewWord, ...]] = {}
 
     def read(self, tokens: Tokens, state: ClauseState) -> list[tuple[Clause, ClauseState]] | None:
         """Return the clauses of an utterance with the state after each; None if one is none."""
@@ -314,6 +323,10 @@ class _Clauses:
         if key not in self._found:
             self._found[key] = self._read(tokens, state)
         return self._found[key]
+
+    def new_words_of(self, act: Act) -> tuple[NewWord, ...]:
+        """Return the words in a step that were not known."""
+        return self._new_words.get(act, ())
 
     def _read(self, tokens: Tokens, state: ClauseState) -> list[tuple[Clause, ClauseState]] | None:
         start, count = _skipped(self._words, tokens), len(tokens.items)
@@ -363,12 +376,16 @@ class _Clauses:
             return taught, state
         found = self._sentence(tokens, replace(self._context, discourse=state.discourse))
         act = found.meaning
-        if not isinstance(act, (Command, ToolCommand)) or act.negated or found.unknown:
+        if not isinstance(act, (Command, ToolCommand)) or act.negated:
             return None
         if act.goal in self._reader.frames:
             return None  # it is done with several objects, or with none
         act = _generalised(act)
-        held = act.target if isinstance(act, Command) and act.goal in _TAKING else state.held
+        if found.reading:
+            self._new_words[act] = found.reading.new_words
+        held = state.held
+        if isinstance(act, ToolCommand) or (isinstance(act, Command) and act.goal in _TAKING):
+            held = act.tool if isinstance(act, ToolCommand) else act.target
         return act, ClauseState(found.discourse, held)
 
     def _control(
@@ -511,7 +528,7 @@ def _generalised(act: Command | ToolCommand) -> Act:
 
 def _is_of_same(one: Act, other: Act) -> bool:
     """Whether a command says more of the one before: "hold the mug, by the barrel"."""
-    if isinstance(one, Command) and isinstance(other, ToolCommand) and one.goal in _TAKING:
+    if isinstance(one, Command) and isinstance(other, ToolCommand) and one.goal in _USING:
         return other.tool.object == one.target.object
     if isinstance(one, Command) and isinstance(other, Command):
         first, second = one.target, other.target

@@ -362,7 +362,7 @@ class ActionDefinition(_Record):
         steps: the commands that it consists of, in order.
         only_if: what must be so before the first of them.
         if_fails: what to do when one of them fails.
-        links: the words between its objects: "and" in "swap a knife and a spoon".
+        links: the words between its objects, as "with"; none where they are all "and".
     """
 
     kind: ClassVar[str] = "statement"
@@ -372,6 +372,11 @@ class ActionDefinition(_Record):
     only_if: tuple[ActionCondition, ...] = ()
     if_fails: tuple[FailureReaction, ...] = ()
     links: tuple[str, ...] = ()
+
+    @property
+    def all_links(self) -> tuple[str, ...]:
+        """The words between its objects: "and" in "swap a knife and a spoon"."""
+        return self.links or ("and",) * (len(self.parameters) - 1)
 
     def as_json(self) -> Json:
         """Return the action as a JSON object, which names its parameters also if it has none."""
