@@ -49,14 +49,13 @@ class Joints:
         *,
         forces: Sequence[float] | Array,
         gain: float = 0.1,
-        damping: float = 1.0,
         speeds: Sequence[float] | Array | None = None,
     ) -> None:
         """Let motors hold joints at positions from now on.
 
-        Positions are in [rad] or [m]; `forces` limit each motor [Nm] or [N]; `gain` and `damping`
-        are the shares of the errors of position and speed that are corrected in one step, in
-        [0, 1]. The target speeds are zero when None, otherwise in [rad/s] or [m/s].
+        Positions are in [rad] or [m]; `forces` limit each motor [Nm] or [N]; `gain` is the
+        share of the error of position that is corrected in one step, in [0, 1]; that of speed is
+        corrected wholly. The target speeds are zero when None, otherwise in [rad/s] or [m/s].
         """
         count = len(joints)
         target_speeds = np.zeros(count) if speeds is None else np.asarray(speeds, float)
@@ -68,7 +67,7 @@ class Joints:
             targetVelocities=target_speeds.tolist(),
             forces=np.asarray(forces, float).tolist(),
             positionGains=[gain] * count,
-            velocityGains=[damping] * count,
+            velocityGains=[1.0] * count,
         )
 
     def drive_at(self, body: str, joint: str, speed: float, *, force: float) -> None:

@@ -29,7 +29,7 @@ STILL_STEPS = 30  # after which closing is over
 SQUEEZE_STEPS = 36  # in which the force builds up
 FINGER_FRICTION, FINGER_SPINNING = 1.0, 0.002  # rubber pads; [m] of a small contact patch
 GEAR_FORCE, GEAR_STIFFNESS = 200.0, 0.3
-GAIN, DAMPING = 0.3, 1.0  # of the arm's motors: errors below a millimetre at full pace
+GAIN = 0.3  # of the arm's motors: errors below a millimetre at full pace
 OPENING_FORCE = 40.0  # [N]
 PEAK = 1.5  # the highest speed of s = 3 t^2 - 2 t^3, in units of the mean one
 REACTION_STEPS = 6  # between two looks at the interruption while nothing is commanded: 25 ms
@@ -222,13 +222,7 @@ class Robot:
 
     def _hold_arm(self, position: Array, speed: Array | None = None) -> None:
         self.engine.joints.drive_to(
-            NAME,
-            self._joints,
-            position,
-            forces=self._efforts,
-            gain=GAIN,
-            damping=DAMPING,
-            speeds=speed,
+            NAME, self._joints, position, forces=self._efforts, gain=GAIN, speeds=speed
         )
 
     def _prepare_hand(self, gripper: Gripper) -> None:
