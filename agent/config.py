@@ -35,8 +35,6 @@ class ConfigOption:
 
     Attributes:
         kind: the type of its value: str, int, bool, Path, or tuple for several texts.
-        default: its value when nobody gives one.
-        help: one line for the command line.
         flag: its name on the command line.
         metavar: how the command line shows its value; None for the name in capitals.
         name: the field of `AgentConfig`, and the key in a YAML file.
@@ -220,10 +218,8 @@ def open_base(
 ) -> KnowledgeBase:
     """Open a knowledge base and load the domain graph into it.
 
-    Args:
-        location: `memory:`, a folder, or an endpoint; None for the user's own base.
-        kinds: the object types; None for those that come with Hilt.
-        actions: the actions; None for those that come with Hilt.
+    The location is `memory:`, a folder, or an endpoint; None for the user's own base. The domain is
+    that of the object types and actions that come with Hilt, unless others are given.
 
     Raises:
         StoreError: it cannot be opened.

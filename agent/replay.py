@@ -40,7 +40,6 @@ class ReplayResult:
     """An episode that was run again.
 
     Attributes:
-        episode: the episode in the base.
         recorded: its recorded result, from its document.
         repeated: the result of the replay.
         result: the same, as a value.

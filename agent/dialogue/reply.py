@@ -19,7 +19,6 @@ class Reply:
     """The reply to one utterance.
 
     Attributes:
-        text: the utterance.
         said: the spoken answer.
         ending: how the request ended; "done" for a statement that is accepted.
         rules: the rules that were learned, or that the answer rests on.

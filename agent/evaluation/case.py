@@ -45,7 +45,6 @@ class CaseResult:
     """The result of a case.
 
     Attributes:
-        key: the key of the case.
         right: whether it agrees with the ground truth.
         kind: for decisions "unique", "tie" or "none", the number of right choices; "grasp" for
             grasps; "check" for anything else; "error" if the case raised an exception; "lost" if
@@ -53,7 +52,6 @@ class CaseResult:
         principle: the principle of section 4.1 of the paper, 1 to 4; 0 if none applies.
         found: what was chosen or done.
         expected: what the ground truth allows.
-        facts: further facts, as plain JSON.
     """
 
     key: str

@@ -18,12 +18,7 @@ from .case import Case, CaseResult
 
 @dataclass(frozen=True)
 class Experiment(ABC):
-    """An experiment; its fields are its options, each plain JSON.
-
-    Attributes:
-        name: the name under which it is registered.
-        seed: the random seed.
-    """
+    """An experiment, registered by its name; its fields are its options, each plain JSON."""
 
     name: ClassVar[str]
     seed: int = 0

@@ -26,7 +26,6 @@ class LearningScenario:
     """The rules that are taught in one learning scenario of the paper (section 4.1).
 
     Attributes:
-        name: "A" or "B".
         affordances: affordance -> level -> the objects of that level.
         grasps: object -> context -> the part to grasp; every object has an entry.
         levels: the words of confidence in descending order; grasps are taught with the first.

@@ -25,7 +25,6 @@ class Doubt:
     Attributes:
         object: the kind of object.
         context: the action that it is grasped for.
-        part: the part that was told.
         counts: the outcomes of grasps by that part.
         teachers: who told it.
         instead: the part that looks best of the others; None where none looks better.

@@ -28,8 +28,6 @@ class AnswerContent:
 
     Attributes:
         key: the template among the answers of the language.
-        slots: the values of its slots.
-        ending: how the request ended.
         cause: the cause of a failure, as the branches of action trees name it.
     """
 

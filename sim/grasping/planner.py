@@ -47,7 +47,6 @@ class RankedGrasps:
     """The grasps of a part, best first, and why other candidates were rejected.
 
     Attributes:
-        grasps: the grasps that are possible, best first.
         rejected: number of rejected poses for each reason.
         examples: some rejected poses, for display.
     """

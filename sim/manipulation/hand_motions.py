@@ -52,7 +52,6 @@ class HeldObject:
 
     Attributes:
         context: the object and its surroundings as seen before the grasp.
-        path: the path of the grasp.
         world_from_start: pose (4, 4) of the object before the grasp.
         hand_from_object: pose (4, 4) of the object in the hand when the fingers had closed.
         points: point cloud of the object (n, 3) in the hand frame [m].

@@ -86,12 +86,9 @@ class Scene:
 
 
 def parse_scene(spec: str, *, seed: int, objects: Mapping[str, ObjectType]) -> Scene:
-    """Return the scene that `--scene` names.
+    """Return the scene that `--scene` names; what it leaves open is drawn from the seed.
 
-    Args:
-        spec: a YAML file, `objects:knife,mug`, `random:SEED[:COUNT]` or `all`.
-        seed: for everything that `spec` leaves open.
-        objects: the object types, by name.
+    It names a YAML file, `objects:knife,mug`, `random:SEED[:COUNT]` or `all`.
 
     Raises:
         UnknownNameError: an object that is not known.

@@ -25,9 +25,7 @@ OBSTACLE_SPACING = 0.004  # [m], voxel size of the cloud of obstacles
 class ObjectDetector(ABC):
     """Detects the objects of a world; new images are taken only after time has passed in it.
 
-    Args:
-        world: the world that the cameras round the table see.
-        noise: only its depth noise is used here; see `NoisyDetector` for the rest.
+    Of the noise only that of depths is used here; see `NoisyDetector` for the rest.
     """
 
     def __init__(self, world: World, *, noise: NoiseLevels | None = None) -> None:

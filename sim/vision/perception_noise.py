@@ -33,7 +33,6 @@ class NoiseLevels:
         confused: probability that an object is detected as another type.
         confidence: largest share of its confidence that a percept loses, in [0, 1].
         depth_m: standard deviation of each pixel's depth [m].
-        seed: of all random numbers.
 
     >>> NoiseLevels.parse("missed=0.1,confused=0.05", seed=7)
     NoiseLevels(missed=0.1, confused=0.05, confidence=0.0, depth_m=0.0, seed=7)

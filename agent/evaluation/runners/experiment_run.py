@@ -56,12 +56,9 @@ def run_experiment(
 ) -> tuple[TimedResult, ...]:
     """Run an experiment, or resume it, and return the results of all cases in their order.
 
-    Args:
-        experiment: the experiment.
-        cases: its cases, if they are listed already.
-        runner: runs the cases; None runs them in this process.
-        journal: where results are written as they come; the cases it contains are not run again.
-        console: where the progress is shown; None shows none.
+    `cases` are its cases, if they are listed already; without a runner they run in this process.
+    The journal gets the results as they come, and the cases that it contains are not run again. The
+    progress is shown on the console, if there is one.
     """
     cases = experiment.cases() if cases is None else cases
     runs = dict(journal.runs) if journal else {}

@@ -77,7 +77,6 @@ class WeakOrderClass:
     """The weak orders with given numbers of ranked objects and levels.
 
     Attributes:
-        objects: number of objects.
         ranked: number of ranked objects, k.
         levels: number of levels, m in [0, k].
     """
