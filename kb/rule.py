@@ -208,10 +208,9 @@ class Rule:
         """This rule with other features, interval and source; checks nothing else, for millions."""
         if not features and not self.contexts:
             raise ValidationError(["A rule needs at least one feature or context."])
-        rule = object.__new__(Rule)
-        changed = {"features": features, "interval": interval.rounded()}
-        vars(rule).update(vars(self), **changed, utterance=utterance, time=time)
-        vars(rule).pop("id", None)
+        rule, interval = object.__new__(Rule), interval.rounded()
+        source = {"utterance": utterance, "time": time, "id": self._id_with(features, interval)}
+        vars(rule).update(vars(self) | source, features=features, interval=interval)
         return rule
 
     def applies_to(self, material: Collection[str]) -> bool:
@@ -227,14 +226,12 @@ class Rule:
     @cached_property
     def id(self) -> str:
         """Its identifier, a hash of its content: what one speaker says twice is one rule."""
-        features, contexts = atoms_text(self.features), atoms_text(self.contexts)
-        bounds = f"{self.interval.lower:.{DIGITS}f} {self.interval.upper:.{DIGITS}f}"
-        return id_from_content(self.speaker, features, contexts, self.conclusion, bounds)
+        return self._id_with(self.features, self.interval)
 
-    @property
-    def conclusion(self) -> str:
-        """The conclusion as it is written in the content that is hashed."""
-        return f"{self.functor}({self.argument or ''})"
+    @cached_property
+    def _implied(self) -> str:
+        """The contexts and the conclusion, as they are hashed."""
+        return f"{_atoms_text(self.contexts)}\n{self.functor}({self.argument or ''})"
 
     @property
     def node(self) -> str:
@@ -269,6 +266,11 @@ class Rule:
             **({"contexts": where} if where else {}),
             **(general if self.kind in {"norm", "general"} else {}),
         }
+
+    def _id_with(self, features: frozenset[Atom], interval: Interval) -> str:
+        bounds = f"{interval.lower:.{DIGITS}f} {interval.upper:.{DIGITS}f}"
+        content = f"{self.speaker}\n{_atoms_text(features)}\n{self._implied}\n{bounds}"
+        return "rule/" + hashlib.sha256(content.encode()).hexdigest()[:16]
 
     def _argument(self, kind: str) -> str | None:
         return self.argument.name if self.argument and self.argument.kind == kind else None
@@ -374,16 +376,8 @@ def _context(kind: str, name: str | None) -> frozenset[Atom]:
     return frozenset([Atom(kind, name)]) if name else frozenset()
 
 
-def id_from_content(
-    speaker: str, features: str, contexts: str, conclusion: str, bounds: str
-) -> str:
-    """The id of a rule, from its content as `Rule.id` writes it."""
-    content = f"{speaker}\n{features}\n{contexts}\n{conclusion}\n{bounds}"
-    return "rule/" + hashlib.sha256(content.encode()).hexdigest()[:16]
-
-
 @lru_cache(maxsize=2**16)
-def atoms_text(atoms: frozenset[Atom]) -> str:
+def _atoms_text(atoms: frozenset[Atom]) -> str:
     """Atoms as they are written in the content that is hashed."""
     return " ".join(sorted(str(atom).replace(" ", "_") for atom in atoms))
 

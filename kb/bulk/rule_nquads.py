@@ -16,7 +16,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from datetime import datetime
 from decimal import Decimal
 from functools import lru_cache
-from typing import NamedTuple, TypeAlias, cast
+from typing import Any, NamedTuple, TypeAlias
 
 from ...ontology.errors import HiltError
 from ...ontology.vocabulary import PREFIXES, Iri, split
@@ -93,7 +93,9 @@ class FastRuleReader:
         return rule if f"{block.node}" == f"{_RULES}{rule.id[5:]}" else None
 
     def _read(self, block: RuleBlock) -> Rule:
-        shared, features, own = list[str](), list[str](), dict[str, Term]()
+        shared: list[str] = []
+        features: list[str] = []
+        own: dict[str, Any] = {}
         known = self._known
         for tail in block.tails:
             key, value = known.get(tail) or self._read_line(tail, block)
@@ -107,9 +109,9 @@ class FastRuleReader:
                 own[key] = value
         return self._shared_content(tuple(shared), block).restated(
             self._atoms(tuple(features), block),
-            Interval(cast(float, own[LOWER]), cast(float, own[UPPER])),
-            cast("int | None", own.get(DERIVED_FROM)),
-            cast("datetime | None", own.get(GENERATED_AT)),
+            Interval(own[LOWER], own[UPPER]),
+            own.get(DERIVED_FROM),
+            own.get(GENERATED_AT),
         )
 
     def _read_line(self, tail: str, block: RuleBlock) -> tuple[str, Term]:
@@ -164,16 +166,18 @@ class NQuadsWriter:
     def write_rule(self, rule: Rule) -> None:
         """Write all statements of a rule but for its source."""
         shared = self._shared_lines(
-            *(rule.contexts, rule.functor, rule.argument, rule.speaker, rule.status)
+            rule.contexts, rule.functor, rule.argument, rule.speaker, rule.status
         )
         features, node = self._feature_lines(rule.features), f"<{_RULES}{rule.id[5:]}>"
-        ends = (
-            *("", *shared.ends, *features.ends),
-            *((f"{_TIME}{self._name(rule.time)}{_END}",) if rule.time else ()),
-            f'{_LOWER}"{rule.interval.lower:.{DIGITS}f}{_BOUND_END}',
-            f'{_UPPER}"{rule.interval.upper:.{DIGITS}f}{_BOUND_END}',
+        lines = node.join(
+            (
+                *("", *shared.ends, *features.ends),
+                f'{_LOWER}"{rule.interval.lower:.{DIGITS}f}{_BOUND_END}',
+                f'{_UPPER}"{rule.interval.upper:.{DIGITS}f}{_BOUND_END}',
+            )
         )
-        lines = node.join(ends)
+        if rule.time:
+            lines += f"{node}{_TIME}{self._name(rule.time)}{_END}"
         if rule.status == "active":
             lines += f"{shared.node}{_RULE}{node}{_END}"
             if shared.edge and rule.asserts and self._is_first(rule.features, shared.edge):
