@@ -16,8 +16,7 @@ from array import array
 from collections import defaultdict, deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import chain, groupby
-from operator import itemgetter
+from itertools import chain
 from typing import Protocol
 
 from ...ontology.errors import DataError, ValidationError
@@ -262,11 +261,13 @@ class _Import:
         for utterance, ids in plan.assertions:
             writer.write_assertions(utterance, map(_number, ids))
             yield
-        told = zip(self.ids, self.utterances, strict=True)
-        for utterance, some in groupby(told, key=itemgetter(1)):
-            if utterance in plan.numbers:
-                node = utterance_iri(plan.numbers[utterance])
-                writer.write_property((number for number, _ in some), DERIVED_FROM, node)
+        told: dict[int, array[int]] = defaultdict(lambda: array("Q"))
+        for number, utterance in zip(self.ids, self.utterances, strict=True):
+            told[utterance].append(number)
+        for utterance in told.keys() & plan.numbers.keys():
+            node = utterance_iri(plan.numbers[utterance])
+            writer.write_property(told[utterance], DERIVED_FROM, node)
+            yield
         for numbers in batched(self.timeless, PER_UTTERANCE):
             writer.write_property(numbers, GENERATED_AT, time)
             yield
