@@ -14,7 +14,6 @@ from typing import TextIO
 
 from ...ontology.errors import DataError, HiltError, ValidationError
 from ..bulk.nquads_reader import remember
-from ..interval import DIGITS
 from ..rdf.terms import write_time
 from ..rule import ARGUMENT_KINDS, Atom, Rule
 from . import value_notation
@@ -54,8 +53,8 @@ def _cells(rule: Rule) -> tuple[str, ...]:
         _write_atoms(rule.contexts, value_notation.CONTEXT_KIND),
         rule.functor,
         value_notation.write_atom(rule.argument, argument_kind) if rule.argument else "",
-        _write_bound(rule.interval.lower),
-        _write_bound(rule.interval.upper),
+        value_notation.write_bound(rule.interval.lower),
+        value_notation.write_bound(rule.interval.upper),
         rule.speaker,
         rule.status,
         write_time(rule.time) if rule.time else "",
@@ -69,11 +68,6 @@ def _write_atoms(atoms: frozenset[Atom], kind: str) -> str:
         value_notation.write_atom(atom, kind) for atom in sorted(atoms)
     )
     return text or (value_notation.ANY if kind == value_notation.FEATURE_KIND else "")
-
-
-def _write_bound(bound: float) -> str:
-    """Return the cell of a bound."""
-    return f"{bound:.{DIGITS}f}".rstrip("0").rstrip(".")
 
 
 def _rows(lines: Iterable[str], source: str) -> Iterator[tuple[int, list[str]]]:

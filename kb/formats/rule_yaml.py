@@ -12,6 +12,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
+from functools import lru_cache
 from typing import Any, TextIO
 
 from ...ontology.errors import DataError, HiltError
@@ -43,15 +44,11 @@ def read_sheet(text: str, *, source: str) -> Iterator[Rule]:
 
 def write_sheet(target: TextIO, rules: Iterable[Rule]) -> None:
     """Write a sheet with an entry for each rule."""
-    import yaml  # imported here to save start-up time
-
-    dumper = getattr(yaml, "CSafeDumper", yaml.SafeDumper)
-    style: Any = {"default_flow_style": True, "sort_keys": False, "allow_unicode": True}
     target.write("# Rules of Hilt, one a line: features, contexts, conclusion, interval.\nrules:")
     end = " []\n"
     for rule in rules:
-        entry = yaml.dump(_entry(rule), Dumper=dumper, width=_MAX_LINE, **style)
-        target.write(f"\n  - {entry.rstrip()}")
+        entry = ", ".join(f"{key}: {_written(value)}" for key, value in _entry(rule).items())
+        target.write(f"\n  - {{{entry}}}")
         end = "\n"
     target.write(end)
 
@@ -134,9 +131,22 @@ def _optional(found: Mapping[str, YamlNode], key: str) -> str | None:
     return found[key].text() if key in found else None
 
 
-def _entry(rule: Rule) -> dict[str, object]:
+@lru_cache(maxsize=2**16)
+def _written(value: str | tuple[str, ...] | Interval) -> str:
+    """A value as it stands in an entry in braces."""
+    if isinstance(value, Interval):
+        bounds = map(value_notation.write_bound, (value.lower, value.upper))
+        return f"[{', '.join(bounds)}]"
+    import yaml  # imported here to save start-up time
+
+    dumper = getattr(yaml, "CSafeDumper", yaml.SafeDumper)
+    style: Any = {"default_flow_style": True, "allow_unicode": True, "width": _MAX_LINE}
+    return yaml.dump([value], Dumper=dumper, **style).rstrip()[1:-1]
+
+
+def _entry(rule: Rule) -> dict[str, str | tuple[str, ...] | Interval]:
     """What `_rule` reads; the status of an active rule is left out."""
-    functor, argument, interval = rule.functor, rule.argument, rule.interval
+    functor, argument = rule.functor, rule.argument
     concluded = _ARGUMENTS.get(functor, "argument")
     named = {} if functor in _ARGUMENTS else {"functor": functor}
     said = value_notation.write_atom(argument, ARGUMENT_KINDS.get(functor)) if argument else ""
@@ -145,7 +155,7 @@ def _entry(rule: Rule) -> dict[str, object]:
         **_written_atoms(rule.contexts, value_notation.CONTEXT_KIND, "context", "contexts"),
         **named,
         **({concluded: said} if said else {}),
-        "interval": [interval.lower, interval.upper],
+        "interval": rule.interval,
         "speaker": rule.speaker,
         **({"status": rule.status} if rule.status != "active" else {}),
         **({"time": write_time(rule.time)} if rule.time else {}),
@@ -154,9 +164,9 @@ def _entry(rule: Rule) -> dict[str, object]:
 
 def _written_atoms(
     atoms: frozenset[Atom], kind: str, one: str, several: str
-) -> dict[str, str | list[str]]:
+) -> dict[str, str | tuple[str, ...]]:
     """The entry for one atom of the usual kind, or for other or several ones; none without any."""
-    names = [value_notation.write_atom(atom, kind) for atom in sorted(atoms)]
+    names = tuple(value_notation.write_atom(atom, kind) for atom in sorted(atoms))
     if len(names) == 1 and ":" not in names[0]:
         return {one: names[0]}
     return {several: names} if names else {}

@@ -12,7 +12,7 @@ from functools import lru_cache
 from typing import TypeVar, cast, get_args
 
 from ...ontology.errors import DataError, ValidationError
-from ..interval import Interval
+from ..interval import DIGITS, Interval
 from ..rdf.terms import read_time
 from ..rule import ARGUMENT_KINDS, DEFAULT_SPEAKER, Atom, Rule, Status
 
@@ -164,6 +164,11 @@ def read_interval(lower: str, upper: str) -> Interval:
         HiltError: a bound is no number, or they are no interval.
     """
     return Interval(_number(lower, "lower"), _number(upper, "upper") if upper.strip() else 1.0)
+
+
+def write_bound(bound: float) -> str:
+    """Return a bound without trailing zeros, as "0.95" and "1"."""
+    return f"{bound:.{DIGITS}f}".rstrip("0").rstrip(".")
 
 
 @lru_cache(maxsize=2**16)
