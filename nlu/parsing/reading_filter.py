@@ -49,6 +49,7 @@ class ReadingFilter:
         """Return the readings of a whole sentence that may be accepted, in the same order."""
         negated = self._is_thing_negated(tokens)
         repaired = self._is_repaired(tokens)
+        commanded = any(isinstance(each.meaning, Command) for each in readings)
         return [
             each
             for each in readings
@@ -56,7 +57,7 @@ class ReadingFilter:
             and not (repaired and isinstance(each.meaning, Statement) and each.meaning.rules[1:])
             and not self._names_with_features(each)
             and (not each.new_words or self._may_introduce_words(each, tokens))
-            and self._may_introduce_recipients(each, tokens)
+            and self._may_introduce_recipients(each, tokens, commanded=commanded)
         ]
 
     def _is_thing_negated(self, tokens: Tokens) -> bool:
@@ -92,8 +93,15 @@ class ReadingFilter:
         if isinstance(meaning, (TopicStatement, NormStatement)):
             is_thing = not any(self.features.is_abstract(word.said, word.word) for word in words)
             is_of_use = isinstance(meaning, NormStatement) and _is_of_tool(meaning)
-            return is_thing and not is_of_use and [word.role for word in words] == ["object"]
+            others = [word.role for word in words if not self._may_be_part_of(meaning, word)]
+            return is_thing and not is_of_use and others in ([], ["object"])
         return len(words) <= MAX_NEW_NAMES and self._may_name_words(meaning, words, tokens)
+
+    def _may_be_part_of(self, meaning: Meaning, word: NewWord) -> bool:
+        """Whether a new word is the part by which a norm demands or forbids to hold something."""
+        norms = meaning.norms if isinstance(meaning, NormStatement) else ()
+        is_strict = bool(norms) and all(norm.norm != "permitted" for norm in norms)
+        return is_strict and word.role == "part" and self.features.is_part(word.said, word.word)
 
     def _may_name_words(self, meaning: Meaning, words: Sequence[NewWord], tokens: Tokens) -> bool:
         """Whether what teaches no rule may name new words."""
@@ -126,8 +134,13 @@ class ReadingFilter:
     def _may_be_asked_about(self, word: NewWord) -> bool:
         return word.role in _NAMES and self.known_words.is_surely_name(word.said)
 
-    def _may_introduce_recipients(self, reading: Reading, tokens: Tokens) -> bool:
-        """Whether those whom a reading takes for people may be given something."""
+    def _may_introduce_recipients(
+        self, reading: Reading, tokens: Tokens, *, commanded: bool
+    ) -> bool:
+        """Whether those whom a reading takes for people may be given something.
+
+        What may be a command for now ("do not pass it to Bob") is no norm about them.
+        """
         people = new_recipients(lexical_entries(reading.derivation))
         if not people:
             return True
@@ -135,7 +148,8 @@ class ReadingFilter:
             return False  # "send an email to my landlord"
         is_said_of_them = reading.speech_act.arguments[-1].name == "need"  # "the lock needs a key"
         return (
-            isinstance(reading.meaning, (Command, Statement))
+            isinstance(reading.meaning, (Command, NormStatement, Statement))
+            and not (commanded and isinstance(reading.meaning, NormStatement))
             and not is_said_of_them
             and not any(map(self._may_be_no_person, people))
         )

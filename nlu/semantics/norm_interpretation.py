@@ -109,7 +109,7 @@ class _NormReader:
         return Norm(name, self._act(act, name), self.interpreter.intervals["high"])
 
     def _within(self, form: PredicateForm) -> Iterator[Norm]:
-        """The norms of a form, which may deny a rule on holding: "never grab it by the blade"."""
+        """The norms of a form, which may be a rule on holding: "never grab it by the blade"."""
         if form.name == "not":
             form = PredicateForm("forbidden", (form,))
         if _is_norm(form):
@@ -118,11 +118,15 @@ class _NormReader:
         believed = PredicateForm("wantBelieve", (form,))
         said = self.interpreter.meaning(believed, self.discourse)
         for rule in said.rules if isinstance(said, Statement) else ():
-            if not isinstance(rule, ActionRule) or not rule.denies:
+            usual = self.interpreter.intervals["high"]
+            if not isinstance(rule, ActionRule) or not (rule.denies or rule.confidence == usual):
                 raise UninterpretableError("not_a_rule")
             target = ObjectReference(rule.object, props=rule.props)
-            usual = self.interpreter.intervals["high"]
-            yield Norm("forbidden", Command(rule.context, target, part=rule.part), usual)
+            yield Norm(
+                "forbidden" if rule.denies else "obliged",
+                Command(rule.context, target, part=rule.part),
+                usual,
+            )
 
     def _act(self, form: PredicateForm, name: str) -> Command | ToolCommand:
         if form.name == "not":
