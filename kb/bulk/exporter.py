@@ -30,7 +30,10 @@ MAX_SORTED = 200_000  # statements; a store of more is written in its own order
 
 _STEP = 10_000  # statements or rules between two calls of the progress
 _RULES = f"<{PREFIXES['rule']}"
-_STATEMENTS = f"SELECT ?node ?key ?value {{ GRAPH <{BELIEFS}> {{ ?node ?key ?value }} }}"
+_STATEMENTS = f"""SELECT ?node ?key ?value {{
+  GRAPH <{BELIEFS}> {{ ?node ?key ?value }}
+  FILTER(?key NOT IN (<{rule_mapping.TYPE}>, <{rule_mapping.LABEL}>, <{rule_mapping.RULE}>))
+}}"""
 _SOURCES = f"""SELECT DISTINCT ?utterance {{
   GRAPH <{BELIEFS}> {{ ?rule <{rule_mapping.DERIVED_FROM}> ?utterance }}
 }}"""
