@@ -155,7 +155,6 @@ class Affordances:
     def _experience_with(
         self, argument: Atom | None, here: NodeRules, seen: Observation
     ) -> OutcomeCounts | None:
-        """Return the outcomes of grasps by a part at this node; None if there were none."""
         if self.experience is None or here.action != GRASP_OBJECT or argument is None:
             return None
         counts = self.experience.of(seen.object, argument.name, acting_for(here.node))

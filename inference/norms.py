@@ -206,7 +206,6 @@ class _JudgedAct:
         )
 
     def is_against(self, rule: Rule) -> bool:
-        """Return whether a norm that applies speaks against the act as it is."""
         if rule.functor != OBLIGED:
             return rule.functor == FORBIDDEN
         if rule.part:
@@ -244,7 +243,6 @@ class _JudgedAct:
         return NormConflict(*pairs[0 if is_later else 1], "later")
 
     def proof(self, rule: Rule, operators: Operators) -> Proof:
-        """Return the proof that a norm holds: modus ponens on its premises."""
         known = [
             Proof("given", self._of(atom), str(atom))
             for atom in self._premises(rule)

@@ -98,7 +98,6 @@ class Settings:
 
 
 def _chosen(settings: Settings, name: str, value: YamlNode) -> Settings:
-    """Return settings with one setting replaced."""
     first, _, context = name.partition(".")
     if name == CONTRADICTION:
         return replace(settings, contradiction=value.number(low=0, high=1))

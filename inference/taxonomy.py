@@ -91,7 +91,6 @@ class Taxonomy:
 
 
 def _reachable(edges: Mapping[Atom, Iterable[Atom]], start: Atom) -> dict[Atom, int]:
-    """Return the atoms reachable along edges, breadth first, with their distance."""
     found, waiting = {start: 0}, [start]
     for atom in waiting:  # which grows meanwhile
         for further in edges.get(atom, ()):

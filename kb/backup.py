@@ -132,7 +132,6 @@ def _restore_endpoint(source: Path, location: str, *, replace: bool) -> None:
 
 @contextmanager
 def _beside(target: Path) -> Generator[Path]:
-    """A temporary folder on the same disk."""
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(prefix=f".{target.name}.", dir=target.parent) as folder:
@@ -144,7 +143,6 @@ def _beside(target: Path) -> Generator[Path]:
 
 
 def _sync(folder: Path) -> None:
-    """Flush all files of a folder to disk."""
     for file in folder.rglob("*"):
         if file.is_file():
             sync(file)

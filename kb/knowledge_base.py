@@ -238,7 +238,6 @@ class KnowledgeBase(AbstractContextManager["KnowledgeBase"]):
         return read_episodes(self.store)
 
     def _initialize(self) -> None:
-        """Make an empty store a base, with its format and the trust in the default speaker."""
         if any(self.store.quads()):
             raise StoreError(
                 f'"{self.store.location}" holds other data, not a knowledge base of Hilt.'

@@ -195,7 +195,6 @@ class RuleReader:
         return self.store.properties(node, BELIEFS)
 
     def _with_properties(self, wanted: Sequence[tuple[Iri, Iri]]) -> list[NodeProperties]:
-        """The nodes of the rules that have all of these properties, with all their properties."""
         if self.store.has_cheap_patterns:
             return [(node, self.properties(node)) for node in self.nodes_with(wanted)]
         return _gathered(self.store.select(_having_query(wanted)))
@@ -246,7 +245,6 @@ def _optional_iri(kind: str, name: str | None) -> Iri | None:
 
 
 def _having_query(wanted: Sequence[tuple[Iri, Iri]], read: str = "?property ?value") -> str:
-    """The query for the rules that have all of these properties, and for what is read of them."""
     pairs = " ; ".join(f"{as_sparql(key)} {as_sparql(value)}" for key, value in wanted)
     having = f"?rule {pairs or f'{as_sparql(rule_mapping.STATUS)} ?status'} ."
     inside = f"{having} ?rule {read} ." if read else having

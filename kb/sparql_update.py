@@ -115,7 +115,6 @@ def _history_findings(store: Store, before: set[Quad]) -> Iterator[str]:
 
 
 def _record_update(utterance: Utterance) -> str:
-    """The update that adds an utterance to the history."""
     before = utterance.sequence - 1
     number = Quad(BASE_NODE, SEQUENCE, utterance.sequence, BASE_GRAPH)
     old = [number._replace(object=before)] if before else []

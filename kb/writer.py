@@ -226,7 +226,6 @@ class RuleWriter:
         name: str,
         said: Utterance,
     ) -> Record:
-        """Retract what has a name by an utterance, and return it."""
         with self._store.writing():
             known = mapping.active(self._store)
             found = [record for record in known if name in names(record)]
@@ -287,7 +286,6 @@ class RuleWriter:
                     change.delete.append(edge)
 
     def _is_asserted(self, edge: Quad, *, without: set[str], new: Sequence[Rule]) -> bool:
-        """Whether another rule still asserts a plain edge."""
         if any(edge in rule_mapping.plain_edges(rule) for rule in new):
             return True
         active = (rule_mapping.STATUS, rule_mapping.status_iri("active"))

@@ -215,7 +215,6 @@ class _FieldBuilder:
         self._depth = 0
 
     def document(self) -> YamlNode:
-        """Return the only document of the text."""
         self._next()
         event = self._next()
         if type(event).__name__ == "StreamEndEvent":

@@ -118,7 +118,6 @@ def is_large(store: Store) -> bool:
 
 
 def _graphs(store: Store) -> list[Iri]:
-    """The graphs of a store, in alphabetical order."""
     some = "GRAPH ?graph { ?node ?key ?value }"
     if isinstance(store, EmbeddedStore):  # lists graphs without going through their statements
         some = f"GRAPH ?graph {{}} FILTER EXISTS {{ {some} }}"

@@ -135,7 +135,6 @@ class _Import:
     utterances_added: int = 0
 
     def run(self, rules: Iterable[Rule], *, dry_run: bool) -> ImportSummary:
-        """Import rules, and what was read besides them."""
         store = self.base.store
         with store.writing(), paused_garbage_collection():
             plan = AncillaryWrites(self.base.sequence)
@@ -241,7 +240,6 @@ class _Import:
             yield rule
 
     def _utterances(self, other: RuleReader) -> Iterator[Utterance]:
-        """The staged utterances, with the rules that they assert."""
         for quad in other.store.quads(None, SEQUENCE, None, HISTORY):
             if isinstance(quad.object, int):
                 utterance = other.utterance(quad.object)
@@ -329,7 +327,6 @@ def _write(store: Store, lines: Iterator[bytes], plan: AncillaryWrites, source: 
 
 
 def _statuses(store: Store) -> dict[int, Term]:
-    """The status of every rule of a store, by the number of the rule."""
     known: dict[Term, Term] = {}  # one object for all rules
     return {
         int(split(quad.subject)[1], 16): known.setdefault(quad.object, quad.object)

@@ -166,7 +166,6 @@ def _are_disjoint(one: Interval, other: Interval) -> bool:
 
 
 def _same_utterance(base: KnowledgeBase, utterance: Utterance) -> int | None:
-    """The number under which the base has this very utterance."""
     for quad in base.store.quads(None, TEXT, utterance.text, HISTORY):
         for number in base.store.quads(quad.subject, SEQUENCE, None, HISTORY):
             if isinstance(number.object, int):

@@ -137,7 +137,6 @@ class FastRuleReader:
         return known
 
     def _atoms(self, tails: tuple[str, ...], block: RuleBlock) -> frozenset[Atom]:
-        """The features that these lines give."""
         known = self._features.get(tails)
         if known is None:
             pairs = [block.quad(tail)[1:3] for tail in tails]
@@ -268,7 +267,6 @@ def _own_or_shared(quad: Quad) -> tuple[str, Term]:
 
 
 def _check_equal(pairs: Sequence[Pair], written: Sequence[Quad]) -> None:
-    """Refuse statements that differ from what Hilt writes."""
     if sorted(pairs, key=str) != sorted(((q.predicate, q.object) for q in written), key=str):
         raise ValueError(pairs)
 

@@ -46,7 +46,6 @@ def write_table(target: TextIO, rules: Iterable[Rule]) -> None:
 
 
 def _cells(rule: Rule) -> tuple[str, ...]:
-    """The cells of a rule, one for each of `COLUMNS`."""
     argument_kind = ARGUMENT_KINDS.get(rule.functor)
     return (
         _write_atoms(rule.features, value_notation.FEATURE_KIND),
@@ -63,7 +62,6 @@ def _cells(rule: Rule) -> tuple[str, ...]:
 
 @lru_cache(maxsize=2**16)
 def _write_atoms(atoms: frozenset[Atom], kind: str) -> str:
-    """Return the cell of the features or contexts of a rule."""
     text = value_notation.BETWEEN.join(
         value_notation.write_atom(atom, kind) for atom in sorted(atoms)
     )
@@ -106,7 +104,6 @@ class _RowReader:
         self._known: dict[tuple[str, ...], Rule] = {}
 
     def read(self, numbered: tuple[int, list[str]]) -> Rule:
-        """Return the rule of a row, which is given with its line."""
         line, row = numbered
         try:
             if len(row) != self._count:

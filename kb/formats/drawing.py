@@ -41,8 +41,6 @@ _STYLES: dict[str, Any] = {
 
 @dataclass(frozen=True)
 class _Arrow:
-    """A rule between two nodes."""
-
     start: str
     end: str
     label: str
@@ -239,7 +237,6 @@ def _draw_arrow(
 
 
 def _draw_legend(axes: Axes, colours: Mapping[str, str], kinds: Sequence[str]) -> None:
-    """Explain the colours of the arrows, their styles, and the fills of the boxes."""
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 

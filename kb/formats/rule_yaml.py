@@ -85,7 +85,6 @@ def _contexts(found: Mapping[str, YamlNode]) -> frozenset[Atom]:
 
 
 def _atoms(field: YamlNode | None, kind: str) -> frozenset[Atom]:
-    """The atoms of one text or of a list of them."""
     if field is None:
         return frozenset()
     fields = field.items() if isinstance(field.value, tuple) else (field,)

@@ -103,7 +103,6 @@ def _split_edges(
 def _completed(
     found: list[tuple[Iri, Term]], edges: Sequence[AnnotatedEdge]
 ) -> Iterator[tuple[Iri, Term]]:
-    """The properties of a rule, completed from its edges."""
     yield from found
     there = {key for key, _ in found}
     first = edges[0]
@@ -128,13 +127,11 @@ def _completed(
 
 
 def _argument(value: Term) -> tuple[Iri, str]:
-    """The property and the kind of an argument."""
     kind = split(value)[0] if isinstance(value, Iri) else ""
     return rule_mapping.argument_property(kind), kind
 
 
 def _edges(node: Iri, found: Sequence[tuple[Iri, Term]]) -> list[Quad]:
-    """The edges of an active rule; none for other nodes."""
     active = (rule_mapping.STATUS, rule_mapping.status_iri("active"))
     is_active = split(node)[0] == "rule" and active in found
     return rule_mapping.plain_edges(rule_mapping.read_rule(found)) if is_active else []

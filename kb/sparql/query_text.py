@@ -199,7 +199,6 @@ def _modifiers(query: str) -> list[re.Match[str]]:
 
 
 def _undeclared_prefixes(text: str) -> list[str]:
-    """The prefixes that a text uses and does not declare, in its order."""
     declared = {
         name.group().partition(":")[0]
         for word, name in pairwise(tokens(text))

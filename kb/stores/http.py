@@ -239,7 +239,6 @@ class EndpointTransport:
     def _raise_unless_retried(
         self, error: httpx.TransportError, is_last: bool, may_repeat: bool, limits: QueryLimits
     ) -> None:
-        """Raise the error of an attempt, unless it is to be retried."""
         if isinstance(error, (httpx.ReadTimeout, httpx.WriteTimeout)):
             raise limits.time_error() from error
         was_not_sent = isinstance(error, (httpx.ConnectError, httpx.ConnectTimeout))
@@ -250,7 +249,6 @@ class EndpointTransport:
             ) from error
 
     def _check(self, status: int, body: bytes, url: str) -> None:
-        """Raise the error of an answer's status."""
         if status < REDIRECT:
             return
         message = _first_line(body)

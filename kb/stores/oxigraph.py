@@ -251,7 +251,6 @@ class OxigraphStore:
         self._log.reset()
 
     def _invalidate_source(self) -> None:
-        """Note that the source of the worker is out of date."""
         if self._source is not None:
             self._old_sources.append(self._source.parent)
             self._source = None
