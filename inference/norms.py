@@ -56,9 +56,6 @@ class NormConflict:
     overruled: Rule
     reason: str
 
-    def __str__(self) -> str:
-        return f"{self.prevailing!r} prevails over {self.overruled!r}: it is {self.reason}"
-
 
 @dataclass(frozen=True)
 class NormVerdict:

@@ -24,7 +24,7 @@ def blocks(text: str, language: str) -> list[str]:
 
 
 SESSIONS = [  # those that print what they show
-    page for page in DOCUMENTS if page.stem in {"README", "actions", "inference"}
+    page for page in DOCUMENTS if page.stem in {"README", "actions", "inference", "norms"}
 ]
 
 

@@ -45,9 +45,13 @@ def explain(
         if as_json:
             proofs = decision.proofs_as_json() if decision else []
             said = {"utterance": text, "said": reply.said, "outcome": reply.ending}
-            print_json(said | {"proofs": proofs, "changes": [each.as_json() for each in changes]})
+            norms = [each.as_json() for each in reply.result.verdicts] if reply.result else []
+            changed = [each.as_json() for each in changes]
+            print_json(said | {"norms": norms, "proofs": proofs, "changes": changed})
         else:
-            terminal().print(presentation.console.explanation(reply, changes))
+            terminal().print(
+                presentation.console.explanation(reply, changes, agent.dialogue.describe)
+            )
     exit_with(reply.is_done)
 
 

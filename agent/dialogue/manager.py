@@ -16,7 +16,7 @@ from typing import Any
 from ...inference.norms import NormVerdict
 from ...inference.types import Target
 from ...kb.interval import Interval
-from ...kb.rule import Atom
+from ...kb.rule import Atom, Rule
 from ...nlu.language import Language
 from ...nlu.offers.courtesies import answer_to
 from ...nlu.parsing.understanding import Understanding
@@ -112,6 +112,10 @@ class DialogueManager:
     def last_done(self) -> Reply | None:
         """The reply to the last command; None before the first."""
         return self._conversation.last_done
+
+    def describe(self, rule: Rule) -> str:
+        """Return a rule in words: "I must not pass a knife to a child"."""
+        return self._conversation.describe(rule)
 
     def hear(
         self,

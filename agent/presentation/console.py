@@ -196,14 +196,18 @@ def goal_result(result: GoalResult, quote: Quote) -> RenderableType:
     return Group(*parts)
 
 
-def explanation(reply: Reply, changes: Sequence[Counterfactual]) -> RenderableType:
-    """A decision with its proofs, and what would change it."""
+def explanation(
+    reply: Reply, changes: Sequence[Counterfactual], describe: Callable[[Rule], str]
+) -> RenderableType:
+    """A decision with its proofs, and what would change it; `describe` puts a norm in words."""
     decision = reply.result.decision if reply.result else None
     parts: list[RenderableType] = [turn(reply)]
     for verdict in reply.result.verdicts if reply.result else ():
-        parts += [Text(str(each)) for each in verdict.conflicts]
+        for each in verdict.conflicts:
+            norms = (f'"{describe(norm)}"' for norm in (each.prevailing, each.overruled))
+            parts.append(Text(f"{' prevails over '.join(norms)}: it is {each.reason}"))
         if verdict.forbidding and verdict.proof:
-            parts.append(Text(f"forbidden by {verdict.forbidding!r}", "bold"))
+            parts.append(Text(f'forbidden: "{describe(verdict.forbidding)}"', "bold"))
             parts.append(Text("\n".join(f"  {line}" for line in verdict.proof.lines())))
     for about, proof in decision.explained() if decision else ():
         parts += [Text(about, "bold"), Text("\n".join(proof))]

@@ -68,6 +68,20 @@ def test_explain_proves_every_candidate_and_what_would_change_it(run: Run):
     assert document["changes"][0]["chosen"] == "spoon"
 
 
+def test_explain_says_which_norm_prevails_and_why(run: Run):
+    """Both norms stand in words with the reason, and by their ids in the JSON."""
+    run("tell", "never pick up the mug")
+    run("tell", "you may pick up the mug by the handle")
+
+    _, said = run("explain", "pick up the mug by the handle")
+    _, out = run("explain", "--json", "pick up the mug by the handle")
+
+    said = " ".join(said.split())
+    assert said.index('"I must not pick up a mug": it is more specific') > said.index("prevails")
+    (conflict,) = json.loads(out)["norms"][0]["conflicts"]
+    assert conflict["because"] == "more specific"
+
+
 def test_explain_leaves_no_trace(run: Run):
     """Explaining is not commanding: nothing goes into the history."""
     run("explain", "pass me something used for cutting")
