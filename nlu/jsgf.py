@@ -98,7 +98,6 @@ def _expanded(text: str, rules: Mapping[str, Sequence[str]], rng: random.Random)
 
 
 def _rules(language: Language) -> dict[str, list[str]]:
-    """The choices of each rule of the grammar."""
     sections, answers = language.realizer.sentences, language.answers
     an, many = language.inflection.with_article, language.inflection.form
     form = partial(_filled, answers=answers)

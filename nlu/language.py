@@ -274,7 +274,6 @@ class Language:
         return None
 
     def _with_offers(self, found: Understanding, context: UtteranceContext) -> Understanding:
-        """An utterance that is not understood, with the question which meaning it has."""
         tokens = self._tokens(found.text)
         is_slip = isinstance(found.meaning, AskBack) and bool(found.meaning.choices)
         if is_slip and not is_misspelled(tokens, self.offers.known):
@@ -359,7 +358,6 @@ class Language:
         return load_courtesies(self.folder / "courtesies.yaml")
 
     def _only_courtesy(self, text: str) -> Acknowledgement | None:
-        """The greeting, thanks and so on that a text is as a whole."""
         courtesy = self._courtesies.find(self._tokens(text), self.utterance_parser.known_words)
         is_whole = courtesy and courtesy.kind and not courtesy.rest
         return Acknowledgement(courtesy.kind) if courtesy and is_whole else None

@@ -88,7 +88,6 @@ class Realizer:
         return self._say("rules", "told", source=rule.source, rule=text) if rule.source else text
 
     def _turn(self, meaning: Retraction | TopicStatement) -> str:
-        """A sentence that retracts rules or opens a topic."""
         match meaning:
             case TopicStatement(name):
                 return self._say("rules", "topic", object=name)

@@ -236,7 +236,7 @@ class AnswerTemplates:
             "act": self.act_with,
             "to": self.act,
             "done": lambda word: self.inflection.form(self.act(word), "participle"),
-            "name": _capitalised,
+            "name": lambda word: word[:1].upper() + word[1:],
             "quote": lambda text: f'"{text.removesuffix(".")}"',
         }
         if form == "use":
@@ -284,7 +284,3 @@ def _answer(field: YamlNode) -> AnswerTemplate:
 
 def _items(value: Slot) -> Sequence[object]:
     return (value,) if isinstance(value, (str, int, float)) else value
-
-
-def _capitalised(word: str) -> str:
-    return word[:1].upper() + word[1:]

@@ -58,8 +58,6 @@ def parse(field: YamlNode, start: Start) -> Value:
 
 @v_args(inline=True)
 class _Builder(Transformer[object, Value]):
-    """Builds the value of each grammar rule from those of its parts."""
-
     def entry(self, category: Category, term: Term, cost: str = "0") -> Entry:
         return category, term, float(cost)
 

@@ -118,7 +118,6 @@ class DiscourseMarkers:
 
     @cached_property
     def _beginnings(self) -> frozenset[str]:
-        """The first words of all clauses."""
         return frozenset(
             step[0] for steps in self.clauses for step in steps if not isinstance(step, int)
         )

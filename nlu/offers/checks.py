@@ -94,7 +94,6 @@ class OfferChecks:
         return self.licence.outcome(meaning, features) == ACCEPT
 
     def _is_done_by_others(self, meaning: Command | ToolCommand, mentions: Mentions) -> bool:
-        """Whether somebody but the hearer is the subject of what a command asks for."""
         words = mentions.tokens.words
         acts = [m for m in mentions.names if m.role == "act" and m.name == meaning.goal]
         subjects = [self.reader.of_words(words[m.start - 1 : m.start]) for m in acts if m.start]

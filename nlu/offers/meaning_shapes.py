@@ -237,7 +237,6 @@ _NAMES = {"usedFor": "used_for", "notUsedFor": "not_used_for"}
 
 
 def _record(values: Json) -> Any:
-    """The value that a JSON object stands for."""
     kind = _RULES.get(values.get("rule")) or next(v for k, v in _RECORDS.items() if k in values)
     return kind(**{_NAMES.get(k, k): _value(v) for k, v in values.items() if k != "rule"})
 

@@ -181,7 +181,6 @@ def find_mentions(
 
 
 def _label(names: Mapping[str, str], word: str) -> str:
-    """The label of a word with these names by role."""
     if "affordance" in names and names.get("act") not in GOALS:
         return "<affordance>"
     role = next(role for role in _LABELS if role in names)
@@ -249,7 +248,6 @@ def _new(tokens: Tokens, known: KnownWords) -> Iterator[Mention]:
 
 
 def _may_be_person(words: tuple[str, ...], start: int) -> bool:
-    """Whether an unknown word may be a person to whom something is given."""
     before = words[max(0, start - 2) : start]
     return len(before) > 1 and before[1] in _BEFORE_PEOPLE and before[0] not in _BEFORE_PLACES
 

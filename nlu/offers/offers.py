@@ -212,7 +212,8 @@ class OfferFinder:
     def is_text(self, tokens: Tokens) -> bool:
         """Whether an utterance consists of words, not of too many, and most of them known."""
         words = tokens.words
-        if len(words) > MAX_TOKENS or not all(map(_is_word, words)):
+        are_words = all(word.isalpha() or word in {BREAK, "'s"} for word in words)
+        if len(words) > MAX_TOKENS or not are_words:
             return False
         return len({token.word for token in self.known.unknown(tokens)}) <= MAX_UNKNOWN
 
@@ -264,10 +265,6 @@ def _holds_for_anything(meaning: Meaning, mentions: Mentions) -> bool:
     rules = meaning.rules if isinstance(meaning, Statement) else ()
     contexts = {rule.context for rule in rules if isinstance(rule, ActionRule)}
     return "grasp" in contexts and not acts.isdisjoint(GOALS)
-
-
-def _is_word(word: str) -> bool:
-    return word.isalpha() or word in {BREAK, "'s"}
 
 
 def _beside(candidate: CandidateMeaning, mentions: Mentions) -> set[int]:

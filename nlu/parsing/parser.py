@@ -232,7 +232,6 @@ def _fill_persons(form: PredicateForm, context: UtteranceContext) -> PredicateFo
 
 
 def _act_with_question_mark(act: str, form: PredicateForm, tokens: Tokens) -> str:
-    """The speech act, which a question mark makes a question."""
     if not tokens.asks:
         return act
     if act == "INSTRUCT":

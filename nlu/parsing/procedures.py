@@ -367,7 +367,6 @@ class _Clauses:
                 yield start
 
     def _act(self, tokens: Tokens, state: ClauseState) -> tuple[Act, ClauseState] | None:
-        """The command that a clause is, and the state after it."""
         control = self._reader.parser.control(tokens, self._reader.controls)
         if control:
             return self._control(*control, state)
@@ -398,7 +397,6 @@ class _Clauses:
         return Command(control, target), ClauseState(discourse)
 
     def _last(self, state: ClauseState) -> ObjectReference:
-        """What "it" refers to."""
         kind, props = kind_and_properties(state.discourse.object or PredicateForm("something"))
         return ObjectReference(ANY_OBJECT if kind == _ANYTHING else kind, props=props)
 

@@ -70,7 +70,6 @@ def _combined_reply(
 
 
 def _combined(meanings: Sequence[Meaning]) -> Meaning | None:
-    """The combined meaning of segments that are no replies, None when they have none."""
     first, last = meanings[0], meanings[-1]
     if all(each == last for each in meanings):
         return last

@@ -125,7 +125,6 @@ class _Attempt:
     def _by_procedure(
         self, read: ReadProcedure, tokens: Tokens, context: UtteranceContext
     ) -> Understanding | None:
-        """As what one of the readers of procedures finds."""
         found = read(tokens, context, self._sentence)
         if found is None:
             return None
@@ -364,7 +363,6 @@ class _Attempt:
         return self._tools.parser.topic(self._plain_chart(tokens), context)
 
     def _plain_chart(self, tokens: Tokens) -> Chart:
-        """The chart without guesses for unknown words."""
         chart = self._charts.get(tokens.words)
         if chart is None:
             chart = self._charts[tokens.words] = self._tools.parser.chart(tokens, {})

@@ -250,7 +250,6 @@ class PieceReader:
             yield "act"
 
     def _dependence(self, words: Phrase) -> Iterator[str]:
-        """The kinds of words on which a meaning may depend."""
         for place, word in enumerate(words):
             for phrase, kind in self._operators.get(word, ()):
                 end = place + len(phrase)

@@ -203,7 +203,6 @@ def _add(known: dict[str, frozenset[str]], feature: str, value: str, item: YamlN
 
 
 def _of_clause(words: Sequence[ClausePosition], clause: str) -> list[str]:
-    """The words of a clause in their order, with an empty one for each word of another kind."""
     return [each.word if each.clause == clause else "" for each in words]
 
 

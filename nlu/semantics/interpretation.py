@@ -113,7 +113,6 @@ class Interpreter:
         return Statement(tuple(dict.fromkeys(self._rules(form))))
 
     def _relations(self, form: PredicateForm) -> Iterator[KindRelation]:
-        """The kinds of objects that a form states, in the order they were said."""
         if form.name not in KIND_FORMS:
             *source, content = form.arguments if form.name == "says" else (form,)
             parts = content.arguments if content.name == "and" else (content,)
@@ -136,7 +135,6 @@ class Interpreter:
         )
 
     def _rules(self, form: PredicateForm) -> Iterator[Rule]:
-        """The rules that a form states, in the order they were said."""
         if form.name == "and":
             for part in form.arguments:
                 yield from self._rules(part)
@@ -150,7 +148,6 @@ class Interpreter:
             yield self._functional_rule(form)
 
     def _reported(self, person: PredicateForm, content: PredicateForm) -> Iterator[Rule]:
-        """The rules that somebody told the speaker."""
         for rule in self._rules(content):
             if rule.source:
                 raise UninterpretableError("whose_words", asks=True)
@@ -193,7 +190,6 @@ class Interpreter:
         return complete(fragment, discourse)
 
     def _filled(self, fragment: FragmentValues, slot: str, value: PredicateForm) -> FragmentValues:
-        """A fragment with the value of its slot."""
         match slot:
             case "target" | "held":
                 return replace(fragment, target=self._reference(value))
@@ -293,7 +289,6 @@ class Interpreter:
         return ToolCommand(form.name, patient, tool)
 
     def _told(self, form: PredicateForm) -> Rule | KindRelation:
-        """The one thing that was told."""
         return next(self._relations(form)) if form.name in KIND_FORMS else self._one_rule(form)
 
     def _one_rule(self, form: PredicateForm, problem: str = "one_rule_at_a_time") -> Rule:

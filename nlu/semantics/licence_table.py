@@ -60,7 +60,7 @@ class LicenceRow:
     def applies(self, kinds: frozenset[str], features: UtteranceFeatures) -> bool:
         """Whether the row decides on a meaning of some kinds with these features."""
         return not self.of.isdisjoint(kinds) and all(
-            _has_one(features.of(clause), feature, values)
+            not values.isdisjoint(features.of(clause).get(feature) or {ABSENT})
             for clause, wanted in self.clauses.items()
             for feature, values in wanted.items()
         )
@@ -157,10 +157,6 @@ def _row(field: YamlNode, features: Values) -> LicenceRow:
         if clause in parts
     }
     return LicenceRow(frozenset(parts["of"].texts(choices=KINDS)), clauses, parts["then"].text())
-
-
-def _has_one(features: Values, feature: str, wanted: frozenset[str]) -> bool:
-    return not wanted.isdisjoint(features.get(feature) or {ABSENT})
 
 
 def _kind(rule: Rule) -> str:

@@ -23,7 +23,6 @@ class _Record:
     """A value whose JSON object holds those of its attributes that are not None, False or empty."""
 
     def as_json(self) -> Json:
-        """Return the value as a JSON object of the meaning schema."""
         return {key: _plain(value) for key, value in vars(self).items() if value}
 
 
@@ -49,7 +48,6 @@ class _Rule(_Record):
         return self.confidence[1] < _LIKELY
 
     def as_json(self) -> Json:
-        """Return the rule as a JSON object."""
         return {"rule": self.rule} | super().as_json()
 
 

@@ -74,8 +74,6 @@ _ADDITIONS: Mapping[str, Callable[[Norm, PredicateForm], Norm]] = {
 
 @dataclass(frozen=True)
 class _NormReader:
-    """Reads norms off forms."""
-
     interpreter: Interpreter
     discourse: Discourse
 
