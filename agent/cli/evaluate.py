@@ -51,10 +51,6 @@ Reports = Annotated[
     list[Path] | None,
     typer.Option("--report", help="A file for the report: .html, .json or .csv; more than one."),
 ]
-Compared = Annotated[
-    tuple[Path, Path] | None,
-    typer.Option("--compare", help="Two files of --json or --report, instead of a run."),
-]
 Resume = Annotated[bool, typer.Option("--resume", help="Go on with the run that --out holds.")]
 
 Cases = Annotated[bool, typer.Option("--cases", help="Print a table of all cases too.")]
@@ -79,7 +75,6 @@ def evaluate(  # noqa: PLR0917 - every option is a parameter
     out: OutFolder = None,
     resume: Resume = False,
     report_to: Reports = None,
-    compare: Compared = None,
     show_cases: Cases = False,
     as_json: AsJson = False,
 ) -> None:
@@ -90,15 +85,9 @@ def evaluate(  # noqa: PLR0917 - every option is a parameter
     by factorisation; --out keeps the certificate. random: random sets of rules. noise: accuracy
     under failing vision, hearing and teachers, as curves. custom: objects, norms and scenes of your
     own, from FILE. facts: a table of object, use and share, from FILE.
-
-    --compare shows how two runs differ, from what --json printed or --report kept as .json; exit
-    code 1 when they do.
     """
-    if compare:
-        _compare(*compare, as_json=as_json)
-        return
     if what is None:
-        raise typer.BadParameter("name an evaluation, or give --compare two files.")
+        raise typer.BadParameter("name an evaluation.")
     if resume and out is None:
         raise typer.BadParameter("--resume needs --out, the folder of the run.")
     from ..evaluation.experiments.registry import make_experiment
@@ -144,14 +133,3 @@ def _show(report: EvaluationReport, *, cases: bool) -> None:
             terminal().print(table)
     for line in report.lines():
         terminal().print(line, markup=False, highlight=False, soft_wrap=True)
-
-
-def _compare(first: Path, second: Path, *, as_json: bool) -> None:
-    from ..evaluation.reports.comparison import compare
-
-    found = compare(first, second)
-    if as_json:
-        print_json(found.as_json())
-    else:
-        terminal().print("No difference." if found.is_empty else found.table())
-    exit_with(found.is_empty)

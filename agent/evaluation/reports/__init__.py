@@ -1,4 +1,4 @@
-"""Reports of evaluations: counts, tables, pages and comparisons."""
+"""Reports of evaluations: counts, tables and pages."""
 
 import lazy_loader
 

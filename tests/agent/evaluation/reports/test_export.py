@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import csv
 import json
-import re
+import subprocess
+import sys
 from html.parser import HTMLParser
 from pathlib import Path
 from xml.etree import ElementTree as ET
@@ -15,14 +16,13 @@ from hilt.agent.cli import main
 from hilt.agent.evaluation.case import Case, CaseResult, TimedResult
 from hilt.agent.evaluation.experiments.noise_robustness import NoiseExperiment
 from hilt.agent.evaluation.experiments.paper import PaperExperiment
-from hilt.agent.evaluation.reports.comparison import compare
 from hilt.agent.evaluation.reports.export import write_report
 from hilt.agent.evaluation.reports.html import EmbeddedPicture, render_page
 from hilt.agent.evaluation.reports.plots import COLOURS, plot_curve
 from hilt.agent.evaluation.reports.summary import EvaluationReport
 from hilt.agent.evaluation.runners.experiment_run import run_experiment
-from hilt.ontology.errors import DataError
 
+ROOT = Path(__file__).parents[4]
 POINTS = [
     {"x": 0.0, "accuracy": 1.0, "lower": 0.9, "upper": 1.0},
     {"x": 0.5, "accuracy": 0.5, "lower": 0.4, "upper": 0.6},
@@ -144,10 +144,17 @@ def test_equal_runs_do_not_differ(paper, tmp_path):
     write_report(tmp_path / "a.json", *paper)
     write_report(tmp_path / "b.json", experiment, cases, slower)
 
-    assert compare(tmp_path / "a.json", tmp_path / "b.json").is_empty
+    assert compared(tmp_path) == (0, "No difference.\n")
 
 
-def test_comparison_tells_which_cases_came_out_otherwise(paper, tmp_path, capsys):
+def compared(folder: Path) -> tuple[int, str]:
+    """The exit code of the comparison of a.json with b.json, and what it prints."""
+    command = [sys.executable, ROOT / "examples" / "compare_runs.py", "a.json", "b.json"]
+    ended = subprocess.run(command, capture_output=True, text=True, check=False, cwd=folder)
+    return ended.returncode, ended.stdout
+
+
+def test_comparison_tells_which_cases_came_out_otherwise(paper, tmp_path):
     """Counts and cases that differ are named; the exit code says that there are some."""
     experiment, cases, report = paper
     (first, *others) = report.runs
@@ -160,27 +167,11 @@ def test_comparison_tells_which_cases_came_out_otherwise(paper, tmp_path, capsys
         EvaluationReport.from_runs(experiment, [worse, *others]),
     )
 
-    files = [str(tmp_path / name) for name in ("a.json", "b.json")]
-    with pytest.raises(SystemExit) as ended:
-        main(["evaluate", "--compare", *files, "--json"])
+    code, out = compared(tmp_path)
 
-    found = json.loads(capsys.readouterr().out)
-    assert ended.value.code == 1
-    assert found["counts"]["right"] == [len(cases), len(cases) - 1]
-    assert found["cases"][first.result.key][1] == "wrong: shoe"
-
-
-@pytest.mark.parametrize(
-    ("text", "problem"), [("{", "is not JSON"), ("{}", "hilt evaluate --json"), ("[]", "expected")]
-)
-def test_what_is_no_evaluation_is_refused(tmp_path: Path, text: str, problem: str):
-    """The file is named."""
-    (tmp_path / "a.json").write_text(text, encoding="utf-8")
-
-    with pytest.raises(DataError, match=problem) as raised:
-        compare(tmp_path / "a.json", tmp_path / "a.json")
-
-    assert re.search(r"a\.json", str(raised.value))
+    assert code == 1
+    assert f"right: {len(cases)} | {len(cases) - 1}\n" in out
+    assert f"{first.result.key}: right: {first.result.found} | wrong: shoe\n" in out
 
 
 @pytest.mark.sim
