@@ -157,7 +157,6 @@ OPTIONS: Mapping[str, ConfigOption] = {
 
 @cache
 def _read_once(load: Callable[[], T]) -> T:
-    """What comes with Hilt, which never changes."""
     return load()
 
 

@@ -106,7 +106,6 @@ def replay(
 
 
 def _chain(episodes: Mapping[str, Episode], last: Episode) -> list[Episode]:
-    """The episodes of one conversation up to this one, in order."""
     chain = [last]
     while after := _again(chain[-1])["after"]:
         if after not in episodes:

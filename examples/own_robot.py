@@ -15,10 +15,7 @@ from hilt.sim.manipulation.motion_report import MotionReport
 from hilt.sim.vision.percept import Percept
 
 DETECTIONS = (("knife", 0.91), ("spoon", 0.97))  # what your detector sees: class, confidence
-LESSONS = (
-    "A knife is used for cutting",
-    "To pass a knife grab the knife by the blade",
-)
+LESSONS = ("A knife is used for cutting", "To pass a knife grab the knife by the blade")
 
 
 class Camera:

@@ -111,7 +111,6 @@ class Affordances:
         return NodeRules(node, goal, self._rules_at, self._taxonomy)
 
     def _refresh(self) -> None:
-        """Drop cached rules that are out of date."""
         sequence = self.source.sequence
         if sequence != self._sequence:
             self._rules.clear()
@@ -126,7 +125,6 @@ class Affordances:
     def _object_candidate(
         self, here: NodeRules, seen: Observation, decision: DecisionRule
     ) -> Candidate:
-        """Return how surely an object is what the command asks for."""
         target = here.goal.target
         shown = implied_atoms(seen.atoms, self._taxonomy)
         steps = [_evidence(atom, here, seen, shown) for atom in here.named_features]

@@ -228,6 +228,5 @@ def teacher_records(
 
 
 def _says(rule: Rule, record: GraspRecord) -> bool:
-    """Whether a rule names the part by which an object was grasped."""
     is_meant = rule.object in {None, record.object} and rule.context in {None, record.context}
     return is_meant and rule.part == record.part

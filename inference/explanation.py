@@ -129,7 +129,6 @@ class _CounterfactualSearch:
         return Counterfactual(leaf, instead, chosen)
 
     def _chosen(self, leaf: Proof, instead: Interval, about: Sequence[int]) -> int | None:
-        """Return the index of the candidate that is chosen if one leaf is replaced."""
         intervals = list(self.intervals)
         for index in about:
             proof = self.candidates[index].proof
@@ -138,7 +137,6 @@ class _CounterfactualSearch:
 
 
 def _displayed_name(candidate: Candidate) -> str:
-    """Return the part of a candidate if parts are decided about, or else its name."""
     argument = candidate.argument
     return argument.name if argument and argument.kind == "part" else candidate.name
 

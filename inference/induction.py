@@ -192,7 +192,6 @@ def needed_features(
 
 
 def _features(kind: ObjectType) -> frozenset[str]:
-    """Return the properties and parts of an object, with the roles of its working parts."""
     working = [part for part in kind.parts.values() if part.role != GRIP]
     properties = {*kind.properties, *(prop for part in working for prop in part.properties)}
     return frozenset(
@@ -205,7 +204,6 @@ def _features(kind: ObjectType) -> frozenset[str]:
 
 
 def _covers(general: Rule, induced: Rule, kind: ObjectType) -> bool:
-    """Whether a taught rule about any object already says something of this kind."""
     features = {str(atom) for atom in general.features}
     if general.part:
         features.add(f"part:{general.part}")
@@ -285,6 +283,5 @@ def _topic(rule: Rule) -> tuple[object, ...]:
 
 
 def _topics(rule: Rule) -> set[tuple[object, ...]]:
-    """Return the topic of a rule, and that of the same use on any material."""
     general = frozenset(atom for atom in rule.contexts if atom.kind != "material")
     return {_topic(rule), _topic(replace(rule, contexts=general))}

@@ -217,5 +217,4 @@ def features_of(rule: Rule) -> frozenset[Atom]:
 
 
 def _distance(rule: Rule, shown: ImpliedAtoms) -> int:
-    """Return the number of is-a steps from the observation to the features of a rule."""
     return max((shown[feature][0] for feature in rule.features), default=0)

@@ -189,7 +189,6 @@ class _JudgedAct:
         return self._evidence[self._shown[atom][1]]
 
     def _is_part(self, wanted: str) -> bool:
-        """Whether the act is by a part, or a kind of it."""
         held = self.act.part
         kinds = self.taxonomy.above(Atom("part", held)) if held else ()
         return any(kind.name == wanted for kind, _ in kinds)

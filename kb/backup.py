@@ -95,7 +95,6 @@ def _check_free(target: Path, *, replace: bool) -> None:
 
 @contextmanager
 def _locked(folder: Path) -> Generator[None]:
-    """Hold the lock of the engine, so that no process opens the folder."""
     if os.name == "nt":  # a folder in use cannot be renamed there anyway
         yield
         return

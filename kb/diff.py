@@ -159,7 +159,6 @@ def _known(base: RuleReader, rule: Rule) -> list[Rule]:
 
 
 def _with_other_interval(removed: Iterable[Rule], added: Iterable[Rule]) -> list[AlteredRule]:
-    """The rules of one speaker with the same premises and conclusion, and another interval."""
     free = {_content(rule): rule for rule in removed}
     pairs = [(free.pop(_content(rule), None), rule) for rule in added]
     return [AlteredRule(before, after) for before, after in pairs if before]

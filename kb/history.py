@@ -17,12 +17,7 @@ from pathlib import PurePath
 
 from ..ontology.errors import ValidationError
 from ..ontology.vocabulary import Iri, iri, term
-from .rdf.record_mapping import (
-    FieldProperty,
-    RecordMapping,
-    group_properties,
-    local_name,
-)
+from .rdf.record_mapping import FieldProperty, RecordMapping, group_properties, local_name
 from .rdf.rule_mapping import ATTRIBUTED_TO, GENERATED_AT, rule_id, rule_iri
 from .rdf.terms import Quad, Term, lexical
 from .rule import MAX_NAME, check_speaker

@@ -51,7 +51,6 @@ STEPS: Mapping[int, str] = {}
 def _delegated(
     part: str, method: Callable[Concatenate[Any, P], R]
 ) -> Callable[Concatenate[KnowledgeBase, P], R]:
-    """The method of a base that calls a method of its reader or writer."""
 
     @wraps(method)
     def call(base: KnowledgeBase, *args: P.args, **kwargs: P.kwargs) -> R:

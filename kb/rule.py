@@ -230,7 +230,6 @@ class Rule:
 
     @cached_property
     def _implied(self) -> str:
-        """The contexts and the conclusion, as they are hashed."""
         return f"{_atoms_text(self.contexts)}\n{self.functor}({self.argument or ''})"
 
     @property
@@ -378,7 +377,6 @@ def _context(kind: str, name: str | None) -> frozenset[Atom]:
 
 @lru_cache(maxsize=2**16)
 def _atoms_text(atoms: frozenset[Atom]) -> str:
-    """Atoms as they are written in the content that is hashed."""
     return " ".join(sorted(str(atom).replace(" ", "_") for atom in atoms))
 
 

@@ -106,7 +106,6 @@ def _findings(store: Store, rules: set[Iri]) -> Iterator[str]:
 
 
 def _history_findings(store: Store, before: set[Quad]) -> Iterator[str]:
-    """What changed in the history, except for the utterance that records the update."""
     utterance = utterance_iri(RuleReader(store).sequence)
     for quad in before.symmetric_difference(store.quads(None, None, None, HISTORY)):
         kind, _ = split(quad.subject)

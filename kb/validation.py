@@ -209,7 +209,6 @@ def _gather(
     read: Callable[[Iri, list[tuple[Iri, Term]]], Iterable[Quad]],
     expected: set[Quad],
 ) -> Iterator[ValidationFinding]:
-    """Add what a node should stand for to what is expected, or say why it cannot be read."""
     properties = store.properties(node, graph)
     try:
         expected.update(read(node, properties))

@@ -125,7 +125,6 @@ def parse_moment(text: str) -> datetime | int:
 
 
 def _utterances(base: RuleReader) -> list[Utterance]:
-    """All utterances in the order in which they were said, by one scan of the history."""
     found: dict[Iri, list[tuple[Iri, Term]]] = defaultdict(list)
     for quad in base.store.quads(None, None, None, HISTORY):
         if quad.subject.startswith(PREFIXES["utterance"]):

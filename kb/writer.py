@@ -244,7 +244,6 @@ class RuleWriter:
         change.replace(before, mapping.learned_quads(record, status="retracted"))
 
     def _correction(self, text: str, speaker: str, answer: str = "") -> Utterance:
-        """An utterance that takes something back, not numbered yet."""
         moment = to_milliseconds(self.clock())
         return Utterance(0, text, "", speaker, moment, "correction", answer=answer)
 

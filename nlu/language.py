@@ -283,7 +283,6 @@ class Language:
         return replace(found, meaning=question) if question else found
 
     def _by_phrase(self, text: str, context: UtteranceContext) -> Understanding | None:
-        """What an utterance means that is a turn of phrase whose meaning was confirmed."""
         if not self.phrases.phrases:
             return None
         mentions = self.offers.mentions(self._tokens(text), Discourse())
@@ -338,7 +337,6 @@ class Language:
         return choice_of(self._tokens(text).words, count, self.folder / "choices.yaml")
 
     def _meaning_of(self, text: str, context: UtteranceContext) -> Meaning:
-        """The meaning of a text that somebody says at some point, without offers."""
         return self.utterance_parser.understand(text, context, ()).meaning
 
     def control(self, text: str) -> Control | None:
@@ -478,7 +476,6 @@ class Session:
 
 
 def _is_not_understood(meaning: Meaning, text: str) -> bool:
-    """Whether an utterance may have a meaning that the grammar did not find."""
     match meaning:
         case Misunderstanding(where=where, expected=()):
             return where != text.strip()  # else it was understood as a whole

@@ -363,7 +363,6 @@ def _items(keys: Mapping[str, YamlNode], key: str) -> tuple[YamlNode, ...]:
 
 
 def _reject_cycles(name: str, spec: YamlNode, actions: Actions) -> None:
-    """Reject a tree that contains itself, directly or through others, or is a kind of itself."""
     if name in actions.used_by(name):
         raise spec.fail(f'the tree "{name}" contains itself.')
     if name in _reached(name, lambda tree: [tree.is_a] if tree.is_a else [], actions.trees):

@@ -274,7 +274,6 @@ class _FieldBuilder:
         return self._at(event, self._loader.construct_object(node))
 
     def _tag(self, event: Any) -> str:
-        """Return the type of a scalar, resolved from its text if there is no tag."""
         if event.tag is not None:
             return event.tag
         found = self._tags.get(event.value)

@@ -75,7 +75,6 @@ def _code_of(error: Exception) -> int | None:
 
 
 def _in_words(error: Exception) -> str:
-    """What is wrong with the options, or what the system refused."""
     if isinstance(error, OSError):
         what = f"{error.filename}: cannot be read or" if error.filename else "The output cannot be"
         return f"{what} written: {error.strerror or error}."

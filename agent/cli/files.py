@@ -145,7 +145,6 @@ def validate(
 
 
 def _as_json(error: DataError) -> dict[str, object]:
-    """A mistake in a file that cannot be read, as findings are printed."""
     where = {"line": error.line or None, "column": error.column or None}
     return {"node": None, "property": None, **where, "problem": error.problem}
 

@@ -254,7 +254,6 @@ def _forgotten(base: KnowledgeBase, what: list[str], speaker: str) -> str:
 def _changes(
     location: str, since: int | None, every: float, seconds: float | None
 ) -> Iterator[UtteranceChanges]:
-    """Changes as they happen, by a snapshot each time, so that others may go on writing."""
     from ...kb.diff import rule_changes
     from ...kb.knowledge_base import KnowledgeBase
 
@@ -272,7 +271,6 @@ def _changes(
 
 
 def _opened(name: str) -> KnowledgeBase:
-    """A base that is only read, or a base in memory with what a file holds."""
     from ...kb.formats.import_export import import_file
     from ...kb.knowledge_base import KnowledgeBase
 

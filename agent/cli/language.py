@@ -13,15 +13,7 @@ import typer
 from ...ontology.errors import DataError
 from ...ontology.yaml_reader import read_text
 from .. import presentation
-from .common import (
-    announce,
-    exit_with,
-    print_json,
-    report_error,
-    show,
-    utterances,
-    write_svg,
-)
+from .common import announce, exit_with, print_json, report_error, show, utterances, write_svg
 from .options import AsJson, Speaker, UserLexicon, app, example
 
 if TYPE_CHECKING:

@@ -175,7 +175,6 @@ def _acts(said: ActionDefinition) -> Sequence[Act]:
 
 
 def _names(act: Act) -> Sequence[str]:
-    """The kinds of the objects of a command."""
     match act:
         case ToolCommand():
             return (act.patient,)

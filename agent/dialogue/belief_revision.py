@@ -13,13 +13,7 @@ from ..execution.outcome import AnswerContent
 from .conversation import Conversation, UnderstoodTurn
 from .open_question import OpenQuestion
 from .reply import Reply
-from .teaching import (
-    lesson_from_statement,
-    may_end,
-    reason_rules,
-    rules_to_retract,
-    trust_in,
-)
+from .teaching import lesson_from_statement, may_end, reason_rules, rules_to_retract, trust_in
 
 _BARE = (meaning.Retraction(), meaning.Retraction(is_of_told=True))
 """What takes back a rule without naming it."""
@@ -117,7 +111,6 @@ class BeliefRevision:
                 yield NewWord(name, "object", name)
 
     def _ask_to_forget(self, turn: UnderstoodTurn, rules: Sequence[Rule]) -> Reply:
-        """Ask whether a rule is meant that was not spoken of just now."""
         self._conversation.open_question = OpenQuestion(
             turn.speaker, lambda: self._retract(turn, rules)
         )

@@ -59,7 +59,6 @@ class ClarificationDialogue:
         return None
 
     def _short_answers(self, text: str, open_question: OpenQuestion) -> list[meaning.Answer]:
-        """The short answers that a text may be, a number of one of the choices included."""
         choices, speaker = open_question.choices, open_question.asked
         language, discourse = self._conversation.language, self._conversation.discourse
         number = language.chosen(text, len(choices)) if choices else None
@@ -96,7 +95,6 @@ class ClarificationDialogue:
         self._conversation.open_question = OpenQuestion(turn.speaker, only, choices=heard)
 
     def _take(self, turn: UnderstoodTurn, choice: meaning.Meaning) -> Reply:
-        """Respond to a chosen meaning, of the sentence that has it or as one that says it."""
         if turn.understood.reading is not None:
             return self._respond(replace(turn, understood=turn.understood.chosen(choice)))
         text = self._conversation.language.generate(choice)
@@ -133,7 +131,6 @@ class ClarificationDialogue:
         return self._hear(text, speaker=turn.speaker, heard=turn.heard)
 
     def _on_word(self, turn: UnderstoodTurn, said: meaning.AskBack) -> OpenQuestion | None:
-        """Wait for the answer whether a word is a slip of the one suggested, or an object, too."""
         words, speaker = turn.understood.words, turn.speaker
         again = partial(self._hear, speaker=speaker, heard=turn.heard)
         unknown = [word for word in words if word not in self._conversation.language.lexicon]

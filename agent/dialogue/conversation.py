@@ -234,7 +234,6 @@ class Conversation:
         return words.with_notes(what, often, self._source(rule))
 
     def _source(self, rule: Rule) -> str:
-        """Who told a rule, if that is not the listener."""
         return rule.speaker if rule.speaker != self.listener else ""
 
     def say(self, answered: AnswerContent) -> str:

@@ -206,7 +206,6 @@ class DialogueManager:
     def _carry_out_plan(
         self, turn: UnderstoodTurn, said: meaning.Plan | meaning.ActionCommand
     ) -> Reply:
-        """Carry out several commands in order, up to the first that fails."""
         steps = said.steps if isinstance(said, meaning.Plan) else (said,)
         unknown = next(filter(None, (self.lessons.ask_how(turn, each) for each in steps)), None)
         acts = self.language.tool_acts
@@ -230,7 +229,6 @@ class DialogueManager:
         return self._carry_out(turn, first, rest)
 
     def _ask_what_that_is(self, turn: UnderstoodTurn, asked: meaning.Question) -> Reply:
-        """Ask what a thing is that nobody has spoken of, or what has such a use."""
         words, reading = turn.understood.unknown, turn.understood.reading
         new_uses = [word.word for word in reading.new_words] if reading else []
         if asked.affordance and asked.affordance in new_uses:
@@ -243,7 +241,6 @@ class DialogueManager:
         return reply
 
     def _last_chosen(self) -> frozenset[str]:
-        """The name of the object that the last command was carried out with, if any."""
         last = self._conversation.last_done
         result = last.result if last else None
         best = result.decision.object.best if result and result.decision else None
@@ -338,7 +335,6 @@ class DialogueManager:
             )
 
     def _asking_for_use(self, turn: UnderstoodTurn, result: GoalResult, spoken: str) -> str:
-        """What is said of a command, with the question what has a use that nothing is known for."""
         said, conversation = turn.understood.meaning, self._conversation
         conversation.open_question = None
         if result.answer.key != "nothing_used_for" or not isinstance(
@@ -410,7 +406,6 @@ class DialogueManager:
         return replace(conversation.recorded(turn, spoken, found.ending), rules=rules)
 
     def _whether_it_is(self, turn: UnderstoodTurn, said: meaning.Question) -> OpenQuestion:
-        """Wait for the answer whether something is so that nobody has told."""
         use, sure = said.affordance or "", self.language.usual
         rule = meaning.FunctionalRule(said.object or "", use, sure, material=said.material)
         return OpenQuestion(

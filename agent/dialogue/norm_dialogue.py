@@ -97,7 +97,6 @@ class NormDialogue:
     def _named_acts(
         self, said: meaning.Command | meaning.ToolCommand
     ) -> list[meaning.Command | meaning.ToolCommand]:
-        """An act on each object that is known for the use that a command names."""
         target = said.tool if isinstance(said, meaning.ToolCommand) else said.target
         if target.object:
             return [said]
@@ -121,7 +120,6 @@ class NormDialogue:
         return replace(request, momentary=self.momentary)
 
     def _forget_momentary(self, new: Rule) -> None:
-        """End the prohibitions of the moment that a norm lifts or repeats."""
         for key, (rule, _) in list(self._momentary.items()):
             if rule.context == new.context and rule.features == new.features:
                 del self._momentary[key]
@@ -157,7 +155,6 @@ class NormDialogue:
         )
 
     def _told(self, key: str, rule: Rule) -> AnswerContent:
-        """An answer with who said a norm, and in which words."""
         if rule.id in self._momentary:
             text = self._momentary[rule.id][1].text
         else:

@@ -338,7 +338,6 @@ def _why_not_part(part: str, known: Conversation) -> Answered:
 
 
 def _grasps(rules: Iterable[Rule]) -> tuple[Rule, ...]:
-    """The rules about how a thing is held that were told in words."""
     return tuple(rule for rule in rules if rule.kind == "action" and rule.utterance)
 
 
@@ -348,7 +347,6 @@ def _denials(made: Inference | None, name: str) -> tuple[Rule, ...]:
 
 
 def _sources(rules: Sequence[Rule], known: Conversation) -> dict[str, tuple[str, ...]]:
-    """Who told Hilt some rules, and in which words, each once."""
     texts = tuple(dict.fromkeys(map(known.words_of, rules)))
     speakers = dict.fromkeys(reporter_of(known.base, rule) for rule in rules)
     return {"speakers": tuple(speakers), "texts": texts}
@@ -417,13 +415,11 @@ def _told(key: str, rule: Rule, known: Conversation) -> AnswerContent:
 
 
 def _use(question: Question, *materials: str) -> Slot | None:
-    """The use that a question names, on its material or on others."""
     use = question.affordance
     return use_slot(use, *(materials or (question.material,))) if use else None
 
 
 def _named(rule: Rule, question: Question, known: Conversation) -> str:
-    """The object of a rule, with its material where the question names another one or none."""
     name = rule.object or "thing"
     if rule.material is None or rule.material == question.material:
         return name
@@ -431,13 +427,11 @@ def _named(rule: Rule, question: Question, known: Conversation) -> str:
 
 
 def _functional(question: Question, known: Conversation) -> list[Rule]:
-    """The rules about the use that a question names, those about its material first."""
     rules = known.base.rules(object=question.object, affordance=question.affordance)
     return _on_material(rules, question, known)
 
 
 def _on_material(rules: Iterable[Rule], question: Question, known: Conversation) -> list[Rule]:
-    """The rules that apply to the material that a question names, those about it first."""
     kinds = material_kinds(question.material, Taxonomy.from_base(known.base))
     applying = _by_strength(rule for rule in rules if rule.applies_to(kinds))
     return sorted(applying, key=lambda rule: bool(kinds) and rule.material is None)
@@ -461,7 +455,6 @@ def _by_strength(rules: Iterable[Rule]) -> list[Rule]:
 
 
 def _strongest(rules: Iterable[Rule], argument: str) -> list[Rule]:
-    """Of rules with the same conclusion the strongest, best first."""
     best: dict[tuple[str, str | None], Rule] = {}
     for rule in _by_strength(rules):
         concluded = getattr(rule, argument)

@@ -23,7 +23,6 @@ _ASKED = frozenset({"command", "control", "question"})
 
 
 def _fixed(key: str, _: Question, __: Conversation) -> Answered:
-    """The answer that is always the same."""
     return spoken(key, done=True), ()
 
 
@@ -35,7 +34,6 @@ def _capabilities(_: Question, known: Conversation) -> Answered:
 
 
 def _identity(question: Question, known: Conversation) -> Answered:
-    """Who Hilt is, or who somebody is, of whom it knows what they told and whether to trust it."""
     if question.speaker is None:
         return spoken("identity", done=True), ()
     speaker = known.person(question.speaker)
@@ -108,7 +106,6 @@ def _listed(
 
 
 def _told_at_an_end(question: Question, known: Conversation, *, newest_first: bool) -> Answered:
-    """What a speaker taught first, or last."""
     speaker = known.base.match_speaker(question.speaker or "")
     found = next(_taught_by(speaker, known, newest_first=newest_first), None)
     if found is None:
@@ -145,7 +142,6 @@ def _exceptions(question: Question, known: Conversation) -> Answered:
 
 
 def _exceptions_to(rules: Iterable[Rule], others: Iterable[Rule]) -> Iterator[Rule]:
-    """The rules that hold for some of the same things and deny what a rule asserts."""
     of_conclusion = defaultdict[tuple[Atom | None, str | None], list[Rule]](list)
     for other in others:
         of_conclusion[other.argument, other.object].append(other)

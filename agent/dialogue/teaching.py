@@ -151,7 +151,6 @@ def _corrected(new: Rule, before: Sequence[Rule], topic: Sequence[Rule]) -> list
 
 
 def _earlier(base: KnowledgeBase, rules: Sequence[Rule]) -> list[Rule]:
-    """The earlier rules of the speaker that one of these rules could replace."""
     found = {old.id: old for rule in rules for old in base.rules_with_premises_of(rule)}
     return sorted(found.values(), key=lambda rule: (rule.utterance or 0, rule.id))
 

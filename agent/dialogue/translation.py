@@ -123,9 +123,7 @@ def norm_from_rule(rule: Rule) -> meaning.Norm | None:
 
 
 def request_from_command(
-    command: meaning.Act,
-    speaker: str,
-    tool_acts: Mapping[str, str] | None = None,
+    command: meaning.Act, speaker: str, tool_acts: Mapping[str, str] | None = None
 ) -> Request:
     """Return the request that a command makes.
 

@@ -69,7 +69,6 @@ def _read(kind: Any, kept: Any) -> Any:
 
 @cache
 def _types(kind: type) -> Mapping[str, Any]:
-    """Field of a dataclass -> its type."""
     hints = get_type_hints(kind)
     return {each.name: hints[each.name] for each in fields(kind)}
 

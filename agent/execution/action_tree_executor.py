@@ -16,14 +16,7 @@ from ...inference.node_rules import FIND, acting_for
 from ...inference.norms import NormChecker
 from ...inference.types import Candidate, Goal, Inference, Target
 from ...kb.rule import Atom
-from ...ontology.actions import (
-    FIXED,
-    Actions,
-    ActionTree,
-    DescribedObject,
-    Loop,
-    Precondition,
-)
+from ...ontology.actions import FIXED, Actions, ActionTree, DescribedObject, Loop, Precondition
 from ...ontology.actions import Step as TreeStep
 from ...ontology.errors import ConflictError, MotionInterruptedError
 from ...sim.robot.interruption import Interruption
@@ -294,7 +287,6 @@ class TreeExecutor:
         arguments: Mapping[str, Argument],
         tries: Sequence[int],
     ) -> int | None:
-        """The index of the first branch of a tree that handles a failure and has tries left."""
         if failure.cause in {outcome_answer.INTERRUPTED, outcome_answer.FORBIDDEN}:
             return None
         for index, branch in enumerate(tree.otherwise):
@@ -330,7 +322,6 @@ class TreeExecutor:
         return outcome_answer.required(condition, named(argument) or "thing")
 
     def _unmet_property(self, condition: Precondition, argument: Argument) -> AnswerContent | None:
-        """The question whether a thing has a property that is not seen, or why it must not."""
         prop, name = condition.property or "", named(argument) or "thing"
         told = self._request.contexts.get(Atom("property", prop))
         seen = self._context.vision.search([f"property:{prop}"]) if told is None else ()
@@ -362,7 +353,6 @@ class TreeExecutor:
     def _visit_step(
         self, node: str, step: TreeStep, arguments: Mapping[str, Argument]
     ) -> AnswerContent | None:
-        """Visit the node of a step, for which the part and the patient that it names hold."""
         before, passed = (self._part, self._patient), self._passed(step, arguments)
         self._part = step.part or self._part
         self._patient = passed.get(PATIENT, self._patient)
@@ -444,7 +434,6 @@ class TreeExecutor:
     def _obliged_part(
         self, node: str, target: Target, percept: Percept, inference: Inference
     ) -> str | None:
-        """Return the part by which alone an object may be held, unless the command names one."""
         wanted = () if self._part else self._norms.obliged_parts(node, target, percept)
         part = next((self._own_part(name, percept) for name in wanted), None)
         if part is None or self._lacks(percept, part) or self.decision is None:
@@ -453,12 +442,7 @@ class TreeExecutor:
         return part
 
     def _permitted_part(
-        self,
-        node: str,
-        target: Target,
-        percept: Percept,
-        part: str | None,
-        inference: Inference,
+        self, node: str, target: Target, percept: Percept, part: str | None, inference: Inference
     ) -> tuple[str | None, AnswerContent | None]:
         """Return the part to hold by under the norms, another one if they forbid the chosen one."""
         norms = self._norms
@@ -479,7 +463,6 @@ class TreeExecutor:
     def _choose_part(
         self, percept: Percept, inference: Inference
     ) -> tuple[str | None, AnswerContent | None]:
-        """Return the part to grasp by, if any is called for, or why there is none."""
         decision = replace(self.decision, part=inference) if self.decision else None
         self.decision = decision
         chosen = decision.chosen_part if decision else None

@@ -58,7 +58,6 @@ class GoalManager(ExecutionContext):
         return outcome_answer.done(request.action, decision, request.speaker, recipient)
 
     def _missing_abilities(self, tree: str) -> list[str]:
-        """The primitives of a tree that the motion of the robot cannot perform."""
         if self.motion is None:
             return []
         below = (node for node in self.actions.nodes if node.startswith(f"{tree}/"))

@@ -110,7 +110,6 @@ class NormGuard:
         return Act(actions, name, known, contexts=contexts, done=done, holding=self._holding())
 
     def _given(self, node: str) -> Iterator[Atom]:
-        """Who receives something at a node, and what a tool is used on."""
         for path, name in self._recipients.items():
             if node == path or node.startswith(f"{path}/"):
                 yield Atom("role", name.lower())

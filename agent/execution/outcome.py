@@ -57,11 +57,7 @@ class Constraint:
         is_part = argument is not None and argument.kind == "part"
         part, other = (argument, None) if is_part else (None, argument)
         return cls(
-            best.object,
-            part and part.name,
-            interval.lower,
-            interval.upper,
-            other and str(other),
+            best.object, part and part.name, interval.lower, interval.upper, other and str(other)
         )
 
     def as_json(self) -> Json:

@@ -186,7 +186,6 @@ def unable(action: str, primitive: str, decision: Decision) -> AnswerContent:
 
 
 def _no_candidate(target: Target, inference: Inference) -> AnswerContent:
-    """Return the answer when nothing fits, with the absent or denied objects that rules name."""
     if target.not_used_for:
         return _not_found(
             "nothing_not_used_for", affordance=use_slot(target.not_used_for, target.material)

@@ -163,7 +163,6 @@ class PrimitiveExecutor:
         return None if report.ok else self._failed(report.reason, task)
 
     def _meant(self, parameter: str, task: PrimitiveTask) -> Percept | str:
-        """The percept of an argument, or its name when no such object is in view."""
         if parameter in task.found:
             return task.found[parameter]
         name = named(task.arguments[parameter]) or "thing"

@@ -92,7 +92,6 @@ class Request:
 
     @property
     def _chosen(self) -> str:
-        """The parameter whose object Hilt chooses."""
         return TOOL if TOOL in self.arguments or PATIENT in self.arguments else "object"
 
     def _about(self, target: Target) -> Request:

@@ -68,7 +68,6 @@ def _step(act: Act, kinds: Mapping[str, str], tool_acts: Mapping[str, str]) -> S
 
 
 def _argument(said: ObjectReference, kinds: Mapping[str, str]) -> str | DescribedObject:
-    """The parameter that an object of a step is, or its description."""
     if said.object and said.object in kinds and not said.props:
         return kinds[said.object]
     name = None if said.object == ANY_OBJECT else said.object

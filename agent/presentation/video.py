@@ -66,7 +66,6 @@ class Film:
         self._recorder.pause(SHOW_ANSWER)
 
     def _at(self, step: WalkStep) -> None:
-        """A node is reached, or left when something is said to have been done there."""
         if step.action:
             self._recorder.grasps = {}
             return

@@ -115,7 +115,6 @@ def _kind(node: str) -> str:
 
 
 def _ordered_columns(graph: MultiDiGraph[str], arrows: Sequence[_Arrow]) -> list[list[str]]:
-    """Sources, inner nodes and sinks, each at the mean height of its neighbours."""
     import networkx as nx
 
     columns: list[list[str]] = [[], [], []]
@@ -143,7 +142,6 @@ def _ordered_columns(graph: MultiDiGraph[str], arrows: Sequence[_Arrow]) -> list
 def _arrows_by_node(
     columns: Sequence[Sequence[str]], arrows: Sequence[_Arrow]
 ) -> tuple[dict[str, list[_Arrow]], dict[str, list[_Arrow]]]:
-    """The arrows out of and into each node from top to bottom, so that few of them cross."""
     order = {node: i for column in columns for i, node in enumerate(column)}
     starts: dict[str, list[_Arrow]] = defaultdict(list)
     ends: dict[str, list[_Arrow]] = defaultdict(list)
@@ -157,7 +155,6 @@ def _arrows_by_node(
 def _placed(
     columns: Sequence[Sequence[str]], arrows: Sequence[_Arrow], rows: Mapping[str, int]
 ) -> tuple[dict[str, Bbox], float, float]:
-    """The boxes, and the width and height of all of them."""
     from matplotlib.transforms import Bbox
 
     heights = [sum(_height(rows[node]) + _GAP for node in column) - _GAP for column in columns]
@@ -214,7 +211,6 @@ def _draw_box(axes: Axes, box: Bbox, node: str) -> None:
 def _draw_arrow(
     axes: Axes, arrow: _Arrow, start: float, end: float, *, x: tuple[float, float], colour: str
 ) -> None:
-    """Draw a line under its label, and from there a curve that leaves and arrives level."""
     from matplotlib.patches import FancyArrowPatch
     from matplotlib.path import Path
 

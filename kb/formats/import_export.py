@@ -13,13 +13,7 @@ from itertools import chain
 from pathlib import Path
 from typing import BinaryIO, cast
 
-from ..bulk.exporter import (
-    MAX_SORTED,
-    ProgressCounter,
-    scan_rules,
-    statements,
-    write_statements,
-)
+from ..bulk.exporter import MAX_SORTED, ProgressCounter, scan_rules, statements, write_statements
 from ..bulk.importer import import_rules, import_statements
 from ..bulk.nquads_reader import RuleBlock, StatementGroup, Statements, expand_blocks, read_groups
 from ..bulk.reconciliation import ImportSummary

@@ -117,7 +117,6 @@ def _conclusion(entry: YamlNode, found: Mapping[str, YamlNode]) -> tuple[str, At
 
 
 def _interval(field: YamlNode) -> Interval:
-    """A list of two bounds, or the lower one alone."""
     if not isinstance(field.value, tuple):
         return Interval(field.number(low=0, high=1), 1.0)
     lower, upper = field.numbers(count=2, low=0, high=1)
@@ -132,7 +131,6 @@ def _optional(found: Mapping[str, YamlNode], key: str) -> str | None:
 
 @lru_cache(maxsize=2**16)
 def _written(value: str | tuple[str, ...] | Interval) -> str:
-    """A value as it stands in an entry in braces."""
     if isinstance(value, Interval):
         bounds = map(value_notation.write_bound, (value.lower, value.upper))
         return f"[{', '.join(bounds)}]"

@@ -167,7 +167,6 @@ def _values(name: str, value: Term | Sequence[Term]) -> str:
 
 @lru_cache(maxsize=256)
 def _where_group(query: str) -> int:
-    """The position after the brace that opens the outermost WHERE group."""
     depth, parentheses, before, is_template = 0, 0, "", False
     for token in tokens(query):
         text = token.group()
@@ -189,7 +188,6 @@ def tokens(text: str, start: int = 0) -> Iterator[re.Match[str]]:
 
 
 def _modifiers(query: str) -> list[re.Match[str]]:
-    """The tokens after the outermost WHERE group."""
     depth, found = 1, list[re.Match[str]]()
     for token in tokens(query, _where_group(query)):
         depth += (token.group() == "{") - (token.group() == "}")

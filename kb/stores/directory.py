@@ -199,7 +199,6 @@ def _is_alive(process: str) -> bool:
 
 
 def _log_sizes(folder: Path) -> dict[str, int]:
-    """The log files, and their sizes in bytes."""
     with os.scandir(folder) as entries:
         return {one.name: one.stat().st_size for one in entries if one.name.endswith(_LOG_SUFFIX)}
 

@@ -166,7 +166,6 @@ def _statement(quad: engine.Quad, default: Iri) -> Quad | ReifyingTriple:
 
 
 def _line(stream: BinaryIO, number: int) -> str:
-    """A line of a text, where its stream can go back to it."""
     if not number or not stream.seekable():
         return ""
     stream.seek(0)

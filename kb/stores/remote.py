@@ -217,7 +217,6 @@ class RemoteStore:
                     self._write(insert_data(part), may_repeat=True)
 
     def _post(self, graph: Iri, quads: Sequence[Quad]) -> None:
-        """Add to a graph by the Graph Store Protocol."""
         self._check_writable()
         lines = (" ".join(map(as_sparql, quad[:3])) + " .\n" for quad in quads)
         self._transport.post(

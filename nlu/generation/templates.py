@@ -173,7 +173,6 @@ class AnswerTemplates:
         return self.fill(self.phrases["for_material"], slots)
 
     def _in_general(self, material: str) -> str:
-        """A material in the plural, unless it is not counted."""
         _, _, last = material.rpartition(" ")
         is_mass = material in self.mass or last in self.mass
         return material if is_mass else self.inflection.form(material, "plural")

@@ -111,10 +111,7 @@ def load_grammar(
 ) -> Grammar:
     """Read the grammar of a language; the names of the degrees become constants of type `d`."""
     entries = read_yaml(path).entries(
-        required=(
-            *("categories", "unary", "roots"),
-            *("topic", "general", "answer", "speaker"),
-        ),
+        required=(*("categories", "unary", "roots"), *("topic", "general", "answer", "speaker")),
         optional=(),
     )
     atoms = entries["categories"].entries()

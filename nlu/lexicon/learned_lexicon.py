@@ -116,6 +116,5 @@ class LearnedLexicon(Lexicon):
         yield from self._static.nodes(tokens, start)
 
     def _made(self, words: str, names: tuple[Name, ...]) -> Lexicon:
-        """The senses of one form, which may be that of several names."""
         senses = (sense for name in names for sense in self._builder.name(*name))
         return Lexicon(sense for sense in senses if sense.says == words)

@@ -251,7 +251,6 @@ class LexiconBuilder:
         return {self._inflection.form(verb, "ing"): verb for verb in verbs}
 
     def _inflected(self, role: str, name: str) -> tuple[str, tuple[str, ...]]:
-        """The word whose forms name something in a role, and the templates of these forms."""
         if role in NOUN_TEMPLATES:
             return name, (NOUN_TEMPLATES[role],)
         if role != "affordance":

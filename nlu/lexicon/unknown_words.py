@@ -153,7 +153,6 @@ class KnownWords:
         return place > 0 and words[place - 1] in self.builder.naming
 
     def _guesses(self, token: Token, cost: float) -> list[Entry]:
-        """The entries of one word, each marked with its role and dictionary form."""
         roles = self._open_roles(token.word)
         entries = _entries(self.builder, self.inflection, token.word, bool(token.capital), roles)
         return [entry._replace(cost=entry.cost + cost) for entry in entries]
@@ -210,7 +209,6 @@ class KnownWords:
         )
 
     def _may_end(self, first: str, second: str, role: str, kinds: Iterable[str]) -> bool:
-        """Whether a name in a role may end in a word after another one."""
         if self.lexicon.is_name(second, kinds):
             return role != "part" or not self.lexicon.is_name(first, kinds)
         if second in self.builder.homographs:
@@ -219,7 +217,6 @@ class KnownWords:
         return not is_plural and _has_letters(second) and not self.has(second)
 
     def _may_name(self, word: str) -> bool:
-        """Whether a word that is known, but names no thing, may name one after an article."""
         if not _has_letters(word) or self.builder.is_of_grammar(word) or not self.has(word):
             return False
         names = self.lexicon.name_categories(word)

@@ -100,6 +100,5 @@ def _fillings(shape: MeaningShape, mentions: Mentions) -> Iterator[dict[str, str
 
 
 def _apart(used: Mapping[str, tuple[Mention, ...]]) -> bool:
-    """Whether each slot can be filled by words of its own."""
     spans = [[(each.start, each.end) for each in mentions] for mentions in used.values()]
     return any(len(set(chosen)) == len(spans) for chosen in product(*spans))

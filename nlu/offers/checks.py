@@ -82,7 +82,6 @@ class OfferChecks:
         return next((name for name, keeps in kept.items() if not keeps()), "")
 
     def _is_licensed(self, meaning: Meaning, mentions: Mentions, asides: Sequence[Span]) -> bool:
-        """Whether doer, source, time and modality allow a meaning."""
         features = self.clause_features(mentions, asides)
         if isinstance(meaning, (Command, ToolCommand)) and (
             "tense" in features.main or self._is_done_by_others(meaning, mentions)
@@ -163,7 +162,6 @@ class OfferChecks:
             yield from pairwise((start, *inner, end))
 
     def _keeps_recipient(self, meaning: Meaning, mentions: Mentions) -> bool:
-        """Whether a command keeps to whom a thing is passed, who must be named."""
         if not isinstance(meaning, Command) or not self._has("recipient", mentions.tokens.words):
             return True
         return any(m.role == "person" and m.name == meaning.recipient for m in mentions.names)

@@ -151,7 +151,6 @@ class CourtesyPhrases:
 
 
 def _text(tokens: Tokens, start: int, end: int) -> str:
-    """The text from one token to before another, with the mark that ends it."""
     following = tokens.items[end].start if end < len(tokens.items) else len(tokens.text)
     return tokens.text[tokens.items[start].start : following].strip(" ,:-–—")
 

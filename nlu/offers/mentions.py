@@ -190,7 +190,6 @@ def _label(names: Mapping[str, str], word: str) -> str:
 
 
 def _is_required(names: Mapping[str, str]) -> bool:
-    """Whether a word with these names by role says what a sentence is about."""
     if "affordance" in names:  # a word like "hold" need not be a use
         return names.get("act") not in GOALS
     return not names.keys().isdisjoint({"object", "part"}) and names.keys().isdisjoint(
@@ -253,7 +252,6 @@ def _may_be_person(words: tuple[str, ...], start: int) -> bool:
 
 
 def _fits(role: str, entry: Entry, words: tuple[str, ...], start: int) -> bool:
-    """Whether an unknown word may have a role by its place and ending."""
     is_gerund = entry.says.endswith("ing")
     is_verb = is_gerund or (start > 0 and words[start - 1] in _BEFORE_VERBS)
     if role not in {"affordance", "act"}:

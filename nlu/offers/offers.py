@@ -204,7 +204,6 @@ class OfferFinder:
         return ranked[:MAX_TRIED]
 
     def _aloud(self, meaning: Meaning) -> str:
-        """The sentence for a meaning, with what denies in capitals."""
         first, *rest = self.realize(meaning).rstrip("?").split(" ")
         denying = self.checks.phrases["negative"]
         return " ".join([first, *(w.upper() if (w,) in denying else w for w in rest)])
@@ -218,7 +217,6 @@ class OfferFinder:
         return len({token.word for token in self.known.unknown(tokens)}) <= MAX_UNKNOWN
 
     def _is_understood(self, meaning: Meaning, context: UtteranceContext) -> bool:
-        """Whether the sentence for a meaning is understood as it, said out of the blue."""
         alone = replace(context, discourse=Discourse())
         try:
             found = self.meaning_of(self.realize(meaning), alone)

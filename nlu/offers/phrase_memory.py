@@ -125,7 +125,6 @@ def _value(mentions: Mentions, place: int, role: str) -> object:
 
 
 def _at(slot: str, template: object, meaning: object) -> object:
-    """The value that a meaning has where its shape has a slot."""
     if template == slot:
         return meaning
     pairs: Iterable[tuple[object, object]] = ()

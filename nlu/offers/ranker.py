@@ -52,7 +52,6 @@ class Ranker:
         return tuple(power / total for power in powers[1:])
 
     def _said(self, mentions: Mentions, asides: Asides) -> dict[str, float]:
-        """The sum of the weights of what an utterance has, by the trait of the meaning."""
         said: dict[str, float] = {}
         for feature in utterance_features(mentions, asides):
             for trait, weight in self.weights.get(feature, {}).items():

@@ -53,7 +53,6 @@ class SegmentReader:
                 yield span
 
     def _spans(self, tokens: Tokens) -> Iterator[Span]:
-        """Yield the spans from pause to pause, or from behind a joining word, the longest first."""
         words, count = tokens.words, len(tokens.items)
         opened = {n + 1 for n in tokens.edges - {0} if words[n : n + 1] in self.phrases["opening"]}
         opened |= {n for n in range(1, count) if words[n - 1 : n] in self.phrases["complement"]}

@@ -165,18 +165,15 @@ class Clarifier:
         return Misunderstanding(message, where, expected, self._nearest_examples(tokens.words))
 
     def _intended_instead(self, person: str) -> str | None:
-        """The known word that is likelier meant than somebody of that name."""
         is_of_grammar = self.known_words.builder.is_of_grammar
         near = filter(is_of_grammar, slips(person) if len(person) > MIN_LETTERS else ())
         return self._intended_any(person) or next(near, None)
 
     def _intended_any(self, word: str) -> str | None:
-        """The known name, else the known word of any kind, that a new word is a likely slip of."""
         known = self.known_words
         return self._intended(word, known.names) or self._intended(word, known.has)
 
     def _intended(self, word: str, is_known: Callable[[str], bool]) -> str | None:
-        """The known word that a new one is a likely slip of."""
         plural = self.inflection.form(word, "plural")
         if is_known(plural):  # "knive" has the plural of "knife"
             singulars = self.inflection.origins(plural, "plural")

@@ -57,7 +57,6 @@ def features_of(
 def _is_person(
     reader: FeatureReader, derivation: Derivation, words: Sequence[str], name: str
 ) -> bool:
-    """Whether who told something is a person with a name."""
     new = {entry.name for entry in lexical_entries(derivation) if entry.role == "person"}
     return reader.is_person(name, _before(words, name, 1), is_new=name in new)
 
@@ -65,7 +64,6 @@ def _is_person(
 def _words(
     reader: FeatureReader, derivation: Derivation, words: Sequence[str], clause: str
 ) -> Iterator[ClausePosition]:
-    """The words of a derivation with the clause that each belongs to, from left to right."""
     category = str(derivation.category)
     if category in reader.categories["condition"]:
         clause = CONDITION

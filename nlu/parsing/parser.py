@@ -27,12 +27,7 @@ from ..semantics.licence_table import LicenceTable
 from ..semantics.meaning import Answer, Confidence, Meaning, NormStatement
 from ..semantics.norm_interpretation import meaning_of
 from ..semantics.pragmatics import CERTAIN, Intention, Pragmatics
-from ..semantics.predicates import (
-    PredicateForm,
-    UninterpretableError,
-    form_of,
-    load_predicates,
-)
+from ..semantics.predicates import PredicateForm, UninterpretableError, form_of, load_predicates
 from .chart import Chart, Derivation
 from .clause_spans import features_of
 from .derivation_views import lexical_entries, subderivations
@@ -197,7 +192,6 @@ class SentenceParser:
         return not is_generic and not parts.isdisjoint(self.grammar.speaker)
 
     def _intention(self, speech_act: PredicateForm, recognition: Confidence) -> Intention:
-        """The one intention of a speech act, as sure as the speech was recognised."""
         meant = self.pragmatics.meant(speech_act)
         if len(meant) != 1:
             raise UninterpretableError("which_intention", asks=True)

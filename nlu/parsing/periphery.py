@@ -100,7 +100,6 @@ def load_table(path: Path = PERIPHERY_FILE) -> PeripheryTable:
 
 
 def _sets(field: YamlNode) -> dict[str, frozenset[str]]:
-    """The sets of a mapping, in which a later one may name the earlier ones."""
     found: dict[str, frozenset[str]] = {}
     for name, items in field.entries().items():
         found[name] = _union(items.texts(), found)
@@ -263,7 +262,6 @@ def kinds_of_core(meaning: Meaning) -> frozenset[str]:
 
 
 def _sentences(tokens: Tokens, end: int, pieces: Sequence[UtterancePiece]) -> Iterator[Tokens]:
-    """The parts before a place, split at strong pauses."""
     start = 0
     for last, piece in pairwise(pieces):
         if piece.start <= end and piece.pause != Pause.WEAK:

@@ -161,7 +161,6 @@ class ProcedureReader:
                 return Procedure(Plan(steps), found[-1][1].discourse) if is_plan else None
 
     def _may_be_plan(self, goals: Sequence[str]) -> bool:
-        """Whether one of some acts is known, and no other is a known word that names no act."""
         unknown = [goal for goal in goals if not self.is_act(goal)]
         return len(unknown) < len(goals) and not any(map(self._is_known_verb, unknown))
 
@@ -199,7 +198,6 @@ class ProcedureReader:
         return None
 
     def _heads(self, tokens: Tokens) -> Iterator[tuple[ActionHead, Tokens]]:
-        """Yield the heads that an utterance may have, each with its body."""
         for key in ("heads", "asked"):
             for end, head in self._named(key, tokens, is_whole=False):
                 is_new = key == "heads" or not self._is_known_verb(head.name)
@@ -214,7 +212,6 @@ class ProcedureReader:
     def _named(
         self, key: str, tokens: Tokens, start: int = 0, *, is_whole: bool = True
     ) -> Iterator[tuple[int, ActionHead]]:
-        """The actions that patterns of a key name, each with the end of the pattern."""
         for end, slots in self.words.matches(key, tokens.words, start):
             for slot, place in slots.items() if (end == len(tokens.items)) == is_whole else ():
                 head = self._head(tokens.part(*place), is_gerund=slot == "HEADING")
@@ -401,7 +398,6 @@ class _Clauses:
         return ObjectReference(ANY_OBJECT if kind == _ANYTHING else kind, props=props)
 
     def _taught(self, tokens: Tokens) -> ActionCommand | None:
-        """The command of a taught action on several objects or none."""
         polite = self._reader.controls.after_polite
         tokens = tokens.part(polite(tokens.words), len(tokens.items))
         count = len(tokens.items)
@@ -430,7 +426,6 @@ class _Clauses:
         return Command(verb, found[0][0])
 
     def _named(self, tokens: Tokens, state: ClauseState) -> str | None:
-        """The kind of object that some words name or refer to."""
         if self._reader.controls.is_pronoun(tokens.words):
             return self._last(state).object if state.discourse.object else None
         return self._reader.parser.named_object(tokens)
@@ -494,7 +489,6 @@ def load_procedure_words(path: Path) -> WordLists:
 
 
 def _skipped(words: WordLists, tokens: Tokens) -> int:
-    """The place after the breaks and the words of order that some tokens begin with."""
     start = 0
     while start < len(tokens.items):
         end = words.end("order", tokens.words, start)
@@ -505,7 +499,6 @@ def _skipped(words: WordLists, tokens: Tokens) -> int:
 
 
 def _starts(words: WordLists, tokens: Tokens) -> list[int]:
-    """The places where a clause may begin, and the one past the last, in order."""
     count = len(tokens.items)
     breaks = {place for place in tokens.edges if tokens.words[place - 1 : place] != (BREAK,)}
     opening = {
@@ -518,7 +511,6 @@ def _starts(words: WordLists, tokens: Tokens) -> list[int]:
 
 
 def _generalised(act: Command | ToolCommand) -> Act:
-    """A command with any object for the placeholder of one."""
     if isinstance(act, Command) and act.target.object == _ANYTHING:
         return replace(act, target=replace(act.target, object=ANY_OBJECT))
     return act

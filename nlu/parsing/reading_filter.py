@@ -98,13 +98,11 @@ class ReadingFilter:
         return len(words) <= MAX_NEW_NAMES and self._may_name_words(meaning, words, tokens)
 
     def _may_be_part_of(self, meaning: Meaning, word: NewWord) -> bool:
-        """Whether a new word is the part by which a norm demands or forbids to hold something."""
         norms = meaning.norms if isinstance(meaning, NormStatement) else ()
         is_strict = bool(norms) and all(norm.norm != "permitted" for norm in norms)
         return is_strict and word.role == "part" and self.features.is_part(word.said, word.word)
 
     def _may_name_words(self, meaning: Meaning, words: Sequence[NewWord], tokens: Tokens) -> bool:
-        """Whether what teaches no rule may name new words."""
         if isinstance(meaning, (Command, ToolCommand)):
             # No action is done to people.
             are_people = tokens.proper.intersection(word.said for word in words)
@@ -127,7 +125,6 @@ class ReadingFilter:
         )
 
     def _may_be_acted_on(self, word: NewWord) -> bool:
-        """Whether something may be done to what a new word names, or by the part that it names."""
         is_part = word.role == "part" and self.features.is_part(word.said)
         return is_part or self._may_be_asked_about(word)
 

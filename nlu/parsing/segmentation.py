@@ -101,14 +101,12 @@ def _self_repaired(rules: Sequence[Rule]) -> list[Rule]:
 
 
 def _names_object(first: Meaning, last: Meaning) -> bool:
-    """Whether the first segment only names what the rules of the second one are about."""
     if not isinstance(first, TopicStatement) or not isinstance(last, Statement):
         return False
     return all(rule.object == first.topic for rule in last.rules)
 
 
 def _asks_for_target(first: Meaning, last: Meaning) -> bool:
-    """Whether the first segment asks whether Hilt sees the target of the second one."""
     if not isinstance(first, Question) or first.ask != "see":
         return False
     if isinstance(last, ToolCommand):

@@ -178,7 +178,6 @@ class _Attempt:
                 return ()
 
     def _as_sentence(self, tokens: Tokens, context: UtteranceContext) -> Understanding:
-        """As one sentence, if need be without the full stops within."""
         found = self._sentence(tokens, context)
         if found.reading is None and BREAK in tokens.words:
             again = self._sentence(tokens.without_breaks(), context)
@@ -212,13 +211,11 @@ class _Attempt:
         return replace(whole, meaning=answer, reading=reading)
 
     def _may_be_rule(self, meaning: Meaning, segments: Sequence[Tokens]) -> bool:
-        """Whether a command to use a part of any object of a kind may be meant as a rule."""
         if not isinstance(meaning, Command) or meaning.part is None:
             return False
         return any(self._tools.parser.is_generic(self._plain_chart(each)) for each in segments)
 
     def _without_markers(self, tokens: Tokens, context: UtteranceContext) -> Understanding | None:
-        """As one sentence or as segments, without what adds nothing to the meaning."""
         tried = {tokens.words}
         for variant in self._variants(tokens):
             if variant.words in tried or not variant.items:
@@ -234,7 +231,6 @@ class _Attempt:
         return None
 
     def _by_core(self, tokens: Tokens, context: UtteranceContext) -> Understanding | None:
-        """As the longest core that is understood, if its periphery lets it mean that."""
         expanded = self._tools.builder.expand_endings(tokens)
         for core in islice(self._tools.periphery.cores(tokens, expanded), MAX_CORES):
             found = self._core(core, context)
@@ -243,7 +239,6 @@ class _Attempt:
         return None
 
     def _core(self, core: Core, context: UtteranceContext) -> Understanding | None:
-        """A core understood by itself, or as a command on the one thing named beside it."""
         if not core.is_referring:
             return self._with_reading(core.tokens, context)
         found, referring = (
@@ -276,7 +271,6 @@ class _Attempt:
         )
 
     def _variants(self, tokens: Tokens) -> Iterator[Tokens]:
-        """The utterance in fewer words of the same meaning, the closest first."""
         builder = self._tools.builder
         qualifiers = builder.qualifier_phrases
         barriers = self._tools.parser.features.words["embedding"]
@@ -331,7 +325,6 @@ class _Attempt:
         return found
 
     def _parse(self, tokens: Tokens, context: UtteranceContext) -> Understanding:
-        """The one reading that is likelier than all others, else the clarification needed."""
         tools, clarify = self._tools, self._tools.clarification
         unknown = tools.known_words.unknown(tokens)
         chart = self._chart(tokens, unknown)
@@ -379,7 +372,6 @@ class _Attempt:
 
 
 def _is_procedure(found: Understanding) -> bool:
-    """Whether the meaning is one that no single reading has."""
     meant = found.meaning
     is_about = isinstance(meant, (Question, Retraction)) and found.reading is None
     return is_about or isinstance(meant, (Plan, ActionDefinition, ActionCommand))
@@ -395,7 +387,6 @@ def _has_several_rules(found: Understanding) -> bool:
 
 
 def _failed(found: Understanding) -> Understanding:
-    """The result of an utterance without a reading, after which nothing can be referred to."""
     return replace(found, discourse=replace(found.discourse, has_failed=True))
 
 

@@ -143,7 +143,6 @@ class PieceReader:
         return [pause for lead, pause in _LEADS.items() if self.words.end(lead, words)]
 
     def _gaps(self, tokens: Tokens) -> Iterator[tuple[int, int, Pause]]:
-        """Where a piece may end and the next one begin, and the pause between them."""
         words = tokens.words
         for place, word in enumerate(words):
             if word == BREAK:
@@ -210,7 +209,6 @@ class PieceReader:
         return is_pronoun or self.words.has("person", word)
 
     def _may_be_verb(self, before: str, word: str) -> bool:
-        """Whether a word after another one looks like a verb with a subject before it."""
         if before in self.features.words["determiners"]:
             return False
         is_inflected = word.endswith(("s", "ed")) and not word.endswith("ss")
@@ -337,7 +335,6 @@ class PieceReader:
 
 
 def _ends_soon(tokens: Tokens, start: int) -> bool:
-    """Whether too few words for a core stand between a place and the next pause."""
     near = range(start, start + LEAST_WORDS)
     return any(
         n >= len(tokens.items) or n in tokens.pauses or tokens.words[n] == BREAK for n in near

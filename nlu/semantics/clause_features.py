@@ -146,7 +146,6 @@ class FeatureReader:
         return not is_new or not (self.is_abstract(name) or name.endswith(self.endings["nameless"]))
 
     def _found(self, words: Sequence[str]) -> Iterator[Values]:
-        """The features of the phrases in some words, from left to right, the longest first."""
         place = 0
         while place < len(words):
             for phrase, values in self.phrases.get(words[place], ()):

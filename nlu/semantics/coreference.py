@@ -85,7 +85,6 @@ def _person(part: PredicateForm, discourse: Discourse) -> PredicateForm | None:
 
 
 def _last_use(discourse: Discourse) -> PredicateForm:
-    """The use that the last rule or question is about."""
     last = discourse.last
     if not isinstance(last, (FunctionalRule, Question)) or last.affordance is None:
         raise UninterpretableError("no_referent", asks=True, word="the use")

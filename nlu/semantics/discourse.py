@@ -106,7 +106,6 @@ def update_discourse(meaning: Meaning, content: PredicateForm, discourse: Discou
 
 
 def _asks_why_held(meaning: Meaning) -> bool:
-    """Whether a meaning asks why a thing was held as it was, or just why."""
     if not isinstance(meaning, Question) or meaning.ask != "why":
         return False
     return meaning.part is not None or meaning.object is None
@@ -127,7 +126,6 @@ def after_offer(choices: Sequence[Meaning | str], discourse: Discourse) -> Disco
 
 
 def _named_person(meaning: Meaning) -> PredicateForm | None:
-    """The person whom a command names as its recipient, or a statement as its source."""
     match meaning:
         case Command(recipient=str(name)) | Statement(source=str(name)):
             return PredicateForm(name.replace(" ", "_"))
@@ -136,7 +134,6 @@ def _named_person(meaning: Meaning) -> PredicateForm | None:
 
 
 def _named_objects(meaning: Meaning) -> Iterator[PredicateForm]:
-    """The objects that a meaning is about, in order."""
     match meaning:
         case Statement(rules=rules):
             for rule in rules:

@@ -38,7 +38,6 @@ def check_spellings(path: Path, reader: FeatureReader) -> None:
 
 
 def _patterns(parts: Mapping[str, YamlNode]) -> Iterator[YamlNode]:
-    """The patterns of words, constructions, word classes and discourse markers."""
     for key in ("words", "constructions"):
         for item in parts[key].items() if key in parts else ():
             yield from item.entries(required=("says",))["says"].listed()
@@ -50,7 +49,6 @@ def _patterns(parts: Mapping[str, YamlNode]) -> Iterator[YamlNode]:
 def _features(
     pattern: YamlNode, reader: FeatureReader
 ) -> dict[str, dict[frozenset[str], Spelling]]:
-    """The values of each feature that spellings of a pattern have, each with one that has it."""
     found: dict[str, dict[frozenset[str], Spelling]] = {}
     spellings = list(islice(expand(compile_pattern(pattern.text())), MAX_COMPARED + 1))
     if len(spellings) > MAX_COMPARED:

@@ -88,7 +88,6 @@ def complete(fragment: FragmentValues, discourse: Discourse) -> Meaning:
 
 
 def _with_other_of_pair(fragment: FragmentValues, discourse: Discourse) -> FragmentValues:
-    """The fragment with the other one of two objects spoken of, where it asks about that one."""
     other = _other_of_pair(discourse)
     if not isinstance(discourse.last, Question) or not _is_other(fragment) or other is None:
         return fragment
@@ -113,7 +112,6 @@ def _name(form: PredicateForm) -> str:
 
 
 def _how_explained(fragment: FragmentValues, discourse: Discourse) -> Question | None:
-    """The question how a thing is held, after it was asked why it was held like that."""
     rule = discourse.rule
     if not (discourse.asks_why and fragment.asks and isinstance(rule, ActionRule)):
         return None
@@ -142,7 +140,6 @@ def _completed(
 
 
 def _kept(discourse: Discourse, usual: Confidence) -> Meaning:
-    """The last rule once more, or the question whether the last command is to be one."""
     match discourse.last:
         case Command(target=ObjectReference(object=str(name), props=props)) as last if (
             last.part and name != ANY_OBJECT and not last.negated
@@ -180,7 +177,6 @@ def _instead_of_denied(fragment: FragmentValues, changed: Rule) -> Meaning:
 
 
 def _changed(fragment: FragmentValues, rule: Rule) -> Rule:
-    """The rule with what a fragment names instead."""
     if fragment.confidence:
         rule = replace(rule, confidence=fragment.confidence)
     if fragment.target:
@@ -262,7 +258,6 @@ def _as_answer(fragment: FragmentValues, question: Question) -> AskBack:
 
 
 def _with_use_of(question: Question, fragment: FragmentValues) -> FragmentValues:
-    """A fragment that names a material, with the use that was asked about on another one."""
     if question.ask not in _OF_OBJECTS or question.material is None:
         raise _nothing()
     return replace(fragment, use=question.affordance)
@@ -271,7 +266,6 @@ def _with_use_of(question: Question, fragment: FragmentValues) -> FragmentValues
 def _as_command(
     fragment: FragmentValues, command: Command, discourse: Discourse
 ) -> Command | AskBack:
-    """The last command with what a fragment names, or the question which other one is meant."""
     other = _other_of_pair(discourse)
     if (
         fragment.mode in {"also", "other"}
@@ -304,7 +298,6 @@ def _meant(target: ObjectReference, before: ObjectReference) -> ObjectReference:
 
 
 def _kind(target: ObjectReference) -> tuple[str, tuple[str, ...]]:
-    """The kind of object that a rule or question is about, and its properties."""
     if target.object is None or target.other:
         raise UninterpretableError("one_thing_at_a_time")
     return target.object, target.props

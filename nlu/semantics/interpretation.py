@@ -154,7 +154,6 @@ class Interpreter:
             yield replace(rule, source=name_of(person))
 
     def _correction(self, form: PredicateForm, discourse: Discourse) -> Meaning:
-        """The rule that replaces an earlier one, or the retraction of a rule."""
         if form.name == "retractAbout":
             return Retraction(about=kind_and_properties(form.arguments[0])[0])
         if form.name == "retractPart":
@@ -362,7 +361,6 @@ class Interpreter:
         raise UninterpretableError("unanswerable")
 
     def _question_naming(self, ask: str, kind: str, thing: PredicateForm) -> Question:
-        """The question about what one argument of a kind names."""
         match kind:
             case "object":
                 return Question(ask, object=_kind(thing))
@@ -416,7 +414,6 @@ class Interpreter:
 
 
 def _is_of_kinds(form: PredicateForm) -> bool:
-    """Whether all that a form states is of which kinds things are."""
     parts = form.arguments if form.name == "and" else form.arguments[1:]
     is_joined = form.name in {"and", "says"}
     return all(map(_is_of_kinds, parts)) if is_joined else form.name in KIND_FORMS
@@ -460,7 +457,6 @@ def short_answer(form: PredicateForm) -> Answer:
 
 
 def _kind(form: PredicateForm) -> str:
-    """The kind of object that a form names, which must have no further properties."""
     kind, properties = kind_and_properties(form)
     if properties or kind == ANY_OBJECT:
         raise UninterpretableError("one_thing_at_a_time")

@@ -49,7 +49,6 @@ def resolve_rules(form: PredicateForm, discourse: Discourse) -> PredicateForm:
 
 
 def _acted_on(form: PredicateForm) -> PredicateForm | None:
-    """The first object that a form names as that of an act of Hilt's."""
     acts = (each.arguments for each in form if len(each.arguments) > 1)
     return next((held for actor, held, *_ in acts if actor == _HILT and held != IT), None)
 
@@ -137,7 +136,6 @@ def _resolve_action_rule(form: PredicateForm, discourse: Discourse) -> Predicate
 
 
 def _part(place: PredicateForm) -> tuple[PredicateForm, list[PredicateForm]]:
-    """The innermost part, and all objects that it is called a part of."""
     owners: list[PredicateForm] = []
     while place.name == "partOf":
         place, owner = place.arguments

@@ -78,7 +78,6 @@ def sample_grasps(
 def _candidates(
     rotation: Array, samples: Array, tips: Array, cloud: LabelledPointCloud, gripper: Gripper
 ) -> GraspCandidates:
-    """The cuts through the part that fit between the fingers, for one orientation of the hand."""
     points, starts = rotation.T @ cloud.points.T, samples @ rotation
     starts[:, :2] = np.rint(starts[:, :2] / BIN) * BIN  # bins begin where samples are
     heights = _HeightMap.of(points, cloud.labels, starts, gripper.finger_width / 2)

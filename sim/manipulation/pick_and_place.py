@@ -129,7 +129,6 @@ class PickAndPlace:
         return self._moved(action, lambda: act(held))
 
     def _moved(self, action: str, move: Callable[[], MotionReport]) -> MotionReport:
-        """The report of a motion, also of one that is ended while it runs."""
         try:
             return move()
         except MotionInterruptedError:
@@ -201,12 +200,10 @@ class PickAndPlace:
         return self._report("release", "")
 
     def _drop(self, held: HeldObject) -> None:
-        """Release the held object, or what is left of the grip on it, and go home."""
         self._motion.release(self._motion.path_planner(held.context))
         self.in_hand = None
 
     def _keeps(self, percept: Percept, part: str | None) -> bool:
-        """Whether the hand holds an object as wanted already, which a new task or none begins."""
         held = self.in_hand
         if held is None or held.name != percept.name or part not in {None, held.context.part}:
             return False
@@ -223,7 +220,6 @@ class PickAndPlace:
         return GraspContext(percept, self.world.kinds[name], part, self._vision.obstacles(name))
 
     def _grasp(self) -> MotionReport:
-        """Observe, plan and close the gripper until it holds the part or the task is given up."""
         reason = "nothing_seen"
         while not self._task.is_given_up:
             context = self._observe(self._task.name, self._task.part)
@@ -241,7 +237,6 @@ class PickAndPlace:
         return self._report("grasp", reason)
 
     def _select(self, context: GraspContext) -> tuple[str, GraspPath | None]:
-        """The path to the selected grasp, or the reason why there is none."""
         plan, path, reason = select_grasp(
             self._task,
             context,

@@ -162,7 +162,6 @@ class Striking(PickAndPlace):
         return find_strike_poses(self._points_in_grip(held), hand)
 
     def _present_pose(self, held: HeldObject) -> StrikePose:
-        """The pose that strikes with the lowest point of the object as it is held now."""
         rotation = self.robot.world_from_grip[:3, :3]
         points = self._points_in_grip(held)
         return StrikePose(rotation, points[np.argmin((points @ rotation.T)[:, 2])], 0.0)
@@ -184,7 +183,6 @@ class Striking(PickAndPlace):
         return self._motion.plan_carry(held, answer.joints[0], planner)
 
     def _can_strike(self, joints: Array, start: Array, planner: PathPlanner) -> bool:
-        """Whether the arm can strike at full speed from a posture and its grip pose."""
         below = poses.translation(0, 0, -START_HEIGHT - THROUGH[0]) @ start
         return planner.plan_straight(below, start=start, joints=joints) is not None
 

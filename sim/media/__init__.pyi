@@ -1,8 +1,4 @@
 from .pictures import save_picture, take_picture
 from .recording import WorldRecorder
 
-__all__ = [
-    "WorldRecorder",
-    "save_picture",
-    "take_picture",
-]
+__all__ = ["WorldRecorder", "save_picture", "take_picture"]

@@ -223,7 +223,6 @@ def draw_names(picture: Picture, camera: Camera, places: Mapping[str, Array]) ->
 def _label_ends(
     camera: Camera, places: Mapping[str, Array]
 ) -> Iterable[tuple[str, tuple[Array, Array]]]:
-    """Where each label and its foot are in the finer picture, the nearest first."""
     for name in sorted(places, key=lambda name: float(np.linalg.norm(places[name] - camera.eye))):
         ends = np.array([places[name] + (0, 0, LABEL_LIFT), places[name]])
         label, foot = camera.pixels(ends) * OVERSAMPLING

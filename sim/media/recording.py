@@ -118,7 +118,6 @@ class WorldRecorder:
         return _with_captions(self._taken)
 
     def _strip(self) -> Picture:
-        """Return moments side by side, among them those on which the recording freezes."""
         kept: list[tuple[Picture, str]] = []
         freezes: list[int] = []
         for index, each in enumerate(self._taken):

@@ -124,7 +124,6 @@ def write_model(kind: ObjectType, folder: Path) -> None:
 
 
 def _write_link(part: PartType, built: Sequence[SolidGeometry], stem: str, folder: Path) -> str:
-    """Write the meshes of one part, and return its URDF link."""
     from . import meshes
 
     pieces = [piece for geometry in built for piece in geometry.collision]

@@ -101,7 +101,6 @@ def _pieces(form: Form) -> Sequence[Array]:
 
 
 def _segments(rings: Sequence[Array]) -> list[Array]:
-    """Return the hulls between each ring and the next, merged where that adds little."""
     return meshes.merge([np.vstack(pair) for pair in pairwise(rings)], tolerance=MERGE_TOLERANCE)
 
 
@@ -220,7 +219,6 @@ def _sweep_rings(sweep: Sweep, corners: int, steps: int) -> list[Array]:
 
 
 def _dome(row: tuple[Array, Array, Array], angle: float) -> tuple[Array, Array, Array]:
-    """Return the end section moved along its direction and shrunk, as on half an ellipsoid."""
     centre, size, ahead = row
     return centre + np.sin(angle) * size.min() / 2 * ahead, size * np.cos(angle), ahead
 

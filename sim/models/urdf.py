@@ -185,7 +185,6 @@ def _read(path: Path) -> ElementTree.Element:
 def _attached_elements(
     root: ElementTree.Element, attachment: HandFile
 ) -> list[ElementTree.Element]:
-    """Return the attached link, all links and joints that hang on it, and the joint to the arm."""
     wanted, joints = {attachment.link}, list[ElementTree.Element]()
     for joint in root.findall("joint"):  # a URDF lists parents before their children
         if child_attribute(joint, "parent", "link") in wanted:

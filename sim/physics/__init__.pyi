@@ -2,8 +2,4 @@ from .contacts import Contact
 from .engine import PhysicsEngine
 from .rendering import Lighting
 
-__all__ = [
-    "Contact",
-    "Lighting",
-    "PhysicsEngine",
-]
+__all__ = ["Contact", "Lighting", "PhysicsEngine"]

@@ -67,12 +67,7 @@ def hand_spheres(chain: KinematicChain, points: Array, radius: float) -> Collisi
 
 
 def clearance(
-    chain: KinematicChain,
-    spheres: CollisionSpheres,
-    joints: Array,
-    *,
-    points: Array,
-    table: float,
+    chain: KinematicChain, spheres: CollisionSpheres, joints: Array, *, points: Array, table: float
 ) -> float:
     """The smallest gap [m] between spheres and obstacles, over all postures `joints` (n, k) [rad].
 

@@ -222,7 +222,6 @@ def _origin(joint: ElementTree.Element) -> Array:
 
 
 def _limits(joint: ElementTree.Element) -> tuple[float, float, float]:
-    """The lowest and the highest position of a joint, and its highest speed."""
     limit, safety = joint.find("limit"), joint.find("safety_controller")
     low = _number(safety, "soft_lower_limit", _number(limit, "lower", -np.pi))
     high = _number(safety, "soft_upper_limit", _number(limit, "upper", np.pi))

@@ -97,7 +97,6 @@ class World(AbstractContextManager["World"]):
         self.engine.contacts.set_surface(name, spinning=SPINNING_FRICTION)
 
     def _mount(self, name: str, mount: Fixture, support: str) -> None:
-        """Mount an object in another one, which holds it by friction."""
         self.engine.contacts.enable(name, support, enabled=False)
         self.engine.joints.fix_bodies(name, support, force=MOUNT_FORCE)
         # A motor with target speed 0 and limited force acts as dry friction.

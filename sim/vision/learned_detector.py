@@ -170,7 +170,6 @@ class LearnedDetector(ObjectDetector):
                 yield Percept(each, each, confidence, visible, objects[each].properties)
 
     def _nearest_object(self, percept: Percept) -> str:
-        """The nearest object of the world, preferably of the detected type."""
         world = self.world
         gaps = {n: np.linalg.norm((world.top(n) - percept.centre)[:2]) for n in world.kinds}
         alike = [name for name, kind in world.kinds.items() if kind.name == percept.object]

@@ -98,10 +98,7 @@ def test_configuration_is_read_from_yaml(tmp_path: Path):
 @pytest.mark.parametrize(
     ("text", "error"),
     [
-        (
-            "scene: all\nrobott: kuka",
-            r'agent.yaml:2:1: unknown key "robott" .did you mean "robot',
-        ),
+        ("scene: all\nrobott: kuka", r'agent.yaml:2:1: unknown key "robott" .did you mean "robot'),
         ("seed: high", r'agent.yaml:1:7: expected a whole number, found "high"'),
         ("gui: 1", r"agent.yaml:1:6: expected true or false, found 1"),
         ("contexts: [place:kitchen=2]", r"agent.yaml:1:12: expected KIND:NAME or KIND:NAME=DEGREE"),

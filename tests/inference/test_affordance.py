@@ -194,10 +194,7 @@ def test_not_used_for_accepts_denied_objects_only():
 
     inference = found(*rules, goal=goal, scene=["mug", "spoon"])
 
-    assert [(c.name, c.accepted) for c in inference.candidates] == [
-        ("spoon", True),
-        ("mug", False),
-    ]
+    assert [(c.name, c.accepted) for c in inference.candidates] == [("spoon", True), ("mug", False)]
 
 
 def test_low_detection_confidence_is_not_accepted():

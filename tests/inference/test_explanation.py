@@ -92,10 +92,7 @@ def test_why_prints_the_proof_from_the_conclusion_down():
 
 @pytest.mark.parametrize(
     ("name", "reason"),
-    [
-        ("spoon", "it is less sure than knife"),
-        ("screwdriver", "nothing that was told says so"),
-    ],
+    [("spoon", "it is less sure than knife"), ("screwdriver", "nothing that was told says so")],
 )
 def test_why_not_says_what_is_against_the_rejected_object(name: str, reason: str):
     """A rejected object is explained by its own proof, or by that of the chosen one."""

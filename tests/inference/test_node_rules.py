@@ -55,11 +55,7 @@ def test_rule_about_one_object_does_not_need_its_part_to_be_seen():
 def test_rule_without_any_feature_binds_the_action_on_the_found_object():
     """Where a rule says how anything is shaken, the object that was found is looked at."""
     gently = Rule(
-        frozenset(),
-        frozenset({Atom("action", "season")}),
-        "shake",
-        Atom("property", "gentle"),
-        G,
+        frozenset(), frozenset({Atom("action", "season")}), "shake", Atom("property", "gentle"), G
     )
     affordances = Affordances(Told(gently))
     goal, node = Goal("season", Target(object="hammer")), "season/shake"

@@ -146,8 +146,7 @@ def test_explanation_names_the_overruled_rule():
 
 
 @pytest.mark.parametrize(
-    ("holding", "threshold"),
-    [({}, 0.1), ({GALLEY: CERTAIN}, 0.9), ({PERSON: CERTAIN}, 0.1)],
+    ("holding", "threshold"), [({}, 0.1), ({GALLEY: CERTAIN}, 0.9), ({PERSON: CERTAIN}, 0.1)]
 )
 def test_threshold_of_a_place_only_raises_the_threshold(
     holding: dict[Atom, Interval], threshold: float

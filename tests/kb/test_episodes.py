@@ -16,12 +16,7 @@ from hilt.ontology.errors import NotFoundError
 from .conftest import BLADE, CUTTING
 
 FIND = EpisodeStep(
-    "pass/findObject",
-    (Atom("object", "knife"),),
-    "knife",
-    None,
-    Interval(0.9, 1),
-    (CUTTING.id,),
+    "pass/findObject", (Atom("object", "knife"),), "knife", None, Interval(0.9, 1), (CUTTING.id,)
 )
 GRASP = EpisodeStep("pass/graspObject", (), "knife", "blade", Interval(0.9, 1), (BLADE.id,))
 SLIPPED = GraspTrial("knife", "blade", "pass", "slipped", "panda")

@@ -130,7 +130,6 @@ class _ScenarioReader:
         return LearningScenario("A", affordances, {**{name: {} for name in used}, **parts}, levels)
 
     def _levels(self, spec: YamlNode) -> tuple[str, ...]:
-        """Read the words of confidence, which must be in descending order."""
         name = graspable(self.kinds.objects)[0]
         before = 2.0
         for item in spec.items():

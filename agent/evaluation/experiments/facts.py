@@ -156,7 +156,6 @@ class FactsExperiment(Experiment):
 
     @cached_property
     def _taught(self) -> tuple[Agent, list[tuple[Sequence[Rule], str]]]:
-        """An agent that was told all rows, with what it stored and said each time."""
         kinds = household()
         plain = {o: ObjectType(o, None, frozenset(), True, {}, ()) for o in self._names("object")}
         known = replace(kinds, objects={**plain, **kinds.objects})

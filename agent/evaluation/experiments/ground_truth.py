@@ -111,7 +111,6 @@ def judge_grasp(case: Case, name: str, part: str, reply: Reply) -> CaseResult:
 
 
 def _first_choice(reply: Reply, action: str) -> Candidate | None:
-    """Return the choice at the first node of an action, before any alternative was tried."""
     steps = reply.result.steps if reply.result else ()
     best = (step.inference.best for step in steps if step.node.endswith(f"/{action}"))
     return next(best, None)

@@ -202,7 +202,6 @@ def _correctly_taught(scenario: str, noise: str, choices: str) -> Agent:
 
 @lru_cache(maxsize=4)
 def _contradicted(scenario: str, trust: float, share: float, choices: str, seed: str) -> Agent:
-    """Return an agent taught by a trusted speaker, then by another who contradicts some rules."""
     taught = _taught_by(_scenarios()[scenario].sentences(), choices=choices)
     taught.base.set_trust(OTHER, trust)
     opposite = _scenarios()["B" if scenario == "A" else "A"]
@@ -237,7 +236,6 @@ def garble(text: str, how: str, rate: float, rng: Random, vocabulary: Sequence[s
 
 
 def _swapped(words: Words, rate: float, rng: Random, _: Sequence[str]) -> Words:
-    """Exchange some words with the next one."""
     swapped = list(words)
     for i in range(len(swapped) - 1):
         if rng.random() < rate:

@@ -84,7 +84,6 @@ class RayRunner:
 
 
 def _run_within(timeout_s: float, *work: str) -> str:
-    """Run a case in a worker, which ends itself if that takes too long."""
     faulthandler.dump_traceback_later(timeout_s, exit=True)
     try:
         return run_in_worker(*work)

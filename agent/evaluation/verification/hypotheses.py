@@ -129,7 +129,6 @@ def _situations(space: VerbalizedSpace, taught: TaughtAgent, action: int) -> Ite
 def _definition(
     space: ScenarioSpace, codes: Codes, mask: int, action: int, affordance: int
 ) -> list[int]:
-    """Return the right choices, and the cells to read and to meet, from the codes alone."""
     scene = [i for i in range(len(space.objects)) if mask >> i & 1]
     node = space.node(RuleKey("", space.affordances[affordance]))
     tops = highest_codes([codes[node[i]] for i in scene])
@@ -169,7 +168,6 @@ def check_growth(space: VerbalizedSpace, seed: int, number: int) -> CheckResult:
 
 
 def _node_scores(taught: TaughtAgent, node: Sequence[RuleKey]) -> Iterator[list[float]]:
-    """Yield the scores of the cells of a node, with all its objects in view."""
     scene = list(dict.fromkeys(cell.object for cell in node))
     decided: dict[str, TracedDecision] = {}
     for cell in node:

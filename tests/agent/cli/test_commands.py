@@ -146,10 +146,7 @@ def test_query_prints_sparql_results_json(taught: Hilt):
 
     values = [row["part"]["value"] for row in document["results"]["bindings"]]
     assert document["head"] == {"vars": ["part"]}
-    assert values == [
-        "https://w3id.org/hilt/part/blade",
-        "https://w3id.org/hilt/part/handle",
-    ]
+    assert values == ["https://w3id.org/hilt/part/blade", "https://w3id.org/hilt/part/handle"]
 
 
 def test_options_may_lead_the_command(taught: Hilt, capfd: pytest.CaptureFixture[str]):

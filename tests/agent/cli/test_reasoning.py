@@ -102,10 +102,7 @@ def test_explain_draws_the_proof(run: Run, tmp_path: Path):
 
 
 def test_drawing_without_matplotlib_names_the_extra(
-    taught: Path,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capfd: pytest.CaptureFixture[str],
+    taught: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ):
     """The error is one line that says which extra of Hilt to install."""
     monkeypatch.setitem(sys.modules, "matplotlib", None)

@@ -56,10 +56,7 @@ def test_decision_rests_on_the_rules_that_were_told(taught: Agent):
 
     assert reply.result is not None and reply.result.decision is not None
     texts = [taught.base.utterance(r.utterance or 0).text for r in reply.result.decision.rules]
-    assert texts == [
-        "A knife is used for cutting",
-        "To pass a knife grab the knife by the blade",
-    ]
+    assert texts == ["A knife is used for cutting", "To pass a knife grab the knife by the blade"]
 
 
 def test_walk_has_four_operations_at_each_node_in_preorder(taught: Agent):
@@ -284,10 +281,7 @@ def test_bare_questions_are_about_what_was_last_spoken_of(taught: Agent, questio
 
 @pytest.mark.parametrize(
     ("question", "answer"),
-    [
-        ("do you see a mug?", "I see a mug."),
-        ("where is the nail?", "I don't see a nail."),
-    ],
+    [("do you see a mug?", "I see a mug."), ("where is the nail?", "I don't see a nail.")],
 )
 def test_who_asks_for_one_thing_hears_of_that_one(taught: Agent, question: str, answer: str):
     """The others are not listed."""

@@ -39,10 +39,7 @@ def test_rule_is_kept_with_its_material(agent: Agent):
         ("is a spatula used for cutting?", "Yes: a spatula is often used for cutting wood"),
         ("is a spatula used for cutting bread?", "No: a spatula is not used for cutting bread"),
         ("is a spoon used for cutting wood?", "Yes: a spoon is sometimes used for cutting."),
-        (
-            "what do I cut bread with?",
-            "For cutting bread, I know of a knife and a spoon",
-        ),
+        ("what do I cut bread with?", "For cutting bread, I know of a knife and a spoon"),
         ("what do I cut wood with?", "For cutting wood, I know of a spatula (often) and"),
         ("what is used for painting?", "For painting, I know of a screwdriver for walls"),
         ("what is best for cutting wood?", "A spatula is best for cutting wood."),

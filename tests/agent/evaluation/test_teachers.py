@@ -5,14 +5,7 @@ from __future__ import annotations
 from fractions import Fraction
 
 import pytest
-from teachers import (
-    DisputedScenario,
-    Opinion,
-    TeachersExperiment,
-    fused,
-    plausibility,
-    standing,
-)
+from teachers import DisputedScenario, Opinion, TeachersExperiment, fused, plausibility, standing
 
 from hilt.inference.interval_operators import Operators
 from hilt.inference.settings import Settings

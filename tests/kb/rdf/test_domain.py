@@ -69,11 +69,7 @@ def test_node_of_a_tree_leads_to_the_rules_that_matter_there(home: KnowledgeBase
         "{ node:pound-pickUp.graspObject hilt:heeds ?node . ?node rdfs:label ?key } }"
     )
 
-    assert {row[0] for row in found} == {
-        "pickUp.graspObject",
-        "pound.graspObject",
-        "graspObject",
-    }
+    assert {row[0] for row in found} == {"pickUp.graspObject", "pound.graspObject", "graspObject"}
 
 
 def test_domain_keeps_to_the_shapes(home: KnowledgeBase):

@@ -13,10 +13,9 @@ from hilt.kb.rdf.terms import Literal, Term, as_sparql, lexical, literal, read_t
 from hilt.ontology.vocabulary import Iri
 
 XSD = "http://www.w3.org/2001/XMLSchema#"
-times = st.datetimes(
-    min_value=datetime(1900, 1, 1),
-    timezones=st.just(timezone.utc),
-).map(lambda time: time.replace(microsecond=time.microsecond // 1000 * 1000))
+times = st.datetimes(min_value=datetime(1900, 1, 1), timezones=st.just(timezone.utc)).map(
+    lambda time: time.replace(microsecond=time.microsecond // 1000 * 1000)
+)
 values = st.one_of(
     st.text(st.characters(exclude_categories=["Cs"])),
     st.booleans(),

@@ -109,10 +109,7 @@ def test_a_wrong_key_or_slot_is_an_error(
 
 @pytest.mark.parametrize(
     ("answer", "message"),
-    [
-        ("[Yes]", "expected a text"),
-        ('"{object:dual}"', 'there is no form "dual"'),
-    ],
+    [("[Yes]", "expected a text"), ('"{object:dual}"', 'there is no form "dual"')],
 )
 def test_a_wrong_template_is_an_error(
     language: Language, tmp_path: Path, answer: str, message: str

@@ -133,8 +133,7 @@ def test_every_offer_is_understood_as_itself(language: Language) -> None:
 
 
 @pytest.mark.parametrize(
-    "text",
-    ["Give me a break.", "Pick up the pace.", "To pick up a mug, grab it by the window."],
+    "text", ["Give me a break.", "Pick up the pace.", "To pick up a mug, grab it by the window."]
 )
 def test_what_is_no_thing_and_no_part_is_not_offered(language: Language, text: str) -> None:
     """A noun is offered as a new thing or part only if it can be one."""

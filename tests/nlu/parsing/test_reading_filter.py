@@ -36,13 +36,7 @@ def test_no_before_a_pause_is_a_correction(language: Language, text: str) -> Non
     assert [rule.confidence for rule in meaning.rules] == [(0.95, 1.0)]
 
 
-@pytest.mark.parametrize(
-    "text",
-    [
-        "pass me no knife",
-        "to pass no knife grab it by the blade",
-    ],
-)
+@pytest.mark.parametrize("text", ["pass me no knife", "to pass no knife grab it by the blade"])
 def test_a_positive_rule_about_no_thing_is_rejected(language: Language, text: str) -> None:
     """No rule about "no knife" is taken for one about "a knife"."""
     assert language.understand(text).kind in {"error", "ask_back"}

@@ -186,10 +186,7 @@ def test_two_holds_are_for_the_same_act(language: Language, text: str) -> None:
     assert isinstance(meaning, Statement)
     assert [
         (rule.context, rule.part) for rule in meaning.rules if isinstance(rule, ActionRule)
-    ] == [
-        ("pass", "blade"),
-        ("pass", "handle"),
-    ]
+    ] == [("pass", "blade"), ("pass", "handle")]
 
 
 def test_a_degree_is_not_carried_over_to_another_rule(language: Language) -> None:

@@ -15,12 +15,7 @@ from hilt.sim.scene.world import World
 from hilt.sim.vision.camera import CameraImage
 from hilt.sim.vision.learned_detector import CLASSIFIERS_FILE, LearnedDetector, Recogniser
 from hilt.sim.vision.point_cloud_operations import voxel_keys
-from hilt.sim.vision.segmentation import (
-    Segment,
-    describe_segment,
-    segment_frame,
-    segment_images,
-)
+from hilt.sim.vision.segmentation import Segment, describe_segment, segment_frame, segment_images
 
 pytestmark = pytest.mark.sim
 
