@@ -11,7 +11,7 @@ from __future__ import annotations
 import sys
 import traceback
 from collections.abc import Sequence
-from io import TextIOWrapper
+from io import BytesIO, TextIOWrapper
 
 import typer
 
@@ -41,6 +41,8 @@ COMMANDS = (conversation, language, rules, files, history, query, reasoning, sce
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run one command and exit with its code; the entry point of `hilt`."""
     given = list(sys.argv[1:] if arguments is None else arguments)
+    if sys.stdin is None:  # pyright: ignore[reportUnnecessaryComparison] - it may be closed
+        sys.stdin = TextIOWrapper(BytesIO())
     if isinstance(sys.stdout, TextIOWrapper):  # what it cannot show is spelt out, as on stderr
         sys.stdout.reconfigure(errors="backslashreplace")
     debug = "--debug" in given

@@ -149,7 +149,8 @@ class ProcedureReader:
         found = clauses.read(replace(tokens, asks=False), state) or []
         steps = tuple(each for each, _ in found if isinstance(each, Act))
         is_said_again = any(_is_of_same(one, other) for one, other in pairwise(steps))
-        if is_said_again or len(steps) < len(found) or any(map(clauses.new_words_of, steps)):
+        new = chain.from_iterable(map(clauses.new_words_of, steps))
+        if is_said_again or len(steps) < len(found) or any(word.role != "object" for word in new):
             return None
         match steps:
             case (ActionCommand() as own,):

@@ -94,7 +94,8 @@ class ReadingFilter:
             is_thing = not any(self.features.is_abstract(word.said, word.word) for word in words)
             is_of_use = isinstance(meaning, NormStatement) and _is_of_tool(meaning)
             others = [word.role for word in words if not self._may_be_part_of(meaning, word)]
-            return is_thing and not is_of_use and others in ([], ["object"])
+            most = 2 if isinstance(meaning, NormStatement) and meaning.norms[0].before else 1
+            return is_thing and not is_of_use and {*others} <= {"object"} and len(others) <= most
         return len(words) <= MAX_NEW_NAMES and self._may_name_words(meaning, words, tokens)
 
     def _may_be_part_of(self, meaning: Meaning, word: NewWord) -> bool:
@@ -110,11 +111,11 @@ class ReadingFilter:
         return isinstance(meaning, Question) and all(map(self._may_be_asked_about, words))
 
     def _may_introduce_kinds(self, reading: Reading) -> bool:
-        """Whether a new word may name a kind: in "a knife is a danger" it does not."""
+        """Whether new words may name kinds: a toothbrush is a brush, but a knife no danger."""
         above = {
             part.arguments[1].name.replace("_", " ")
             for part in reading.speech_act
-            if part.name == "isA"
+            if part.name == "isA" and not part.arguments[0].name.endswith(part.arguments[1].name)
         }
         return all(
             word.role == "object"

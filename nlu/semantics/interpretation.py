@@ -119,11 +119,15 @@ class Interpreter:
             for relation in chain.from_iterable(map(self._relations, parts)):
                 yield replace(relation, source=name_of(source[0])) if source else relation
             return
-        (name, props), above = kind_and_properties(form.arguments[0]), _kind(form.arguments[1])
-        degree = form.arguments[2].name
+        thing, kind, degree = form.arguments
+        if thing.name == "both":
+            for each in thing.arguments:
+                yield from self._relations(PredicateForm(form.name, (each, kind, degree)))
+            return
+        (name, props), above = kind_and_properties(thing), _kind(kind)
         if props or ANY_OBJECT in {name, above} or name == above:
             raise UninterpretableError("of_which_object", asks=True)
-        yield KindRelation(above, name, self.intervals[degree])
+        yield KindRelation(above, name, self.intervals[degree.name])
 
     def _order_beside_rule(self, order: PredicateForm, rule: PredicateForm) -> UninterpretableError:
         """Why an order is no rule: "grab it by the rim and never grab it by the rim"."""

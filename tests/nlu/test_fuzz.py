@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-import time
-
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hilt.nlu import Language
-
-SLOWEST = 1.0  # [s] of processor time; the benchmark asserts 0.1
 
 SENTENCES = st.sampled_from(
     [
@@ -25,16 +21,13 @@ SENTENCES = st.sampled_from(
 @settings(max_examples=300, deadline=None)
 @given(st.one_of(st.text(max_size=300), st.binary(max_size=100).map(lambda b: b.decode("latin-1"))))
 def test_any_text_is_answered(language: Language, text: str) -> None:
-    """Nothing raises, nothing is done but of known words, nothing takes long."""
-    started = time.process_time()
-
+    """Nothing raises, and nothing is done but of known words; the benchmark measures the time."""
     understood = language.understand(text)
 
     if understood.kind not in {"error", "ask_back"}:
         assert language.known_words.issuperset(understood.words)
     if understood.kind in {"statement", "command"}:
         assert len(understood.words) > 2
-    assert time.process_time() - started < SLOWEST
 
 
 @settings(max_examples=300, deadline=None)

@@ -195,6 +195,19 @@ def test_trust_lets_another_speaker_teach(hilt: Hilt):
     assert (refused, hilt("tell", "--speaker", "kim", LESSONS[0]).code) == (1, 0)
 
 
+@pytest.mark.parametrize("command", [("tell", "-"), ("chat", "--no-sim"), ("import", "-")])
+def test_closed_input_is_an_empty_one(
+    hilt: Hilt, monkeypatch: pytest.MonkeyPatch, command: tuple[str, ...]
+):
+    """Where there is nothing to read, nothing is told, and no traceback is shown."""
+    monkeypatch.setattr(sys, "stdin", None)
+
+    done = hilt(*command)
+
+    assert "Traceback" not in done.err
+    assert hilt("rules", "--json").out.strip() == "[]"
+
+
 def test_chat_talks_down_a_pipe(hilt: Hilt, monkeypatch: pytest.MonkeyPatch):
     """A script of utterances and slash commands is a conversation."""
     script = io.StringIO(f"{LESSONS[0]}\npass me something used for cutting\n/rules\n/quit\nno\n")
