@@ -24,7 +24,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Protocol
 
-from ..kb.rule import Atom, Rule
+from ..kb.rule import KIND_OF, Atom, Rule
 from ..ontology.objects import ObjectType
 from .affordance import RuleSource
 
@@ -222,7 +222,8 @@ def _transferred(
     """Return a rule transferred to another object; None if the two are not similar enough."""
     if rule.object is None or rule.object == name or rule.object not in objects:
         return None
-    if not objects[name].graspable or not rule.asserts:
+    is_of_object = rule.kind == "norm" or rule.functor == KIND_OF  # not of what is like it
+    if is_of_object or not objects[name].graspable or not rule.asserts:
         return None
     alike, shared = similarity(rule.object, name, graph)
     argument = rule.argument

@@ -197,7 +197,7 @@ class Conversation:
         Nothing changes where there are none, or where the last one cannot be said.
         """
         said = meaning_from_rule(rules[-1]) if rules else None
-        if said or (rules and rules[-1].kind == "norm"):
+        if said or (rules and (rules[-1].kind == "norm" or relation_from_rule(rules[-1]))):
             self.topic, self.retracted, self.unanswered = rules, (), ""
             self.topic_from = "answer"
         if said:

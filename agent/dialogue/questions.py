@@ -432,7 +432,8 @@ def _functional(question: Question, known: Conversation) -> list[Rule]:
 
 
 def _on_material(rules: Iterable[Rule], question: Question, known: Conversation) -> list[Rule]:
-    kinds = material_kinds(question.material, Taxonomy.from_base(known.base))
+    material = question.material
+    kinds = material_kinds(material, Taxonomy.from_base(known.base)) if material else ()
     applying = _by_strength(rule for rule in rules if rule.applies_to(kinds))
     return sorted(applying, key=lambda rule: bool(kinds) and rule.material is None)
 

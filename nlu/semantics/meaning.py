@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import ClassVar
+from typing import ClassVar, Generic, TypeVar
 
 Json = dict[str, object]
 Confidence = tuple[float, float]
@@ -41,6 +41,8 @@ class _Rule(_Record):
 
     rule: ClassVar[str]
     confidence: Confidence
+    revises: bool = False
+    source: str | None = None
 
     @property
     def denies(self) -> bool:
@@ -123,11 +125,14 @@ def _restates(general: Rule, rule: Rule) -> bool:
     return general.context == "grasp" and replace(rule, context="grasp") == general
 
 
-@dataclass(frozen=True)
-class Statement:
-    """Rules of one source that the speaker wants believed, in the order they were said."""
+Told = TypeVar("Told", bound=_Rule)
 
-    rules: tuple[Rule, ...]
+
+@dataclass(frozen=True)
+class _Statement(Generic[Told]):
+    """What the speaker wants believed, of one source, in the order it was said."""
+
+    rules: tuple[Told, ...]
 
     @property
     def source(self) -> str | None:
@@ -142,6 +147,10 @@ class Statement:
     def as_json(self) -> Json:
         """Return the one rule, or `{"all": [...]}`."""
         return _one_or_all(self.rules)
+
+
+class Statement(_Statement[Rule]):
+    """Rules on uses and on holding."""
 
 
 @dataclass(frozen=True)
@@ -270,21 +279,8 @@ class KindRelation(_Rule):
         return given | ({"negated": True} if self.denies else {})
 
 
-@dataclass(frozen=True)
-class KindStatement:
-    """Of which kinds some objects are, in the order it was said."""
-
-    kind: ClassVar[str] = "statement"
-    rules: tuple[KindRelation, ...]
-
-    @property
-    def source(self) -> str | None:
-        """The person whose words the speaker reports, None for the speaker."""
-        return next((rule.source for rule in self.rules), None)
-
-    def as_json(self) -> Json:
-        """Return the one relation, or `{"all": [...]}`."""
-        return _one_or_all(self.rules)
+class KindStatement(_Statement[KindRelation]):
+    """Of which kinds some objects are."""
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from hilt.inference.conflicts import find_conflicts
 from hilt.inference.induction import CAUTION, InducedRule, induce, needed_features
 from hilt.inference.types import Conclusion
 from hilt.kb.interval import Interval
-from hilt.kb.rule import Atom, Rule, functional, grasping
+from hilt.kb.rule import Atom, Rule, functional, grasping, kind_rule, norm
 from hilt.ontology.objects import load_household
 
 CUTTING = Conclusion("usedFor", Atom("affordance", "cutting"))
@@ -118,6 +118,14 @@ def test_taught_denial_prevents_an_induced_rule():
     taught = grasping("screwdriver", "shaft", "pass", interval=NEVER)
 
     assert ("screwdriver", "pass") not in induced(BLADE, taught)
+
+
+def test_kinds_and_norms_are_not_transferred_to_similar_objects():
+    """That a knife is a weapon, or must not be picked up, says nothing about a screwdriver."""
+    kind = kind_rule("knife", "weapon", interval=G)
+    ban = norm("forbidden", "pickUp", "knife", interval=G)
+
+    assert induced(kind, ban) == {}
 
 
 def test_nothing_is_induced_for_dissimilar_objects():

@@ -84,3 +84,15 @@ def test_of_two_teachers_the_more_trusted_one_prevails(agent: Agent):
     agent.hear("a shoe is used for pounding")
 
     assert agent.hear("is a clog used for pounding?").said.startswith("Yes")
+
+
+def test_a_kind_can_be_corrected_and_taken_back(agent: Agent):
+    """A correction replaces the relation told last; "forget that" means it, too."""
+    agent.hear("a mallet is a kind of spoon")
+    corrected = agent.hear("no, a mallet is a kind of hammer")
+    kinds = [str(rule.argument) for rule in agent.base.rules()]
+    agent.hear("forget that")
+
+    assert corrected.understanding.kind == "correction"
+    assert kinds == ["object:hammer"]
+    assert agent.base.rules() == []
