@@ -4,7 +4,7 @@ PYTHON ?= $(shell command -v python3.11 || command -v python3)
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: demo test test-extras coverage lint format bench docs lock clean
+.PHONY: demo test test-extras coverage lint format bench docs linkcheck lock clean
 
 demo: $(READY)  ## the paper's running example: three sentences, a command, a knife passed by the blade
 	@$(BIN)/hilt demo
@@ -32,12 +32,16 @@ format: $(READY)  ## format the code and apply the linter's fixes
 bench: $(READY) .venv/.extras  ## speed, beside named peers where there are any
 	@$(BIN)/pytest benchmarks -s
 
-docs: $(READY)  ## write the page of commands again
+docs: $(READY)  ## write the pages made from code and data again, and the site to out/docs; warnings are errors
 	@$(BIN)/python docs/commands.py > docs/commands.md
+	@$(BIN)/sphinx-build -q -W --keep-going -b html docs out/docs
+
+linkcheck: $(READY)  ## whether the links out of the site lead somewhere; needs the internet
+	@$(BIN)/sphinx-build -q -b linkcheck docs out/linkcheck
 
 lock: $(READY)  ## update requirements.lock from pyproject.toml
 	@$(BIN)/pip install --quiet uv
-	@$(BIN)/uv pip compile --quiet --upgrade --universal --python-version 3.10 --extra all --extra dev \
+	@$(BIN)/uv pip compile --quiet --upgrade --universal --python-version 3.10 --extra all --extra dev --extra docs \
 		--no-emit-index-url --no-header pyproject.toml -o requirements.lock
 
 clean:  ## remove build products; knowledge bases stay
