@@ -126,9 +126,9 @@ class ValidationError(HiltError, ValueError):
 class MissingExtraError(HiltError, ImportError):
     """A package of one of Hilt's optional extras is not installed."""
 
-    def __init__(self, extra: str, package: str) -> None:
+    def __init__(self, extra: str, package: str, without: str = "") -> None:
         self.extra, self.package = extra, package
-        super().__init__(f'"{package}" is not installed. Run: pip install "hilt[{extra}]"')
+        super().__init__(f'"{package}" is not installed. Run: pip install "hilt[{extra}]"{without}')
 
 
 class SimulationError(HiltError, RuntimeError):

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from ...sim.installation import check_simulator
 from .common import exit_with, print_json, terminal
 from .options import AsJson, Seed, app, example
 
@@ -111,6 +112,8 @@ def evaluate(  # noqa: PLR0917 - every option is a parameter
         check_format(path)
     options = {name: value for name, value in given.items() if value is not None}
     experiment = make_experiment(what, options)
+    if experiment.simulates:
+        check_simulator()
     cases = experiment.cases()
     runner = make_runner(workers, ray, timeout_s=timeout)
     opened = RunJournal(out, experiment, cases, resume=resume) if out else nullcontext()

@@ -11,6 +11,7 @@ from typing import Annotated, Any
 
 import typer
 
+from ...sim.installation import check_simulator
 from ..config import OPTIONS, AgentConfig, ConfigOption
 
 app = typer.Typer(
@@ -95,7 +96,10 @@ def with_config(*names: str) -> Callable[[Callable[..., None]], Callable[..., No
             file: Path | None = given.pop("config")
             config = AgentConfig.from_yaml(file) if file else AgentConfig()
             chosen = {name: given.pop(name) for name in dict.fromkeys(names)}
-            command(config=replace(config, **dict(_given(chosen))), **given)
+            config = replace(config, **dict(_given(chosen)))
+            if "simulate" in names and config.simulate:
+                check_simulator()
+            command(config=config, **given)
 
         parameters = _parameters(command, dict.fromkeys(names))
         setattr(run, "__signature__", inspect.Signature(parameters))  # noqa: B010 - typer reads it

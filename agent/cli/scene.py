@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from ...sim.installation import check_simulator
 from ..config import AgentConfig
 from .common import print_json, spinner, terminal
 from .options import SCENE, AsJson, app, example, with_config
@@ -32,6 +33,7 @@ def show(
     as_json: AsJson = False,
 ) -> None:
     """Render a picture of a scene with the robot, and list its objects with their positions."""
+    check_simulator()
     from ...sim.media.pictures import check_writable
     from ..execution.embodiment import Embodiment
 

@@ -79,6 +79,9 @@ class Embodiment:
             MissingExtraError: the simulator is not installed.
             SimulationError: there is no room for all that is in the scene.
         """
+        from ...sim.installation import check_simulator
+
+        check_simulator()
         from ...sim.body import Body
 
         return Body(

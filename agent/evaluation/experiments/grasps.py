@@ -26,6 +26,11 @@ class GraspExperiment(Experiment):
     name: ClassVar[str] = "grasps"
     poses: int = 3
 
+    @property
+    def simulates(self) -> bool:
+        """Always."""
+        return True
+
     def cases(self) -> Sequence[Case]:
         """Return the cases by object, context and pose."""
         return [
