@@ -7,61 +7,71 @@ import runpy
 import shlex
 from pathlib import Path
 
+import numpy as np
 import pytest
+from PIL import Image
+from sybil import Example, Sybil
+from sybil.parsers.myst import CodeBlockParser, PythonCodeBlockParser
 
 from hilt.agent.cli import main
 
 ROOT = Path(__file__).parents[1]
-README = (ROOT / "README.md").read_text(encoding="utf-8")
-DOCUMENTS = [ROOT / "README.md", ROOT / "ARCHITECTURE.md", ROOT / "CONTRIBUTING.md"]
-DOCUMENTS += sorted((ROOT / "docs").glob("*.md"))
+README = ROOT / "README.md"
+DOCUMENTS = [README, ROOT / "ARCHITECTURE.md", ROOT / "CONTRIBUTING.md"]
+DOCUMENTS += sorted((ROOT / "docs").rglob("*.md"))
 PACKAGES = ("agent", "inference", "kb", "nlu", "ontology", "sim")
+MOST_BYTES = 300_000  # of one picture or film of the gallery
 
 
-def blocks(text: str, language: str) -> list[str]:
-    """The fenced code blocks of a language."""
-    return re.findall(rf"^```{language}\n(.*?)^```", text, flags=re.DOTALL | re.MULTILINE)
+def run_session(example: Example) -> None:
+    """Run each command of a block, which must print what stands below it; "..." is anything."""
+    capture = example.namespace["capture"]
+    for command, expected in re.findall(
+        r"^\$ hilt (.*)\n((?:(?!\$ ).*\n?)*)", example.parsed, flags=re.MULTILINE
+    ):
+        capture.readouterr()
+        with pytest.raises(SystemExit):
+            main(shlex.split(command))
+        printed = "\n".join(line.rstrip() for line in capture.readouterr().out.splitlines())
+        pattern = ".*".join(map(re.escape, expected.rstrip("\n").split("...")))
+        assert re.fullmatch(pattern, printed, flags=re.DOTALL), f"$ hilt {command}\n{printed}"
 
 
-SESSIONS = [  # those that print what they show
-    page for page in DOCUMENTS if page.stem in {"README", "actions", "inference", "norms"}
-]
+BLOCKS = Sybil([PythonCodeBlockParser(), CodeBlockParser("console", run_session)])
 
 
-@pytest.mark.parametrize("page", SESSIONS, ids=lambda path: path.name)
-def test_commands_print_what_the_page_shows(
+@pytest.mark.parametrize("page", DOCUMENTS, ids=lambda path: path.name)
+def test_blocks_of_page_run(
     page: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ):
-    """Every console line of a page runs and gives the output below it, one after the other."""
+    """Programs and commands of a page run in turn, and print what it shows."""
     monkeypatch.setenv("HILT_KB", str(tmp_path))
     monkeypatch.setenv("COLUMNS", "120")
     monkeypatch.chdir(ROOT)
-    session = "".join(blocks(page.read_text(encoding="utf-8"), "console"))
+    document = BLOCKS.parse(page)
+    document.namespace["capture"] = capfd
 
-    for command, expected in re.findall(r"^\$ hilt (.*)\n((?:(?!\$ ).*\n)*)", session, re.M):
-        capfd.readouterr()
-        with pytest.raises(SystemExit):
-            main(shlex.split(command))
-        printed = "\n".join(line.rstrip() for line in capfd.readouterr().out.splitlines())
-        assert printed == expected.rstrip("\n")
+    for example in document.examples():
+        example.evaluate()
+
+
+@pytest.mark.parametrize("page", DOCUMENTS, ids=lambda path: path.name)
+def test_sessions_hold_commands_of_hilt_only(page: Path):
+    """Each line with a prompt is one that is run."""
+    blocks = re.findall(r"^```console\n(.*?)^```", page.read_text("utf-8"), re.DOTALL | re.M)
+
+    assert all(block.startswith("$ hilt ") for block in blocks)
+    assert not re.findall(r"^\$ (?!hilt )", "".join(blocks), re.M)
 
 
 def test_readme_program_prints_what_its_comment_says(capfd: pytest.CaptureFixture[str]):
     """The Python block of the README runs."""
-    (program,) = blocks(README, "python")
+    (program,) = re.findall(r"^```python\n(.*?)^```", README.read_text("utf-8"), re.DOTALL | re.M)
 
     exec(compile(program, "README.md", "exec"), {})  # noqa: S102 - our own README
 
     said = re.findall(r"print\(.*\)  # (.*)", program)
-    assert capfd.readouterr().out.splitlines() == said
-
-
-@pytest.mark.parametrize("document", DOCUMENTS[1:], ids=lambda path: path.name)
-def test_programs_in_documents_run(document: Path):
-    """The Python blocks of a page run, one after the other."""
-    program = "\n".join(blocks(document.read_text(encoding="utf-8"), "python"))
-
-    exec(compile(program, document.name, "exec"), {})  # noqa: S102 - our own documents
+    assert capfd.readouterr().out.splitlines() == said != []
 
 
 @pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: path.name)
@@ -70,6 +80,44 @@ def test_links_lead_somewhere(document: Path):
     links = re.findall(r"\]\(([^)#:]+)(?:#[^)]*)?\)", document.read_text(encoding="utf-8"))
 
     assert [link for link in links if not (document.parent / link).exists()] == []
+
+
+GALLERY = runpy.run_path(str(ROOT / "docs" / "gallery.py"))
+
+
+def test_gallery_shows_every_picture_with_its_commands():
+    """Each picture of the documents is small, made by the script, and stands on the page."""
+    page = (ROOT / "docs" / "gallery.md").read_text(encoding="utf-8")
+    files = {path.name: path for path in (ROOT / "docs" / "images").iterdir()}
+
+    assert files.keys() == GALLERY["PICTURES"].keys()
+    for name, commands in GALLERY["PICTURES"].items():
+        assert files[name].stat().st_size < MOST_BYTES
+        assert f"(images/{name})" in page
+        assert "\n".join(f"hilt {command}" for command in commands) in page
+
+
+@pytest.mark.parametrize("name", ["derivation.svg", "proof.svg"])
+def test_drawing_of_the_gallery_is_fresh(name: str, tmp_path: Path):
+    """What the script draws is what the documents show."""
+    drawn = GALLERY["make"](name, tmp_path)
+
+    assert drawn.read_bytes() == (ROOT / "docs" / "images" / name).read_bytes()
+
+
+@pytest.mark.sim
+def test_film_of_the_gallery_shows_the_tinted_part(tmp_path: Path):
+    """The knife is passed in many pictures, and its blade is blue in some of them."""
+    tinted = []
+    with Image.open(GALLERY["make"]("pass.gif", tmp_path)) as film:
+        for index in range(film.n_frames):
+            film.seek(index)
+            pixels = np.asarray(film.convert("RGB")).astype(int)
+            red, green, blue = np.moveaxis(pixels, -1, 0)
+            tinted.append(np.sum((blue > 180) & (blue - red > 90) & (blue - green > 50)))
+
+    assert len(tinted) > 15
+    assert tinted[0] == 0 < max(tinted)
 
 
 def test_page_of_commands_is_fresh():
