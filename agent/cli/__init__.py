@@ -8,6 +8,8 @@ line on stderr; `--debug` adds the traceback. What a command needs is imported w
 
 from __future__ import annotations
 
+import atexit
+import gc
 import sys
 import traceback
 from collections.abc import Sequence
@@ -45,6 +47,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         sys.stdin = TextIOWrapper(BytesIO())
     if isinstance(sys.stdout, TextIOWrapper):  # what it cannot show is spelt out, as on stderr
         sys.stdout.reconfigure(errors="backslashreplace")
+    atexit.register(gc.freeze)  # else the interpreter looks for cycles in all of it when it ends
     debug = "--debug" in given
     code = _run([word for word in given if word != "--debug"] or ["--help"], debug=debug)
     sys.exit(code if given else WRONG_USAGE)

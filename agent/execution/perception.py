@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-import numpy as np
-
 from ...inference.types import Observation
 from ...kb.interval import Interval
 from ...kb.rule import Atom
@@ -47,6 +45,8 @@ class PerfectVision:
     """Vision that reports everything in a scene with certainty (paper, section 4.1)."""
 
     def __init__(self, scene: Scene, objects: Mapping[str, ObjectType]) -> None:
+        import numpy as np  # here: who only teaches or asks saves its import time
+
         self._percepts = tuple(
             Percept(
                 name=placement.name,

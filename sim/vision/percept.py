@@ -8,11 +8,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-
-import numpy as np
+from typing import TYPE_CHECKING
 
 from ...ontology.objects import ObjectType
-from ..poses import Array
+
+if TYPE_CHECKING:
+    from ..poses import Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,6 +41,8 @@ class Percept:
     @cached_property
     def cloud(self) -> Array:
         """The points of all its parts (n, 3), in the world [m]."""
+        import numpy as np  # here: who decides without a simulator saves its import time
+
         return np.vstack(list(self.parts.values()))
 
     @cached_property
