@@ -139,7 +139,7 @@ def _agent(circumstances: Mapping[str, Any], words: Iterable[LearnedWord], *, gu
 
 
 def _run(agent: Agent, base: KnowledgeBase, episode: Episode) -> ReplayResult:
-    past = view(base.reader, at=episode.utterance or 0)
+    past = view(base, at=episode.utterance or 0)
     experience = Experience(base, agent.robot, before=episode.utterance)
     agent.goals.affordances = agent.affordances_from(past, experience)
     again = _again(episode)

@@ -14,9 +14,8 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import AbstractContextManager
 from dataclasses import replace
 from datetime import datetime
-from functools import wraps
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec, TypeVar, cast
+from typing import TYPE_CHECKING, cast
 
 from ..ontology.errors import QueryError, StoreError
 from ..ontology.vocabulary import HILT, Iri, term
@@ -24,7 +23,7 @@ from .episodes import Episode, episode_quads, read_episodes
 from .interval import CERTAIN
 from .rdf.rule_mapping import TYPE
 from .rdf.terms import Quad, Term
-from .reader import BASE_GRAPH, BASE_NODE, RuleReader
+from .reader import BASE_GRAPH, BASE_NODE
 from .rule import DEFAULT_SPEAKER
 from .sparql.named_queries import named_query
 from .sparql.query_text import Bindings, bind_variables, delete_insert, join_updates, query_form
@@ -38,9 +37,6 @@ if TYPE_CHECKING:
     from ..ontology.actions import Actions
     from ..ontology.objects import ObjectType
 
-P = ParamSpec("P")
-R = TypeVar("R")
-
 FORMAT = 1  # raised when earlier versions would misread what is written
 FORMAT_VERSION = term("formatVersion")
 
@@ -48,18 +44,7 @@ FORMAT_VERSION = term("formatVersion")
 STEPS: Mapping[int, str] = {}
 
 
-def _delegated(
-    part: str, method: Callable[Concatenate[Any, P], R]
-) -> Callable[Concatenate[KnowledgeBase, P], R]:
-
-    @wraps(method)
-    def call(base: KnowledgeBase, *args: P.args, **kwargs: P.kwargs) -> R:
-        return method(getattr(base, part), *args, **kwargs)
-
-    return call
-
-
-class KnowledgeBase(AbstractContextManager["KnowledgeBase"]):
+class KnowledgeBase(RuleWriter, AbstractContextManager["KnowledgeBase"]):
     """A knowledge base, in memory or in a folder; close it, or use it in a `with` block.
 
     >>> with KnowledgeBase.open("memory:") as kb:
@@ -68,35 +53,9 @@ class KnowledgeBase(AbstractContextManager["KnowledgeBase"]):
 
     Attributes:
         store: where everything is kept.
-        reader: reads the rules and the history.
-        writer: changes them.
+        clock: gives the time of an utterance.
         episodes_recorded: how many episodes were recorded since it was opened.
     """
-
-    rules_at_nodes = _delegated("reader", RuleReader.rules_at_nodes)
-    rules = _delegated("reader", RuleReader.rules)
-    rules_with_premises_of = _delegated("reader", RuleReader.rules_with_premises_of)
-    count_and_some_rules = _delegated("reader", RuleReader.count_and_some_rules)
-    rule = _delegated("reader", RuleReader.rule)
-    utterance = _delegated("reader", RuleReader.utterance)
-    history = _delegated("reader", RuleReader.history)
-    words = _delegated("reader", RuleReader.words)
-    phrases = _delegated("reader", RuleReader.phrases)
-    actions = _delegated("reader", RuleReader.actions)
-    trust = _delegated("reader", RuleReader.trust)
-    trust_by_speaker = _delegated("reader", RuleReader.trust_by_speaker)
-    speakers = _delegated("reader", RuleReader.speakers)
-    match_speaker = _delegated("reader", RuleReader.match_speaker)
-
-    believe = _delegated("writer", RuleWriter.believe)
-    record = _delegated("writer", RuleWriter.record)
-    retract = _delegated("writer", RuleWriter.retract)
-    set_trust = _delegated("writer", RuleWriter.set_trust)
-    forget_word = _delegated("writer", RuleWriter.forget_word)
-    learn_phrase = _delegated("writer", RuleWriter.learn_phrase)
-    forget_phrase = _delegated("writer", RuleWriter.forget_phrase)
-    forget_action = _delegated("writer", RuleWriter.forget_action)
-    forget_trials = _delegated("writer", RuleWriter.forget_trials)
 
     def __init__(self, store: Store, *, clock: Callable[[], datetime] | None = None) -> None:
         """Use an open store, which is closed with the base; an empty one becomes a base.
@@ -106,9 +65,7 @@ class KnowledgeBase(AbstractContextManager["KnowledgeBase"]):
         Raises:
             StoreError: the store holds other data, or was written by a later version of Hilt.
         """
-        self.store = store
-        self.reader = RuleReader(store)
-        self.writer = RuleWriter(self.reader, clock=clock)
+        super().__init__(store, clock=clock)
         self.episodes_recorded = 0
         with store.writing():
             found = base_format(store)
@@ -132,16 +89,6 @@ class KnowledgeBase(AbstractContextManager["KnowledgeBase"]):
         except BaseException:
             store.close()
             raise
-
-    @property
-    def sequence(self) -> int:
-        """The number of the last utterance; 0 before the first."""
-        return self.reader.sequence
-
-    @property
-    def clock(self) -> Callable[[], datetime]:
-        """The clock that gives the time of an utterance."""
-        return self.writer.clock
 
     def close(self) -> None:
         """Close the store; the base cannot be used any more."""

@@ -25,6 +25,7 @@ from .rdf.rule_mapping import BELIEFS
 from .rdf.terms import Quad
 from .reader import BASE_GRAPH, BASE_NODE, TRUST_LOWER, TRUST_UPPER, RuleReader
 from .rule import DEFAULT_SPEAKER, Rule, Status, check_speaker
+from .stores.base import Store
 from .taught_actions import TAUGHT_ACTIONS, TaughtAction
 
 _TRUST = re.compile(r"trust\(([^,()]+),([0-9.e-]+),([0-9.e-]+)\)")  # as `set_trust` writes it
@@ -44,11 +45,11 @@ class _Change:
         self.insert += sorted(after - before, key=str)
 
 
-class RuleWriter:
-    """Writes rules and utterances into the store of a reader, at the times that `clock` gives."""
+class RuleWriter(RuleReader):
+    """Writes rules and utterances into `store`, at the times that `clock` gives."""
 
-    def __init__(self, reader: RuleReader, *, clock: Callable[[], datetime] | None = None) -> None:
-        self._reader, self._store = reader, reader.store
+    def __init__(self, store: Store, *, clock: Callable[[], datetime] | None = None) -> None:
+        super().__init__(store)
         self.clock = clock or partial(datetime.now, timezone.utc)
 
     def believe(
@@ -97,14 +98,14 @@ class RuleWriter:
             supersedes=tuple(sorted(set(supersedes) - set(asserted))),
             heard=heard,
         )
-        with self._store.writing():
+        with self.store.writing():
             change = _Change()
             change.insert += speaker_quads(source, BELIEFS) if source else []
-            number = self._reader.sequence + 1
+            number = self.sequence + 1
             for word in words:
                 change.insert += WORDS.learned_quads(replace(word, utterance=number))
             for action in actions:
-                for known in TAUGHT_ACTIONS.active(self._store):
+                for known in TAUGHT_ACTIONS.active(self.store):
                     if known.name == action.name:
                         self._end_learned(change, TAUGHT_ACTIONS, known)
                 change.insert += TAUGHT_ACTIONS.learned_quads(replace(action, utterance=number))
@@ -129,7 +130,7 @@ class RuleWriter:
         utterance = Utterance(
             0, text, predicate, speaker, moment, kind, accepted, answer, heard=heard
         )
-        with self._store.writing():
+        with self.store.writing():
             return self._write(utterance, [])
 
     def retract(
@@ -154,8 +155,8 @@ class RuleWriter:
         said = f"trust {speaker} {trust}"
         form = f"trust({speaker},{trust.lower},{trust.upper})"
         utterance = Utterance(0, said, form, by, to_milliseconds(self.clock()), "trust")
-        with self._store.writing():
-            before = self._store.quads(iri("speaker", speaker), None, None, BELIEFS)
+        with self.store.writing():
+            before = self.store.quads(iri("speaker", speaker), None, None, BELIEFS)
             change = _Change()
             change.replace(before, trust_quads(speaker, trust))
             self._write(utterance, [], change)
@@ -168,11 +169,11 @@ class RuleWriter:
 
     def learn_phrase(self, phrase: LearnedPhrase) -> None:
         """Store a phrase that the last utterance confirmed; durable when this returns."""
-        with self._store.writing():
-            kept, change = replace(phrase, utterance=self._reader.sequence), _Change()
-            before = PHRASES.stored_quads(self._store, kept)
+        with self.store.writing():
+            kept, change = replace(phrase, utterance=self.sequence), _Change()
+            before = PHRASES.stored_quads(self.store, kept)
             change.replace(before, PHRASES.learned_quads(kept))
-            self._store.apply(insert=change.insert, delete=change.delete)
+            self.store.apply(insert=change.insert, delete=change.delete)
 
     def forget_phrase(self, pattern: str, text: str, speaker: str) -> LearnedPhrase:
         """Retract a learned phrase, whose node stays.
@@ -199,11 +200,11 @@ class RuleWriter:
         Raises:
             NotFoundError: there are no such trials.
         """
-        with self._store.writing():
-            found = list(trial_nodes(self._store, of, part))
+        with self.store.writing():
+            found = list(trial_nodes(self.store, of, part))
             if not found:
                 raise NotFoundError("experience", " ".join(filter(None, (of, part))) or "any", ())
-            by = utterance_iri(self._reader.sequence + 1)
+            by = utterance_iri(self.sequence + 1)
             change = _Change([Quad(node, FORGOTTEN_BY, by, EPISODES) for node in found])
             self._write(self._correction(text, speaker), [], change)
         return len(found)
@@ -226,8 +227,8 @@ class RuleWriter:
         name: str,
         said: Utterance,
     ) -> Record:
-        with self._store.writing():
-            known = mapping.active(self._store)
+        with self.store.writing():
+            known = mapping.active(self.store)
             found = [record for record in known if name in names(record)]
             if not found:
                 raise NotFoundError(what, name, (each for one in known for each in names(one)))
@@ -240,7 +241,7 @@ class RuleWriter:
     def _end_learned(
         self, change: _Change, mapping: LearnedMapping[Record], record: Record
     ) -> None:
-        before = mapping.stored_quads(self._store, record)
+        before = mapping.stored_quads(self.store, record)
         change.replace(before, mapping.learned_quads(record, status="retracted"))
 
     def _correction(self, text: str, speaker: str, answer: str = "") -> Utterance:
@@ -251,7 +252,7 @@ class RuleWriter:
         self, utterance: Utterance, rules: Sequence[Rule], change: _Change | None = None
     ) -> Utterance:
         """Number an utterance and write it with all its changes; the caller holds the lock."""
-        last = self._reader.sequence
+        last = self.sequence
         numbered = replace(utterance, sequence=last + 1)
         change = change or _Change()
         change.replace(
@@ -262,17 +263,17 @@ class RuleWriter:
         change.insert += speaker_quads(utterance.speaker, HISTORY)
         for rule in rules:
             asserted = replace(rule, utterance=last + 1, time=utterance.time, status="active")
-            before = self._store.quads(rule_mapping.rule_iri(rule.id), None, None, BELIEFS)
+            before = self.store.quads(rule_mapping.rule_iri(rule.id), None, None, BELIEFS)
             change.replace(before, rule_mapping.rule_quads(asserted))
         self._end(change, numbered.retracts, "retracted", rules)
         self._end(change, numbered.supersedes, "superseded", rules)
-        self._store.apply(insert=change.insert, delete=change.delete)
+        self.store.apply(insert=change.insert, delete=change.delete)
         return numbered
 
     def _end(
         self, change: _Change, rule_ids: Sequence[str], status: Status, new: Sequence[Rule]
     ) -> None:
-        ended = [self._reader.rule(one) for one in rule_ids]
+        ended = [self.rule(one) for one in rule_ids]
         gone = {rule.id for rule in ended}
         for rule in ended:
             change.replace(
@@ -288,9 +289,9 @@ class RuleWriter:
         if any(edge in rule_mapping.plain_edges(rule) for rule in new):
             return True
         active = (rule_mapping.STATUS, rule_mapping.status_iri("active"))
-        nodes = self._reader.nodes_with([(rule_mapping.FEATURE, edge.subject), active])
+        nodes = self.nodes_with([(rule_mapping.FEATURE, edge.subject), active])
         left = (node for node in nodes if rule_mapping.rule_id(node) not in without)
-        rules = self._reader.read_rules((node, self._reader.properties(node)) for node in left)
+        rules = self.read_rules((node, self.properties(node)) for node in left)
         return any(edge in rule_mapping.plain_edges(rule) for rule in rules)
 
 

@@ -53,7 +53,7 @@ def history(
     from ...kb.diff import find_rule
 
     with open_for_reading(kb) as base:
-        rule = find_rule(base.reader, about) if about else None
+        rule = find_rule(base, about) if about else None
         said = base.history(since=since or 0, newest_first=True)  # so that the last come at once
         shown = [*islice((one for one in said if _is_wanted(one, speaker, rule)), last)][::-1]
     show(shown, presentation.console.history, as_json=as_json)
@@ -81,7 +81,7 @@ def forget(
     with open_base(kb) as base:
         before = base.sequence
         said = _forgotten(base, what, speaker)
-        done = list(rule_changes(base.reader, since=before))
+        done = list(rule_changes(base, since=before))
     retracted = [rule.as_json() for one in done for rule in one.retracted]
     announce({"said": said, "retracted": retracted}, said, as_json=as_json)
 
@@ -120,7 +120,7 @@ def diff(
     from ...kb.diff import compare_bases
 
     with _opened(one) as before, _opened(other) as after:
-        found = compare_bases(before.reader, after.reader)
+        found = compare_bases(before, after)
     show(found, presentation.console.difference, as_json=as_json, soft_wrap=True)
     exit_with(found.is_empty)
 
@@ -234,9 +234,9 @@ def _forgotten(base: KnowledgeBase, what: list[str], speaker: str) -> str:
             number = base.forget_trials(said, speaker, of=name, part=part)
             return f"Forgot what {counted(number, 'grasp')} came to."
         case ["last"]:
-            gone = last_taught_rules(base.reader, speaker)
+            gone = last_taught_rules(base, speaker)
         case [name]:
-            gone = [find_rule(base.reader, name)]
+            gone = [find_rule(base, name)]
         case _:
             raise typer.BadParameter(
                 'Expected RULE, "last", "word" and a word, "phrase" and a phrase, "action" and an '
@@ -262,7 +262,7 @@ def _changes(
     while True:
         with KnowledgeBase.open(location, read_only=True) as base:
             last = base.sequence if last is None else last
-            found = list(rule_changes(base.reader, since=last))
+            found = list(rule_changes(base, since=last))
         yield from found
         last = max((change.utterance.sequence for change in found), default=last)
         if end is not None and time.monotonic() >= end:

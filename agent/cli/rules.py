@@ -46,7 +46,7 @@ def rules(
     with open_for_reading(kb) as base:
         is_now = moment is None and according_to is None
         according_to = according_to and base.match_speaker(according_to)
-        source = base if is_now else view(base.reader, at=moment, according_to=according_to)
+        source = base if is_now else view(base, at=moment, according_to=according_to)
         found = source.rules(object=name, affordance=affordance, context=context, part=part)
     show(found, presentation.console.rules, as_json=as_json)
 
@@ -121,7 +121,7 @@ def graph(
 
     moment = None if at is None else parse_moment(at)
     with open_for_reading(kb) as base:
-        source = base if moment is None else view(base.reader, at=moment)
+        source = base if moment is None else view(base, at=moment)
         rules = source.rules(
             object=name, affordance=affordance, context=context, part=part, speaker=speaker
         )

@@ -13,7 +13,7 @@ from collections.abc import Callable, Mapping
 from typing import cast
 
 from ...ontology.errors import QueryError
-from ..rdf.terms import BLANK, Iri, Term, as_sparql, lexical
+from ..rdf.terms import Iri, Term, lexical
 from ..sparql.results import BooleanResult, ConstructResult, QueryResult, SelectResult
 
 _ILLEGAL_IN_XML = dict.fromkeys(
@@ -40,18 +40,19 @@ def _csv(found: QueryResult) -> str:
 
 
 def _tsv(found: QueryResult) -> str:
-    rows = _rows(found, "TSV")
-    lines = ["\t".join(f"?{name}" for name in rows.variables)]
-    lines += ["\t".join("" if term is None else _turtle_term(term) for term in row) for row in rows]
-    return "".join(f"{line}\n" for line in lines)
+    return _by_engine(_rows(found, "TSV"), "TSV")
 
 
 def _xml(found: QueryResult) -> str:
+    return _by_engine(found, "XML").translate(_ILLEGAL_IN_XML)
+
+
+def _by_engine(found: QueryResult, name: str) -> str:
     import pyoxigraph as engine
 
-    document, formats = json.dumps(found.as_json()), engine.QueryResultsFormat
-    written = engine.parse_query_results(document, formats.JSON).serialize(format=formats.XML)
-    return cast(bytes, written).decode().translate(_ILLEGAL_IN_XML)
+    formats = engine.QueryResultsFormat
+    read = engine.parse_query_results(json.dumps(found.as_json()), formats.JSON)
+    return cast(bytes, read.serialize(format=getattr(formats, name))).decode()
 
 
 def _turtle(found: QueryResult) -> str:
@@ -83,7 +84,3 @@ def _plain(term: Term | None) -> str:
     if term is None:
         return ""
     return str(term) if isinstance(term, Iri) else lexical(term)[0]
-
-
-def _turtle_term(term: Term) -> str:
-    return str(term) if isinstance(term, Iri) and term.startswith(BLANK) else as_sparql(term)

@@ -33,7 +33,7 @@ def test_change_tells_what_an_utterance_did(paper: KnowledgeBase):
     """Each with the rules that it told, took back or replaced."""
     paper.believe("No.", "x", "sam", [OFTEN], retracts=[BLADE.id], supersedes=[CUTTING.id])
 
-    (change,) = rule_changes(paper.reader, since=3)
+    (change,) = rule_changes(paper, since=3)
 
     found = [[r.id for r in some] for some in (change.told, change.retracted, change.superseded)]
     assert found == [[OFTEN.id], [BLADE.id], [CUTTING.id]]
@@ -50,8 +50,8 @@ def test_bases_differ_exactly_when_they_believe_other_rules(one: list[Rule], two
 
     same = {rule.id for rule in left.rules()} == {rule.id for rule in right.rules()}
 
-    assert compare_bases(left.reader, right.reader).is_empty == same
-    assert compare_bases(left.reader, left.reader).is_empty
+    assert compare_bases(left, right).is_empty == same
+    assert compare_bases(left, left).is_empty
 
 
 def test_difference_tells_what_only_one_believes(paper: KnowledgeBase, other: KnowledgeBase):
@@ -59,7 +59,7 @@ def test_difference_tells_what_only_one_believes(paper: KnowledgeBase, other: Kn
     spoon = functional("spoon", "eating", interval=Interval(0.9, 1))
     teach(other, HANDLE, BLADE, spoon)
 
-    found = compare_bases(paper.reader, other.reader)
+    found = compare_bases(paper, other)
 
     assert [rule.id for rule in found.removed] == [CUTTING.id]
     assert [rule.id for rule in found.added] == [spoon.id]
@@ -70,7 +70,7 @@ def test_other_interval_and_status_are_alterations(paper: KnowledgeBase, other: 
     teach(other, OFTEN, HANDLE, BLADE)
     other.retract(BLADE.id, "Forget that.", "", "sam")
 
-    found = compare_bases(paper.reader, other.reader)
+    found = compare_bases(paper, other)
 
     assert (found.removed, found.added) == ((), ())
     assert [(a.before.id, a.after.id) for a in found.altered] == [
@@ -78,7 +78,7 @@ def test_other_interval_and_status_are_alterations(paper: KnowledgeBase, other: 
         (CUTTING.id, OFTEN.id),
     ]
     assert found.altered[0].after.status == "retracted"
-    back = compare_bases(other.reader, paper.reader).altered
+    back = compare_bases(other, paper).altered
     assert {a.before.status for a in back} == {"active", "retracted"}
 
 
@@ -88,7 +88,7 @@ def test_trust_and_words_are_part_of_the_difference(kb: KnowledgeBase, other: Kn
     ladle = LearnedWord(Atom("object", "ladle"), "ladle", "sam")
     other.believe("A ladle.", "x", "sam", [], words=[ladle])
 
-    found = compare_bases(kb.reader, other.reader)
+    found = compare_bases(kb, other)
 
     assert found.trust == (("anna", Interval(0.5, 1), None),)
     assert [word.atom.name for word in found.words_added] == ["ladle"]
@@ -100,7 +100,7 @@ def test_rule_is_found_by_its_id_or_a_start_of_it(paper: KnowledgeBase, form: st
     """As it is printed, or as much of it as tells it from others."""
     digits = BLADE.id.removeprefix("rule/")
 
-    assert find_rule(paper.reader, form.format(digits)).id == BLADE.id
+    assert find_rule(paper, form.format(digits)).id == BLADE.id
 
 
 def test_unknown_or_doubtful_name_of_a_rule_is_an_error(paper: KnowledgeBase):
@@ -112,12 +112,12 @@ def test_unknown_or_doubtful_name_of_a_rule_is_an_error(paper: KnowledgeBase):
 
     for unknown in ("ffff0000ffff0000", "blade", "beef0"):
         with pytest.raises(UnknownNameError, match="no rule"):
-            find_rule(paper.reader, unknown)
+            find_rule(paper, unknown)
     for short in ("", "4d5", "rule/4"):
         with pytest.raises(ValidationError, match="expected 4 digits"):
-            find_rule(paper.reader, short)
+            find_rule(paper, short)
     with pytest.raises(ValidationError, match="several rules"):
-        find_rule(paper.reader, double)
+        find_rule(paper, double)
 
 
 def test_last_told_is_the_whole_last_sentence(kb: KnowledgeBase):
@@ -125,9 +125,9 @@ def test_last_told_is_the_whole_last_sentence(kb: KnowledgeBase):
     kb.believe("Both.", "x", "sam", [HANDLE, BLADE])
     teach(kb, CUTTING, speaker="anna")
 
-    assert {rule.id for rule in last_taught_rules(kb.reader, "sam")} == {HANDLE.id, BLADE.id}
+    assert {rule.id for rule in last_taught_rules(kb, "sam")} == {HANDLE.id, BLADE.id}
     with pytest.raises(UnknownNameError, match=r'holds by "eve"'):
-        last_taught_rules(kb.reader, "eve")
+        last_taught_rules(kb, "eve")
 
 
 def test_what_a_file_said_is_not_the_last_sentence(kb: KnowledgeBase):
@@ -135,4 +135,4 @@ def test_what_a_file_said_is_not_the_last_sentence(kb: KnowledgeBase):
     teach(kb, HANDLE)
     import_text(kb, b"features,functor,argument,lower\nmug,usedFor,sipping,0.5\n", format="csv")
 
-    assert [rule.id for rule in last_taught_rules(kb.reader, "sam")] == [HANDLE.id]
+    assert [rule.id for rule in last_taught_rules(kb, "sam")] == [HANDLE.id]

@@ -37,7 +37,7 @@ def test_view_of_now_is_what_the_base_believes(taught: list[Rule], gone: list[in
             base.retract(held[number].id, "Forget it.", "", "sam")
     base.set_trust("sam", 0.5)
 
-    now = view(base.reader).all
+    now = view(base).all
 
     assert list(now) == base.rules()
     assert [rule.trust for rule in now] == [rule.trust for rule in base.rules()]
@@ -52,7 +52,7 @@ def test_later_sentences_do_not_change_what_was(taught: list[Rule], until: int):
     teach(whole, *taught)
     teach(part, *taught[:until])
 
-    assert list(view(whole.reader, at=until).all) == part.rules()
+    assert list(view(whole, at=until).all) == part.rules()
 
 
 def test_retracted_rule_held_until_it_was_taken_back(paper: KnowledgeBase):
@@ -60,9 +60,9 @@ def test_retracted_rule_held_until_it_was_taken_back(paper: KnowledgeBase):
     paper.retract(BLADE.id, "Forget that.", "", "sam")
     taken_back = paper.utterance(4).time
 
-    assert BLADE.id in ids(view(paper.reader, at=3).all)
-    assert BLADE.id in ids(view(paper.reader, at=taken_back - timedelta(milliseconds=1)).all)
-    assert BLADE.id not in ids(view(paper.reader, at=taken_back).all)
+    assert BLADE.id in ids(view(paper, at=3).all)
+    assert BLADE.id in ids(view(paper, at=taken_back - timedelta(milliseconds=1)).all)
+    assert BLADE.id not in ids(view(paper, at=taken_back).all)
 
 
 def test_superseded_rule_held_until_it_was_corrected(kb: KnowledgeBase):
@@ -70,8 +70,8 @@ def test_superseded_rule_held_until_it_was_corrected(kb: KnowledgeBase):
     teach(kb, CUTTING)
     kb.believe("No, often.", "x", "sam", [OFTEN], supersedes=[CUTTING.id], kind="correction")
 
-    assert ids(view(kb.reader, at=1).all) == [CUTTING.id]
-    assert ids(view(kb.reader, at=2).all) == [OFTEN.id]
+    assert ids(view(kb, at=1).all) == [CUTTING.id]
+    assert ids(view(kb, at=2).all) == [OFTEN.id]
 
 
 def test_rules_weigh_as_far_as_speakers_were_trusted_then(kb: KnowledgeBase):
@@ -80,7 +80,7 @@ def test_rules_weigh_as_far_as_speakers_were_trusted_then(kb: KnowledgeBase):
     teach(kb, CUTTING, speaker="anna")
     kb.set_trust("anna", 0.9)
 
-    weights = [view(kb.reader, at=number).all[0].trust for number in (2, 3)]
+    weights = [view(kb, at=number).all[0].trust for number in (2, 3)]
 
     assert weights == [0.5, 0.9]
 
@@ -94,14 +94,14 @@ def test_one_person_s_view_has_what_that_person_said(kb: KnowledgeBase):
     kb.retract(told.id, "Anna is wrong.", "", "sam")
 
     assert kb.rules(speaker="anna") == []
-    assert ids(view(kb.reader, according_to="anna").all) == [told.id]
-    assert view(kb.reader, according_to="anna").all[0].trust == 1.0
-    assert ids(view(kb.reader, according_to="sam").all) == [BLADE.id]
+    assert ids(view(kb, according_to="anna").all) == [told.id]
+    assert view(kb, according_to="anna").all[0].trust == 1.0
+    assert ids(view(kb, according_to="sam").all) == [BLADE.id]
 
 
 def test_view_is_asked_as_a_base_is(paper: KnowledgeBase):
     """The same filters and the same hot question."""
-    past = view(paper.reader, at=3)
+    past = view(paper, at=3)
 
     for wanted in ({"object": "knife"}, {"affordance": "cutting"}, {"context": "pass"},
                    {"part": "handle"}, {"speaker": "sam"}, {"object": "mug"}):  # fmt: skip
@@ -114,9 +114,9 @@ def test_view_is_asked_as_a_base_is(paper: KnowledgeBase):
 def test_unknown_utterance_or_speaker_is_an_error(paper: KnowledgeBase):
     """The message tells what there is."""
     with pytest.raises(UnknownNameError, match=r'no utterance "4".*0 to 3'):
-        view(paper.reader, at=4)
+        view(paper, at=4)
     with pytest.raises(UnknownNameError, match=r'no speaker "eve".*sam'):
-        view(paper.reader, according_to="eve")
+        view(paper, according_to="eve")
 
 
 def test_moments_are_read_as_people_write_them():
@@ -136,7 +136,7 @@ def test_trust_that_came_with_a_base_is_as_it_is_now(kb: KnowledgeBase):
     """Where the history says nothing about a speaker, the trust of now counts."""
     teach(kb, CUTTING, speaker="bob")
 
-    assert view(kb.reader).all[0].trust == 0.0
+    assert view(kb).all[0].trust == 0.0
     assert START.tzinfo == timezone.utc
 
 
@@ -158,11 +158,11 @@ def test_view_of_somebody_whose_rules_came_in_a_file(kb: KnowledgeBase):
     """Who never said anything here can still be asked for."""
     import_text(kb, FILED.encode(), format="turtle")
 
-    assert [rule.speaker for rule in view(kb.reader, according_to="eve").all] == ["eve"]
+    assert [rule.speaker for rule in view(kb, according_to="eve").all] == ["eve"]
 
 
 def test_rule_that_came_taken_back_never_holds(kb: KnowledgeBase):
     """A view of now is the base, also for rules that nothing said here ended."""
     import_text(kb, FILED.replace("hilt:active", "hilt:retracted").encode(), format="turtle")
 
-    assert (kb.rules(), view(kb.reader).all) == ([], ())
+    assert (kb.rules(), view(kb).all) == ([], ())
