@@ -9,7 +9,6 @@ Run as a script, this module is the worker process (`stores.query_subprocess`) t
 from __future__ import annotations
 
 import shutil
-import sys
 import tempfile
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
@@ -75,7 +74,7 @@ def try_updates(store: Store, updates: Sequence[str], sequence: int, limits: Que
     folder, worker = Path(tempfile.mkdtemp(prefix="hilt-")), WorkerProcess(WORKER)
     try:
         store.save(folder / "copy")
-        report = worker.request(limits, source=str(folder / "copy"), updates=list(updates))
+        report = worker.request(limits, source=folder / "copy", updates=updates)
     finally:
         worker.close()
         shutil.rmtree(folder, ignore_errors=True)
@@ -126,7 +125,7 @@ def _answer(request: dict[str, Any]) -> dict[str, Any]:
     from .stores.oxigraph import open_folder
     from .stores.query_worker import limit_memory
 
-    store = open_folder(Path(request["source"]))
+    store = open_folder(request["source"])
     limit_memory(request["megabytes"])
     return update_and_check(store, request["updates"])
 
@@ -134,4 +133,4 @@ def _answer(request: dict[str, Any]) -> dict[str, Any]:
 if __name__ == "__main__":
     from .stores.query_worker import serve
 
-    serve(sys.stdin.buffer, sys.stdout.buffer, _answer)
+    serve(_answer)

@@ -52,15 +52,7 @@ class Store(Protocol):
         """
         ...
 
-    def ask(self, query: str) -> bool:
-        """The answer of an ASK query; errors as for `select`."""
-        ...
-
-    def construct(self, query: str) -> list[Quad]:
-        """The statements of a CONSTRUCT or DESCRIBE query; errors as for `select`."""
-        ...
-
-    def run(self, query: str, limits: QueryLimits | None) -> QueryResult:
+    def run(self, query: str, limits: QueryLimits | None = None) -> QueryResult:
         """The result of any query; QueryError if it is wrong or exceeds its limits, if any."""
         ...
 

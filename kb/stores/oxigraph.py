@@ -79,37 +79,22 @@ class OxigraphStore:
 
     def select(self, query: str) -> SelectResult:
         """All rows of a SELECT query."""
-        found = self.evaluate(query)
+        found = self._evaluate(query)
         if type(found) is not SelectResult:
             raise QueryError("Expected a SELECT query.")
         return found
 
-    def ask(self, query: str) -> bool:
-        """The answer of an ASK query."""
-        found = self.evaluate(query)
-        if not isinstance(found, BooleanResult):
-            raise QueryError("Expected an ASK query.")
-        return found.value
-
-    def construct(self, query: str) -> list[Quad]:
-        """The statements of a CONSTRUCT or DESCRIBE query."""
-        found = self.evaluate(query)
-        if not isinstance(found, ConstructResult):
-            raise QueryError("Expected a CONSTRUCT or DESCRIBE query.")
-        return found.quads
-
-    def run(self, query: str, limits: QueryLimits | None) -> QueryResult:
+    def run(self, query: str, limits: QueryLimits | None = None) -> QueryResult:
         """The result of any query; with limits evaluated in another process over a snapshot."""
         if limits is None:
-            return self.evaluate(query)
+            return self._evaluate(query)
         with self._running:
             with self._lock:
                 self._remove_old_sources()
                 source = self._worker_source()
             return self._worker.run(source, query, limits)
 
-    def evaluate(self, query: str) -> QueryResult:
-        """The result of any query, evaluated in this process."""
+    def _evaluate(self, query: str) -> QueryResult:
         found = self._run(query)
         if isinstance(found, engine.QueryBoolean):
             return BooleanResult(bool(found))

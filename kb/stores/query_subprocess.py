@@ -8,12 +8,12 @@ reads a new snapshot when the store has changed. Requests and answers are docume
 
 from __future__ import annotations
 
-import json
 import pickle
 import signal
 import subprocess
 import sys
 import threading
+import time
 from pathlib import Path
 from typing import IO, Any, cast
 
@@ -21,7 +21,6 @@ from ...ontology.errors import HiltError, QueryError
 from ..sparql.results import QueryLimits, QueryResult
 
 QUERY_WORKER = f"{__package__}.query_worker"
-MAX_SHARE = 4  # an answer takes several times its size here; it may have 1/4 of the memory
 
 
 class WorkerProcess:
@@ -41,13 +40,12 @@ class WorkerProcess:
             QueryError: it is wrong, or was stopped.
             StoreError: the source cannot be read.
         """
-        return self.request(limits, source=str(source), query=query)
+        return self.request(limits, source=source, query=query)
 
-    def request(self, limits: QueryLimits, **fields: str | list[str]) -> Any:
+    def request(self, limits: QueryLimits, **fields: object) -> Any:
         """Send a request, and return the answer; errors as for `run`."""
-        line = json.dumps({**fields, "megabytes": limits.megabytes}).encode() + b"\n"
         with self._lock:
-            answer = pickle.loads(self._answer(line, limits))  # noqa: S301 - of a module of Hilt
+            answer = self._answer({**fields, "megabytes": limits.megabytes}, limits)
         if isinstance(answer, MemoryError):
             raise limits.memory_error()
         if isinstance(answer, HiltError):
@@ -58,29 +56,23 @@ class WorkerProcess:
         """End the process."""
         if self._process is not None:
             self._process.kill()
-            self._process.wait()
-            for pipe in (self._process.stdin, self._process.stdout):
-                if pipe:
-                    pipe.close()
+            self._process.communicate()
         self._process = None
 
-    def _answer(self, request: bytes, limits: QueryLimits) -> bytes:
+    def _answer(self, request: dict[str, object], limits: QueryLimits) -> object:
         """Send a request and read its answer; the process is killed when the time is over."""
-        process = self._started(limits)
-        stopped = threading.Event()
-
-        def stop() -> None:
-            stopped.set()
-            process.kill()
-
-        timer = threading.Timer(limits.seconds, stop)
+        process, end = self._started(limits), time.monotonic() + limits.seconds
+        to, answers = cast("IO[bytes]", process.stdin), cast("IO[bytes]", process.stdout)
+        timer = threading.Timer(limits.seconds, process.kill)
         timer.start()
         try:
-            return _exchange(process, request, limits)
-        except (EOFError, BrokenPipeError):
-            process.wait()
+            pickle.dump(request, to)
+            to.flush()
+            return pickle.load(answers)  # noqa: S301 - of a module of Hilt
+        except (EOFError, BrokenPipeError, pickle.UnpicklingError):
+            code, was_stopped = process.wait(), time.monotonic() >= end
             self.close()
-            raise _exit_error(process.returncode, limits, was_stopped=stopped.is_set()) from None
+            raise _exit_error(code, limits, was_stopped=was_stopped) from None
         except BaseException:
             self.close()
             raise
@@ -108,19 +100,3 @@ def _exit_error(code: int, limits: QueryLimits, *, was_stopped: bool) -> QueryEr
     if code == -signal.SIGSEGV:  # pyoxigraph's parser recurses for each bracket
         return QueryError("The query is nested too deeply, and was stopped.")
     return limits.memory_error()
-
-
-def _exchange(process: subprocess.Popen[bytes], request: bytes, limits: QueryLimits) -> bytes:
-    to, answers = cast("IO[bytes]", process.stdin), cast("IO[bytes]", process.stdout)
-    to.write(request)
-    to.flush()
-    line = answers.readline()
-    if not line.endswith(b"\n"):
-        raise EOFError
-    size = int(line)
-    if size > limits.megabytes * 1_000_000 // MAX_SHARE:
-        raise limits.memory_error()
-    body = answers.read(size)
-    if len(body) < size:
-        raise EOFError
-    return body

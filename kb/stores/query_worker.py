@@ -1,33 +1,33 @@
 """The worker process of `query_subprocess`, run as `python -m hilt.kb.stores.query_worker`.
 
-It reads one request a line from stdin, as JSON: `source` (a snapshot's folder, or a file of
-N-Quads), `query`, and `megabytes`, its memory beyond what it needs to open the source. It answers
-with a line that has a number, followed by so many bytes: the result or the error, pickled. The
-process that asked kills it when it takes too long.
+It reads pickled requests from stdin: `source` (a snapshot's folder, or a file of N-Quads), `query`,
+and `megabytes`, its memory beyond what it needs to open the source. It answers with the result or
+the error, pickled. The process that asked kills it when it takes too long.
 """
 
 from __future__ import annotations
 
 import contextlib
-import json
 import pickle
 import sys
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any
 
 from ...ontology.errors import QueryError, StoreError
 from .oxigraph import OxigraphStore, load_file, open_snapshot
 
 Answer = Callable[[dict[str, Any]], object]
+MAX_SHARE = 4  # an answer takes several times its size there; it may have 1/4 of the memory
 
 
-def serve(requests: Iterable[bytes], answers: BinaryIO, answer: Answer) -> None:
-    """Answer requests, which are lines of JSON, until there are no more."""
-    for line in requests:
-        body = _answer_or_error(answer, json.loads(line))
-        answers.write(f"{len(body)}\n".encode() + body)
-        answers.flush()
+def serve(answer: Answer) -> None:
+    """Answer the requests on stdin until there are no more."""
+    with contextlib.suppress(EOFError):
+        while True:
+            request = pickle.load(sys.stdin.buffer)  # noqa: S301 - of the process that asked
+            sys.stdout.buffer.write(_answer_or_error(answer, request))
+            sys.stdout.buffer.flush()
 
 
 def limit_memory(megabytes: int) -> None:
@@ -45,21 +45,23 @@ class _QueryAnswers:
     """Answers queries; the source of the last one stays open."""
 
     def __init__(self) -> None:
-        self._opened = ""
+        self._opened = Path()
         self._store: OxigraphStore | None = None
 
     def __call__(self, request: dict[str, Any]) -> object:
         if self._store is None or request["source"] != self._opened:
-            source = Path(request["source"])
+            source = self._opened = request["source"]
             self._store = open_snapshot(source) if source.is_dir() else load_file(source)
-            self._opened = request["source"]
             limit_memory(request["megabytes"])
-        return self._store.evaluate(request["query"])
+        return self._store.run(request["query"])
 
 
 def _answer_or_error(answer: Answer, request: dict[str, Any]) -> bytes:
     try:
-        return pickle.dumps(answer(request))
+        body = pickle.dumps(answer(request))
+        if len(body) > request["megabytes"] * 1_000_000 // MAX_SHARE:
+            raise MemoryError
+        return body
     except MemoryError:
         return pickle.dumps(MemoryError())
     except (QueryError, StoreError) as error:  # as the class itself, which is made of its message
@@ -79,4 +81,4 @@ def _address_space() -> int:
 
 
 if __name__ == "__main__":
-    serve(sys.stdin.buffer, sys.stdout.buffer, _QueryAnswers())
+    serve(_QueryAnswers())

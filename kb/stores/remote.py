@@ -83,36 +83,14 @@ class RemoteStore:
             return self._read_pages(query, found, response.max_rows, limits)
         return found
 
-    def ask(self, query: str, limits: QueryLimits = CALL) -> bool:
-        """The answer of an ASK query."""
-        if query_form(query) != "ASK":
-            raise QueryError("Expected an ASK query.")
-        return read_boolean(self._read(query, ROWS, limits).body)
-
-    def construct(self, query: str, limits: QueryLimits = CALL) -> list[Quad]:
-        """The statements of a CONSTRUCT or DESCRIBE query."""
-        if query_form(query) not in {"CONSTRUCT", "DESCRIBE"}:
-            raise QueryError("Expected a CONSTRUCT or DESCRIBE query.")
-        is_cut = self._server.startswith(VIRTUOSO) and query_form(query) == "CONSTRUCT"
-        if not is_cut or (result_limit(query) or PAGE + 1) <= PAGE:
-            return self._triples(query, limits)
-        # It truncates statements silently, so they are read in pages from the start.
-        found: dict[Quad, None] = {}
-        for offset in range(0, 10**9, PAGE):
-            page = self._triples(page_query(query, (), size=PAGE, offset=offset), limits)
-            if not page:
-                break
-            found.update(dict.fromkeys(page))
-        return list(found)
-
-    def run(self, query: str, limits: QueryLimits | None) -> QueryResult:
+    def run(self, query: str, limits: QueryLimits | None = None) -> QueryResult:
         """The result of any query; the endpoint's own limits apply too."""
         limits = limits or CALL
         match query_form(query):
             case "ASK":
-                return BooleanResult(self.ask(query, limits))
+                return BooleanResult(read_boolean(self._read(query, ROWS, limits).body))
             case "CONSTRUCT" | "DESCRIBE":
-                return ConstructResult.from_quads(self.construct(query, limits))
+                return ConstructResult.from_quads(self._construct(query, limits))
             case _:
                 return self.select(query, limits)
 
@@ -129,7 +107,7 @@ class RemoteStore:
         s, p, o, g = (f"?{n}" if t is None else as_sparql(t) for n, t in wanted.items())
         where = f"{{ GRAPH {g} {{ {s} {p} {o} }} }}"
         if not names:
-            if self.ask(f"ASK {where}"):
+            if self.run(f"ASK {where}") == BooleanResult(True):
                 yield Quad(subject, predicate, object, graph)  # type: ignore[arg-type]
             return
         for row in self.select(f"SELECT ?{' ?'.join(names)} WHERE {where}"):
@@ -183,6 +161,19 @@ class RemoteStore:
             if not page:
                 break
         return SelectResult(first.variables, tuple(rows))
+
+    def _construct(self, query: str, limits: QueryLimits) -> list[Quad]:
+        is_cut = self._server.startswith(VIRTUOSO) and query_form(query) == "CONSTRUCT"
+        if not is_cut or (result_limit(query) or PAGE + 1) <= PAGE:
+            return self._triples(query, limits)
+        # It truncates statements silently, so they are read in pages from the start.
+        found: dict[Quad, None] = {}
+        for offset in range(0, 10**9, PAGE):
+            page = self._triples(page_query(query, (), size=PAGE, offset=offset), limits)
+            if not page:
+                break
+            found.update(dict.fromkeys(page))
+        return list(found)
 
     def _triples(self, query: str, limits: QueryLimits) -> list[Quad]:
         from .rdf_text import read_triples

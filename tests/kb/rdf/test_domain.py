@@ -8,6 +8,7 @@ import pytest
 
 from hilt.kb.knowledge_base import KnowledgeBase
 from hilt.kb.rdf.domain import DOMAIN
+from hilt.kb.sparql.results import BooleanResult
 from hilt.kb.validation import check_shapes
 from hilt.ontology.actions import load_actions
 from hilt.ontology.objects import load_household, load_objects
@@ -38,8 +39,8 @@ def test_changed_domain_replaces_the_old_one(home: KnowledgeBase):
     found = home.select("SELECT ?o { GRAPH graph:domain { ?o a hilt:Object } }")
     assert {str(row[0]).rpartition("/")[2] for row in found} == {"knife", "cutlery"}
     ask = "ASK {{ GRAPH graph:domain {{ object:knife hilt:property property:{} }} }}"
-    assert home.store.ask(ask.format("flat"))
-    assert not home.store.ask(ask.format("sharp"))
+    assert home.store.run(ask.format("flat")) == BooleanResult(True)
+    assert home.store.run(ask.format("sharp")) == BooleanResult(False)
 
 
 @pytest.mark.parametrize("name", list(OBJECTS))
