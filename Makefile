@@ -2,7 +2,10 @@
 
 PYTHON ?= $(shell command -v python3.11 || command -v python3)
 BIN := .venv/bin
-READY := .venv/.ready
+REQUIRED := .venv/.required
+PIP := $(BIN)/python -m pip -qq --disable-pip-version-check
+# The installed tree links to each file, so it is laid anew when files come or go.
+READY := .venv/.ready-$(shell find agent inference kb nlu ontology sim -type f ! -name '*.pyc' | LC_ALL=C sort | cksum | cut -d' ' -f1)
 
 .PHONY: demo test test-extras coverage lint format bench docs linkcheck lock clean
 
@@ -40,20 +43,24 @@ linkcheck: $(READY)  ## whether the links out of the site lead somewhere; needs 
 	@$(BIN)/sphinx-build -q -b linkcheck docs out/linkcheck
 
 lock: $(READY)  ## update requirements.lock from pyproject.toml
-	@$(BIN)/pip install --quiet uv
+	@$(PIP) install uv
 	@$(BIN)/uv pip compile --quiet --upgrade --universal --python-version 3.10 --extra all --extra dev --extra docs \
 		--no-emit-index-url --no-header pyproject.toml -o requirements.lock
 
 clean:  ## remove build products; knowledge bases stay
 	rm -rf .venv build dist out *.egg-info
 
-$(READY): requirements.lock pyproject.toml
+$(REQUIRED): requirements.lock pyproject.toml
 	@echo "Setting up .venv with $(PYTHON) (about a minute the first time) ..."
 	@$(PYTHON) -m venv .venv
-	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements.lock
-	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --editable .
+	@$(PIP) install -r requirements.lock
+	@touch $@
+
+$(READY): $(REQUIRED)
+	@$(PIP) install --no-deps --editable . --config-settings editable_mode=strict
+	@rm -f .venv/.ready-*
 	@touch $@
 
 .venv/.extras: $(READY)
-	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[bench,cluster]"
+	@$(PIP) install --editable ".[bench,cluster]" --config-settings editable_mode=strict
 	@touch $@

@@ -45,7 +45,6 @@ EPISODES = iri("graph", "episodes")
 STEP, INDEX, TRIAL = term("step"), term("index"), term("trial")
 FORGOTTEN_BY = term("forgottenBy")
 HELD = "held"
-GRASP_OUTCOMES = (HELD, "slipped", "dropped", "wrong_part", "missed", "refused")
 
 
 @dataclass(frozen=True)
@@ -76,7 +75,7 @@ class GraspTrial:
         object: the kind of object.
         part: the part by which it was to be held.
         context: the action that it was grasped for ("pass").
-        outcome: one of `GRASP_OUTCOMES`: held; slipped while it was lifted; dropped later; the
+        outcome: held; slipped while it was lifted; dropped later; the
             wrong part or nothing (missed) between the fingers; or refused at the hand-over.
         robot: the robot that did it.
         forgotten_by: number of the utterance that made it be forgotten; None while it counts.

@@ -1,0 +1,3 @@
+"""Hilt: affordances of objects, learned from language and acted on by a simulated robot."""
+
+__version__ = "0.2.0"

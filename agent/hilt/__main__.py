@@ -1,0 +1,5 @@
+"""The command line as a module: `python -m hilt`."""
+
+from .agent.cli import main
+
+main()
