@@ -9,6 +9,7 @@ The simulated body is made at the first command: teaching and asking need no rob
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Generator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
@@ -26,6 +27,7 @@ from ..kb.knowledge_base import KnowledgeBase
 from ..nlu.language import Language
 from ..nlu.semantics.meaning import Command, Control, Meaning, ToolCommand
 from ..ontology.actions import Actions
+from ..ontology.logs import timed
 from ..ontology.objects import ObjectType
 from ..sim.robot.interruption import Interruption
 from . import protocols
@@ -40,6 +42,7 @@ from .execution.embodiment import Embodiment
 from .execution.goal_manager import GoalManager
 from .execution.norm_guard import NormGuard
 from .execution.outcome import GoalResult, Json
+from .execution.perception import LoggedVision
 from .execution.request import Request, review_arguments
 from .protocols import Motion, Vision
 
@@ -47,6 +50,8 @@ if TYPE_CHECKING:
     from ..sim.body import Body
     from ..sim.scene.scene import Scene
     from .presentation.video import Film
+
+_logger = logging.getLogger(__name__)
 
 
 class Agent:
@@ -256,7 +261,8 @@ class Agent:
         Raises:
             MissingExtraError: the simulator is not installed.
         """
-        return self.embodiment.open_body(self.interruption)
+        with timed(_logger, "build the simulated scene and robot"):
+            return self.embodiment.open_body(self.interruption)
 
     @cached_property
     def goals(self) -> GoalManager:
@@ -265,7 +271,7 @@ class Agent:
         return GoalManager(
             self.actions,
             self.affordances,
-            self._vision or self.embodiment.open_vision(body),
+            LoggedVision(self._vision or self.embodiment.open_vision(body)),
             body or self._motion,
             self.norms,
             grips=_grips(self.objects),

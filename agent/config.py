@@ -7,6 +7,7 @@ same names as keys, and the command line makes its options from the same declara
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields, replace
 from functools import cache
@@ -14,6 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from ..ontology.errors import DataError, HiltError
+from ..ontology.logs import timed
 from ..ontology.yaml_reader import YamlNode, read_yaml
 
 if TYPE_CHECKING:  # at run time only where they are needed, so that `hilt --help` is fast
@@ -26,6 +28,7 @@ if TYPE_CHECKING:  # at run time only where they are needed, so that `hilt --hel
     from ..ontology.objects import Household
 
 T = TypeVar("T")
+_logger = logging.getLogger(__name__)
 FILES = (".yaml", ".yml")
 
 
@@ -170,7 +173,8 @@ def _read_language(kinds: Household, lexicon: Path | None) -> Language:
     from ..nlu.lexicon.vocabulary import household_vocabulary
 
     vocabulary = household_vocabulary(kinds.objects)
-    return Language.load(vocabulary=vocabulary, extra_lexicon=lexicon)
+    with timed(_logger, "load the language"):
+        return Language.load(vocabulary=vocabulary, extra_lexicon=lexicon)
 
 
 def household(path: Path | None = None) -> Household:
@@ -225,8 +229,10 @@ def open_base(
     """
     from ..kb.knowledge_base import KnowledgeBase
 
-    base = KnowledgeBase.open(location or default_location())
-    base.load_domain((kinds or household()).objects, actions or actions_with(None))
+    location = location or str(default_location())
+    with timed(_logger, "open the knowledge base %s", location):
+        base = KnowledgeBase.open(location)
+        base.load_domain((kinds or household()).objects, actions or actions_with(None))
     return base
 
 

@@ -19,8 +19,8 @@ HEAD = """# Commands
 
 Made by `make docs` from the commands themselves. An option means the same wherever it occurs.
 `--kb`, `--scene`, `--seed`, `--speaker` and `--json` may also stand before the command, and
-`--debug` anywhere. Exit codes: 0 done, 1 what was asked for failed, 2 wrong usage or unreadable
-input.
+`--debug` and `--verbose` anywhere. Exit codes: 0 done, 1 what was asked for failed, 2 wrong usage
+or unreadable input.
 """
 
 

@@ -2,17 +2,19 @@
 
 Every command that prints a result takes `--json`: one document on stdout and nothing else there.
 Exit codes: 0 done, 1 what was asked for failed, 2 wrong usage or unreadable input. Errors are one
-line on stderr; `--debug` adds the traceback. What a command needs is imported when it runs, so that
-`hilt --help` answers at once.
+line on stderr; `--debug` adds the traceback, `--verbose` the log. What a command needs is imported
+when it runs, so that `hilt --help` answers at once.
 """
 
 from __future__ import annotations
 
 import atexit
 import gc
+import logging
 import sys
 import traceback
-from collections.abc import Sequence
+from collections.abc import Generator, Sequence
+from contextlib import contextmanager
 from io import BytesIO, TextIOWrapper
 
 import typer
@@ -35,6 +37,7 @@ from .options import app
 
 WRONG_USAGE, INTERRUPTED = 2, 130
 MAY_LEAD = {"--kb": 1, "--scene": 1, "--seed": 1, "--speaker": 1, "--json": 0}  # option: values
+ANYWHERE = ("--debug", "--verbose")
 UNREADABLE = (DataError, IntervalError, QueryError, UnknownNameError)
 MISSED = (NotFoundError, QueryLimitError)  # what was asked for in the right way, and not got
 COMMANDS = (conversation, language, rules, files, history, query, reasoning, scene, evaluate)
@@ -48,9 +51,27 @@ def main(arguments: Sequence[str] | None = None) -> None:
     if isinstance(sys.stdout, TextIOWrapper):  # what it cannot show is spelt out, as on stderr
         sys.stdout.reconfigure(errors="backslashreplace")
     atexit.register(gc.freeze)  # else the interpreter looks for cycles in all of it when it ends
-    debug = "--debug" in given
-    code = _run([word for word in given if word != "--debug"] or ["--help"], debug=debug)
+    words = [word for word in given if word not in ANYWHERE]
+    with _logged("--verbose" in given):
+        code = _run(words or ["--help"], debug="--debug" in given)
     sys.exit(code if given else WRONG_USAGE)
+
+
+@contextmanager
+def _logged(wanted: bool) -> Generator[None]:
+    """Write the log to stderr: the time since the start, the module, and what it did."""
+    if not wanted:
+        yield
+        return
+    handler, logger = logging.StreamHandler(), logging.getLogger("hilt")
+    handler.setFormatter(logging.Formatter("%(relativeCreated)6.0f ms  %(name)s: %(message)s"))
+    logger.addHandler(handler)
+    logger.setLevel(logging.DEBUG)
+    try:
+        yield
+    finally:
+        logger.removeHandler(handler)
+        logger.setLevel(logging.NOTSET)
 
 
 def _run(arguments: Sequence[str], *, debug: bool) -> int:

@@ -5,6 +5,7 @@ The parts of the dialogue manager share one `Conversation`, and change its state
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass, replace
 from typing import Any, Literal
@@ -17,6 +18,7 @@ from ...nlu.lexicon.vocabulary import NewWord
 from ...nlu.parsing.understanding import Understanding
 from ...nlu.semantics.discourse import Discourse
 from ...nlu.semantics.meaning import Meaning
+from ...ontology.logs import timed
 from .. import protocols
 from ..execution.outcome import AnswerContent, Decision, Ending, Slot
 from .acquaintances import Acquaintances
@@ -30,6 +32,8 @@ from .teaching import (
     word_to_keep,
 )
 from .translation import meaning_from_rule, norm_from_rule, relation_from_rule
+
+_logger = logging.getLogger(__name__)
 
 Answered = tuple[AnswerContent, tuple[Rule, ...]]  # an answer, and the rules that it rests on
 
@@ -123,9 +127,10 @@ class Conversation:
         said = self._other.understand(text, speaker=speaker) if self._other else None
         if said is not None:
             return Understanding(text, speaker, "self", said, discourse=self.discourse)
-        return self.language.understand(
-            text, speaker=speaker, discourse=self.discourse, accepted=accepted, heard=heard
-        )
+        with timed(_logger, "understand %r", text):
+            return self.language.understand(
+                text, speaker=speaker, discourse=self.discourse, accepted=accepted, heard=heard
+            )
 
     @property
     def decision(self) -> Decision | None:

@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 from ...inference.types import Observation
 from ...kb.interval import Interval
 from ...kb.rule import Atom
+from ...ontology.logs import timed
 from ...ontology.objects import ObjectType
 from ...sim.scene.scene import Scene
 from ...sim.vision.percept import Percept
+from ..protocols import Vision
+
+_logger = logging.getLogger(__name__)
 
 
 def percept_as_observation(
@@ -62,3 +68,17 @@ class PerfectVision:
         """Return the objects of the scene that show one of the features."""
         atoms = [Atom.parse(feature) for feature in features]
         return [p for p in self._percepts if any(_shows(p, atom) for atom in atoms)]
+
+
+@dataclass(frozen=True)
+class LoggedVision:
+    """A vision whose searches are logged: the features, what was found, and the time."""
+
+    vision: Vision
+
+    def search(self, features: Sequence[str]) -> Sequence[Percept]:
+        """Return what the vision finds."""
+        with timed(_logger, "look for %s", ", ".join(features)):
+            found = self.vision.search(features)
+        _logger.debug("found %s", found)
+        return found

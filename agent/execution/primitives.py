@@ -6,10 +6,12 @@ robot. A report of a failure becomes an answer.
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 
 from ...inference.types import Target
+from ...ontology.logs import timed
 from ...sim.manipulation.motion_report import MotionReport
 from ...sim.vision.percept import Percept
 from ..protocols import ExtraPrimitives, Motion, ReleasingMotion, Vision
@@ -17,6 +19,8 @@ from . import outcome_answer
 from .grasp_log import GraspLog
 from .outcome import AnswerContent, Constraint, WorldOutcome
 from .request import named
+
+_logger = logging.getLogger(__name__)
 
 DRIVEN = "driven"  # what the robot senses when something is in all the way
 LOST = ("dropped", "nothing_held")
@@ -88,7 +92,8 @@ class PrimitiveExecutor:
 
     def perform(self, task: PrimitiveTask) -> AnswerContent | None:
         """Perform a primitive; return the failure, if any."""
-        return self._primitives.get(task.action, self._skill)(task)
+        with timed(_logger, "perform %s", task.action):
+            return self._primitives.get(task.action, self._skill)(task)
 
     def not_sensed(self, event: str) -> AnswerContent:
         """Return the answer when a loop ended without sensing its event."""

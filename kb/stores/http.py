@@ -16,6 +16,7 @@ server is busy. Redirects are not followed, so that no other server receives the
 
 from __future__ import annotations
 
+import logging
 import os
 import re
 import time
@@ -27,6 +28,7 @@ from urllib.parse import SplitResult, unquote, urldefrag, urljoin, urlsplit, url
 import httpx
 
 from ...ontology.errors import QueryError, StoreError
+from ...ontology.logs import timed
 from ..sparql.results import QueryLimits
 
 USER, PASSWORD, TOKEN = "HILT_KB_USER", "HILT_KB_PASSWORD", "HILT_KB_TOKEN"
@@ -41,6 +43,8 @@ LOGIN = frozenset({401, 403, 407})
 NO_PERMISSION = re.compile(r"\bSR186\b|permission|not authori[sz]ed", re.IGNORECASE)
 OUT_OF_TIME = "S1TAT"  # Virtuoso's state of an incomplete answer
 MAX_MESSAGE = 300  # characters of a server's message that are shown
+
+_logger = logging.getLogger(__name__)
 
 Form = Mapping[str, "str | Sequence[str]"]
 
@@ -199,7 +203,8 @@ class EndpointTransport:
         for attempt in range(TRIES):
             is_last = attempt == TRIES - 1
             try:
-                status, response, wait = self._once(request, limits)
+                with timed(_logger, "request %s %s", url, _asked(form)):
+                    status, response, wait = self._once(request, limits)
             except httpx.TransportError as error:
                 self._raise_unless_retried(error, is_last, may_repeat, limits)
                 wait = None
@@ -270,6 +275,10 @@ class EndpointTransport:
 def _reason(error: Exception) -> str:
     text = re.sub(r"^\[Errno -?\d+\] ", "", str(error)).strip().rstrip(".")
     return (text[:1].lower() + text[1:] if text else type(error).__name__) + "."
+
+
+def _asked(form: Form | None) -> object:
+    return form.get("query") or form.get("update") if form else "statements"
 
 
 def _first_line(body: bytes) -> str:

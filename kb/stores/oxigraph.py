@@ -11,6 +11,7 @@ one with limits runs in another process (`query_subprocess`).
 from __future__ import annotations
 
 import contextlib
+import logging
 import os
 import shutil
 import tempfile
@@ -23,6 +24,7 @@ from typing import BinaryIO, cast
 import pyoxigraph as engine
 
 from ...ontology.errors import QueryError, StoreError
+from ...ontology.logs import timed
 from ...ontology.vocabulary import PREFIXES, Iri
 from ..rdf.terms import Quad, Term
 from ..sparql.query_text import delete_insert, keywords
@@ -42,6 +44,7 @@ from .query_subprocess import WorkerProcess
 from .term_conversion import from_engine, named_node, quad_from_engine, quad_to_engine, to_engine
 
 _PREFIXES = dict(PREFIXES)
+_logger = logging.getLogger(__name__)
 _BUFFER = 2**18  # bytes that are split into rows at once
 
 
@@ -88,7 +91,7 @@ class OxigraphStore:
         """The result of any query; with limits evaluated in another process over a snapshot."""
         if limits is None:
             return self._evaluate(query)
-        with self._running:
+        with timed(_logger, "query with limits %s", query), self._running:
             with self._lock:
                 self._remove_old_sources()
                 source = self._worker_source()
@@ -245,7 +248,7 @@ class OxigraphStore:
             directory.remove_snapshot(self._old_sources.pop())
 
     def _run(self, query: str) -> object:
-        with translated_errors(self.location, query):
+        with timed(_logger, "query %s", query), translated_errors(self.location, query):
             # As a union, pyoxigraph ignores the graphs that a query itself chooses (FROM).
             is_union = "from" not in query.lower() or "FROM" not in keywords(query)
             return self._engine().query(
@@ -264,7 +267,8 @@ class OxigraphStore:
 
     @contextmanager
     def _changing(self, update: str = "") -> Generator[engine.Store]:
-        with self._lock, translated_errors(self.location, update):
+        doing = timed(_logger, "write %s", update or "statements")
+        with doing, self._lock, translated_errors(self.location, update):
             store = self._engine()
             if self.read_only:
                 raise StoreError(f'The knowledge base "{self.location}" is open for reading only.')

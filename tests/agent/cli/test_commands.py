@@ -2,6 +2,7 @@
 
 import io
 import json
+import logging
 import os
 import re
 import shlex
@@ -61,6 +62,23 @@ def taught(hilt: Hilt) -> Hilt:
     for sentence in LESSONS:
         assert hilt("tell", sentence).code == 0
     return hilt
+
+
+# --- The log ----------------------------------------------------------------------------------
+
+
+def test_log_is_written_to_stderr_only_when_it_is_wanted(taught: Hilt):
+    """With --verbose it has what was asked of the store, what was looked for, and times."""
+    quiet = taught("do", "pass me something used for cutting", "--no-sim", "--json")
+    assert quiet.err == ""
+
+    loud = taught("do", "--verbose", "pass me something used for cutting", "--no-sim", "--json")
+
+    assert loud.document["said"] == "I would pass the knife by the blade."
+    assert "hilt.kb.stores.oxigraph: query SELECT" in loud.err
+    assert "hilt.agent.execution.perception: look for object:knife [" in loud.err
+    assert re.search(r"hilt\.agent\.config: open the knowledge base .* \[[\d.]+ ms\]", loud.err)
+    assert not logging.getLogger("hilt").handlers
 
 
 # --- Contracts -----------------------------------------------------------------------------

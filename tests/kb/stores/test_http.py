@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable
 
 import httpx
@@ -159,6 +160,22 @@ def test_scheme_is_the_one_that_the_server_asks_for(scheme: str):
     assert [served.post().body for _ in range(2)] == [b"in", b"in"]
     assert "authorization" not in served.requests[0].headers
     assert "authorization" in served.requests[-1].headers
+
+
+@pytest.mark.parametrize("login", [{"user": "sam", "password": "s3cret"}, {"token": "s3cret"}])
+def test_log_has_the_query_and_no_secret(login: dict[str, str], caplog: pytest.LogCaptureFixture):
+    """What is asked and how long it took can be shown to anybody."""
+    caplog.set_level(logging.DEBUG, logger="hilt")
+    challenge = {"WWW-Authenticate": 'Basic realm="r"'}
+    answers = in_turn(httpx.Response(401, headers=challenge), httpx.Response(200))
+    if "token" in login:
+        answers = in_turn(httpx.Response(200))
+
+    Served(answers, EndpointConfig("http://h/query", "", **login)).post()
+
+    (message,) = (one.getMessage() for one in caplog.records if one.name.startswith("hilt"))
+    assert message.startswith("request http://h/query ASK {}")
+    assert "s3cret" not in caplog.text
 
 
 def test_token_is_sent_as_bearer():

@@ -1,0 +1,41 @@
+"""Log messages with times, and without credentials.
+
+Each module that logs has the standard logger of its name (`hilt.kb.stores.oxigraph`). All messages
+are of level DEBUG, so that nothing is printed unless a handler is attached to `hilt` or below.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Generator
+from contextlib import contextmanager
+from logging import DEBUG, Logger
+from time import perf_counter
+
+MOST_CHARACTERS = 500  # of a message
+_CREDENTIALS = re.compile(r"//[^\s<>\"]*@")  # of an address: //name:password@
+_COMMENTS = re.compile(r"^\s*#.*$", re.MULTILINE)  # of SPARQL
+
+
+@contextmanager
+def timed(log: Logger, doing: str, *details: object) -> Generator[None]:
+    """Log what the block does, with its details, when it ends, and how long it took [ms]."""
+    if not log.isEnabledFor(DEBUG):
+        yield
+        return
+    started = perf_counter()
+    try:
+        yield
+    finally:
+        took = 1000 * (perf_counter() - started)
+        log.debug("%s [%.1f ms]", shown(doing % details), took)
+
+
+def shown(text: str) -> str:
+    """Return a text on one line for a log: not too long, addresses without credentials.
+
+    >>> shown("open http://anna:secret@host/kb")
+    'open http://***@host/kb'
+    """
+    line = _CREDENTIALS.sub("//***@", " ".join(_COMMENTS.sub("", text).split()))
+    return line if len(line) <= MOST_CHARACTERS else f"{line[: MOST_CHARACTERS - 3]}..."
