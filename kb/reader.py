@@ -64,7 +64,7 @@ class RuleReader:
     def rules(
         self,
         *,
-        object: str | None = None,  # noqa: A002 - the name that it has everywhere
+        object: str | None = None,
         affordance: str | None = None,
         context: str | None = None,
         part: str | None = None,

@@ -38,7 +38,7 @@ class RuleView:
     def rules(
         self,
         *,
-        object: str | None = None,  # noqa: A002 - the name that it has everywhere
+        object: str | None = None,
         affordance: str | None = None,
         context: str | None = None,
         part: str | None = None,

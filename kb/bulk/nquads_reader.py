@@ -83,11 +83,7 @@ class RuleBlock(NamedTuple):
 
 
 def read_groups(
-    stream: BinaryIO,
-    *,
-    format: str,  # noqa: A002
-    source: str,
-    default: Iri,
+    stream: BinaryIO, *, format: str, source: str, default: Iri
 ) -> Iterator[Statements]:
     """Iterate over the statements of an RDF text, those about one subject together.
 
@@ -134,7 +130,7 @@ def complete_lines(rest: bytes, chunk: bytes) -> tuple[list[str], bytes]:
 class LineReader:
     """Reads a text in chunks of bytes and groups the statements of its lines by their subject."""
 
-    def __init__(self, *, format: str, source: str, default: Iri) -> None:  # noqa: A002
+    def __init__(self, *, format: str, source: str, default: Iri) -> None:
         """Start a text in N-Quads or N-Triples; arguments as for `read_groups`."""
         from ..stores.rdf_text import read_line
 

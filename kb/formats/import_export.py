@@ -35,7 +35,7 @@ def export_file(
     base: KnowledgeBase,
     file: str | Path,
     *,
-    format: str | None = None,  # noqa: A002
+    format: str | None = None,
     rules_only: bool = False,
     progress: Progress | None = None,
 ) -> int:
@@ -60,7 +60,7 @@ def write_base(
     base: KnowledgeBase,
     stream: BinaryIO,
     *,
-    format: str,  # noqa: A002
+    format: str,
     rules_only: bool = False,
     progress: Progress | None = None,
 ) -> int:
@@ -83,7 +83,7 @@ def import_file(
     base: KnowledgeBase,
     file: str | Path,
     *,
-    format: str | None = None,  # noqa: A002
+    format: str | None = None,
     dry_run: bool = False,
     progress: Progress | None = None,
 ) -> ImportSummary:
@@ -105,7 +105,7 @@ def import_file(
         return _import(base, source, chosen, dry_run=dry_run)
 
 
-def read_file(file: str | Path, *, format: str | None = None) -> Store:  # noqa: A002
+def read_file(file: str | Path, *, format: str | None = None) -> Store:
     """Read a file into a store of its own, unchecked; `validation.findings` checks it.
 
     Raises:

@@ -60,7 +60,7 @@ class Store(Protocol):
         self,
         subject: Iri | None = None,
         predicate: Iri | None = None,
-        object: Term | None = None,  # noqa: A002 - the name RDF gives it
+        object: Term | None = None,
         graph: Iri | None = None,
     ) -> Iterator[Quad]:
         """All statements that match, in any order; None matches everything."""

@@ -36,11 +36,7 @@ _NOT_IN_XML = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\ufffe\uffff]")
 
 
 def read_rdf(
-    stream: BinaryIO,
-    *,
-    format: str,  # noqa: A002
-    source: str,
-    default: Iri,
+    stream: BinaryIO, *, format: str, source: str, default: Iri
 ) -> Iterator[Quad | ReifyingTriple]:
     """The statements of an RDF text, one after the other as they are parsed.
 
@@ -58,12 +54,7 @@ def read_rdf(
 
 
 def read_line(
-    line: str,
-    *,
-    format: str,  # noqa: A002
-    source: str,
-    default: Iri,
-    number: int,
+    line: str, *, format: str, source: str, default: Iri, number: int
 ) -> list[Quad | ReifyingTriple]:
     """The statements of the `number`th line of N-Quads or N-Triples; otherwise as `read_rdf`."""
     try:
@@ -74,19 +65,19 @@ def read_line(
         raise syntax_error(error, source, line, number) from error
 
 
-def line_format(format: str) -> str:  # noqa: A002
+def line_format(format: str) -> str:
     """The line-based format that holds what an RDF format holds: "nquads" or "ntriples"."""
     if format in _LINE_FORMATS:
         return format
     return "nquads" if has_graphs(format) else "ntriples"
 
 
-def has_graphs(format: str) -> bool:  # noqa: A002
+def has_graphs(format: str) -> bool:
     """Whether an RDF format can name graphs."""
     return RDF_FORMATS[format].supports_datasets
 
 
-def read_lines(stream: BinaryIO, *, format: str, source: str) -> Iterator[bytes]:  # noqa: A002
+def read_lines(stream: BinaryIO, *, format: str, source: str) -> Iterator[bytes]:
     """Chunks of an RDF text in its `line_format`; arguments and errors as for `read_rdf`."""
     chosen = RDF_FORMATS[format]
     if format in _LINE_FORMATS:
@@ -117,7 +108,7 @@ def graph_statements(store: Store, graph: Iri, *, is_sorted: bool) -> Iterable[E
     return sorted(found, key=_order) if is_sorted else found
 
 
-def write_rdf(quads: Iterable[Quad], *, format: str) -> bytes:  # noqa: A002
+def write_rdf(quads: Iterable[Quad], *, format: str) -> bytes:
     """Statements as RDF text in UTF-8 in one of `RDF_FORMATS`, without graphs where it has none."""
     statements, stream = [quad_to_engine(quad) for quad in quads], io.BytesIO()
     plain = cast(bytes, engine.serialize(statements, format=engine.RdfFormat.N_QUADS)).decode()
@@ -130,7 +121,7 @@ def write_rdf_to(
     statements: Iterable[EngineQuad],
     stream: BinaryIO,
     *,
-    format: str,  # noqa: A002
+    format: str,
     prefixes: Mapping[str, str] = PREFIXES,
 ) -> None:
     """Write statements of pyoxigraph as RDF text into a stream; as `write_rdf` otherwise.

@@ -98,7 +98,7 @@ class RemoteStore:
         self,
         subject: Iri | None = None,
         predicate: Iri | None = None,
-        object: Term | None = None,  # noqa: A002 - the name RDF gives it
+        object: Term | None = None,
         graph: Iri | None = None,
     ) -> Iterator[Quad]:
         """All statements that match."""

@@ -21,7 +21,7 @@ _ILLEGAL_IN_XML = dict.fromkeys(
 )
 
 
-def write_result(found: QueryResult, format: str) -> str:  # noqa: A002
+def write_result(found: QueryResult, format: str) -> str:
     """The document of a query result in one of `FORMATS`; QueryError if that cannot hold it."""
     if format not in FORMATS:
         raise QueryError(f'There is no result format "{format}". Known: {", ".join(FORMATS)}.')

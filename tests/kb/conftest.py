@@ -45,12 +45,7 @@ def ticking() -> Callable[[], datetime]:
 
 
 def import_text(
-    base: KnowledgeBase,
-    data: bytes,
-    *,
-    format: str,  # noqa: A002
-    source: str = "text",
-    dry_run: bool = False,
+    base: KnowledgeBase, data: bytes, *, format: str, source: str = "text", dry_run: bool = False
 ) -> ImportSummary:
     """Import a file of a name with some content."""
     with TemporaryDirectory() as folder:

@@ -80,7 +80,7 @@ def test_long_table_says_that_there_is_more(taught: Hilt):
     ("format", "begins"),
     [("csv", "object\r\n"), ("tsv", "?object\n"), ("xml", "<?xml"), ("json", "{")],
 )
-def test_rows_come_in_every_format(taught: Hilt, format: str, begins: str):  # noqa: A002
+def test_rows_come_in_every_format(taught: Hilt, format: str, begins: str):
     """And nothing else is on stdout."""
     assert taught("query", USES, "--format", format).out.startswith(begins)
     assert taught.code == 0

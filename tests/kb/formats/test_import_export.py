@@ -43,7 +43,7 @@ def fresh() -> KnowledgeBase:
     return KnowledgeBase(open_store("memory:"), clock=ticking())
 
 
-def written(base: KnowledgeBase, format: str) -> bytes:  # noqa: A002
+def written(base: KnowledgeBase, format: str) -> bytes:
     """The export of a base."""
     stream = io.BytesIO()
     write_base(base, stream, format=format)
@@ -59,7 +59,7 @@ def whole(base: KnowledgeBase) -> list[object]:
 
 
 @pytest.mark.parametrize("format", ["trig", "nquads"])
-def test_whole_base_comes_back(paper: KnowledgeBase, format: str):  # noqa: A002
+def test_whole_base_comes_back(paper: KnowledgeBase, format: str):
     """Rules, history, trust, domain and episodes, with their numbers."""
     paper.load_domain(load_objects(), load_actions())
     paper.set_trust("sam", 0.9)
@@ -76,7 +76,7 @@ def test_whole_base_comes_back(paper: KnowledgeBase, format: str):  # noqa: A002
 @pytest.mark.parametrize("format", ["turtle", "ntriples", "trig", "nquads"])
 @settings(max_examples=10, deadline=None)
 @given(taught=st.lists(rules, max_size=4))
-def test_rules_come_back_from_every_format(format: str, taught: list[Rule]):  # noqa: A002
+def test_rules_come_back_from_every_format(format: str, taught: list[Rule]):
     """A fresh base that reads an export knows the same rules, sources included."""
     base, again = fresh(), fresh()
     teach(base, *taught)
@@ -89,11 +89,7 @@ def test_rules_come_back_from_every_format(format: str, taught: list[Rule]):  # 
 
 
 @pytest.mark.parametrize(("format", "reader"), [("turtle", "turtle"), ("ntriples", "nt")])
-def test_another_library_reads_the_same_graph(
-    paper: KnowledgeBase,
-    format: str,  # noqa: A002
-    reader: str,
-):
+def test_another_library_reads_the_same_graph(paper: KnowledgeBase, format: str, reader: str):
     """Rdflib reads what is written, and its own Turtle of it is read back."""
     graph = Graph().parse(data=written(paper, format), format=reader)
     again = fresh()
@@ -232,10 +228,7 @@ def test_invalid_file_changes_nothing(kb: KnowledgeBase, old: str, new: str, sai
     ],
 )
 def test_unreadable_text_is_told_with_its_place(
-    kb: KnowledgeBase,
-    text: bytes,
-    format: str,  # noqa: A002
-    said: str,
+    kb: KnowledgeBase, text: bytes, format: str, said: str
 ):
     """Source, line and column."""
     with pytest.raises(DataError, match=said):

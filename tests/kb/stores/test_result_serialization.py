@@ -29,7 +29,7 @@ ROWS = SelectResult(
 
 
 @pytest.mark.parametrize("format", ["json", "xml", "tsv"])
-def test_rows_are_read_back(format: str):  # noqa: A002
+def test_rows_are_read_back(format: str):
     """What another library reads is what was written."""
     found = Result.parse(io.BytesIO(write_result(ROWS, format).encode()), format=format)
 
