@@ -30,13 +30,14 @@ from .outcome import (
     Constraint,
     Decision,
     FailedAttempt,
+    Failure,
     GoalResult,
     WalkStep,
     WorldOutcome,
 )
 from .perception import percept_as_observation
 from .primitives import PrimitiveExecutor, PrimitiveTask
-from .request import PATIENT, Argument, Request, named, review_arguments
+from .request import PATIENT, Argument, Arguments, Request, named, review_arguments
 
 GRASP = "graspObject"
 WORTH_TRYING = ("accepted", "unsure")  # verdicts of candidates that may be tried instead
@@ -134,7 +135,7 @@ class TreeExecutor:
 
     # --- The four operations ---------------------------------------------------------------
 
-    def visit(self, node: str, arguments: Mapping[str, Argument]) -> AnswerContent | None:
+    def visit(self, node: str, arguments: Arguments) -> Failure:
         """Perform the four operations at a node, then its steps; return the failure, if any."""
         try:
             self._context.interruption.wait()
@@ -171,7 +172,7 @@ class TreeExecutor:
         for watcher in self._context.watchers:
             watcher(step)
 
-    def _goal(self, arguments: Mapping[str, Argument]) -> Goal:
+    def _goal(self, arguments: Arguments) -> Goal:
         """The goal at this node: about the object already found, or the one to look for."""
         target = self._target(arguments)
         if target in self._found:
@@ -179,12 +180,12 @@ class TreeExecutor:
             target = Target(object=found, material=target.material)
         return Goal(self._request.action, target, self._request.contexts)
 
-    def _target(self, arguments: Mapping[str, Argument]) -> Target:
+    def _target(self, arguments: Arguments) -> Target:
         targets = [value for value in arguments.values() if isinstance(value, Target)]
         return (targets or list(self._found) or [Target()])[-1]
 
     def _search(
-        self, node: str, features: Sequence[Atom], arguments: Mapping[str, Argument]
+        self, node: str, features: Sequence[Atom], arguments: Arguments
     ) -> Sequence[Percept]:
         if not features:
             return ()
@@ -196,18 +197,14 @@ class TreeExecutor:
             return [each for each in percepts if each.name not in tried]
         return [each for each in percepts if found is None or each.name == found.percept.name]
 
-    def _excluded(self, arguments: Mapping[str, Argument]) -> Collection[str]:
+    def _excluded(self, arguments: Arguments) -> Collection[str]:
         """The objects that were chosen before; what a tool is used on may be the same again."""
         is_patient = self._target(arguments) == self._patient
         return () if is_patient else self._request.excluded
 
     def _act(
-        self,
-        node: str,
-        arguments: Mapping[str, Argument],
-        percepts: Sequence[Percept],
-        inference: Inference,
-    ) -> AnswerContent | None:
+        self, node: str, arguments: Arguments, percepts: Sequence[Percept], inference: Inference
+    ) -> Failure:
         action, target = _action(node), self._target(arguments)
         if action == FIND:
             return self._find(node, arguments, percepts, inference)
@@ -241,9 +238,7 @@ class TreeExecutor:
 
     # --- Trees: steps, loops, conditions and branches ----------------------------------------
 
-    def _walk_tree(
-        self, node: str, tree: ActionTree, arguments: Mapping[str, Argument]
-    ) -> AnswerContent | None:
+    def _walk_tree(self, node: str, tree: ActionTree, arguments: Arguments) -> Failure:
         unmet = (self._unmet_condition(each, arguments) for each in tree.requires)
         failure = next(filter(None, unmet), None) or self._walk_steps(node, tree.steps, arguments)
         tries = [branch.again for branch in tree.otherwise]
@@ -265,9 +260,9 @@ class TreeExecutor:
         self,
         node: str,
         steps: Sequence[TreeStep | Loop],
-        arguments: Mapping[str, Argument],
+        arguments: Arguments,
         failure: AnswerContent,
-    ) -> AnswerContent | None:
+    ) -> Failure:
         """Carry out other steps; a tree that contains this one goes on, a command has failed."""
         if self._primitives is None or self._walk_steps(node, steps, arguments):
             return failure
@@ -281,11 +276,7 @@ class TreeExecutor:
             self._setbacks.append(failure)
 
     def _branch(
-        self,
-        tree: ActionTree,
-        failure: AnswerContent,
-        arguments: Mapping[str, Argument],
-        tries: Sequence[int],
+        self, tree: ActionTree, failure: AnswerContent, arguments: Arguments, tries: Sequence[int]
     ) -> int | None:
         if failure.cause in {outcome_answer.INTERRUPTED, outcome_answer.FORBIDDEN}:
             return None
@@ -310,9 +301,7 @@ class TreeExecutor:
             found = self._found.pop(argument)
             self._rejected[found.percept.name] = FailedAttempt(found.candidate, failure.cause)
 
-    def _unmet_condition(
-        self, condition: Precondition, arguments: Mapping[str, Argument]
-    ) -> AnswerContent | None:
+    def _unmet_condition(self, condition: Precondition, arguments: Arguments) -> Failure:
         argument = _value(condition.parameter, arguments)
         if condition.property:
             return self._unmet_property(condition, argument)
@@ -321,7 +310,7 @@ class TreeExecutor:
             return None
         return outcome_answer.required(condition, named(argument) or "thing")
 
-    def _unmet_property(self, condition: Precondition, argument: Argument) -> AnswerContent | None:
+    def _unmet_property(self, condition: Precondition, argument: Argument) -> Failure:
         prop, name = condition.property or "", named(argument) or "thing"
         told = self._request.contexts.get(Atom("property", prop))
         seen = self._context.vision.search([f"property:{prop}"]) if told is None else ()
@@ -339,8 +328,8 @@ class TreeExecutor:
         return found is not None and holding == found.percept.name
 
     def _walk_steps(
-        self, node: str, steps: Sequence[TreeStep | Loop], arguments: Mapping[str, Argument]
-    ) -> AnswerContent | None:
+        self, node: str, steps: Sequence[TreeStep | Loop], arguments: Arguments
+    ) -> Failure:
         for step in steps:
             if isinstance(step, Loop):
                 failure = self._repeat(node, step, arguments)
@@ -350,9 +339,7 @@ class TreeExecutor:
                 return failure
         return None
 
-    def _visit_step(
-        self, node: str, step: TreeStep, arguments: Mapping[str, Argument]
-    ) -> AnswerContent | None:
+    def _visit_step(self, node: str, step: TreeStep, arguments: Arguments) -> Failure:
         before, passed = (self._part, self._patient), self._passed(step, arguments)
         self._part = step.part or self._part
         self._patient = passed.get(PATIENT, self._patient)
@@ -360,9 +347,7 @@ class TreeExecutor:
         self._part, self._patient = before
         return failure
 
-    def _repeat(
-        self, node: str, loop: Loop, arguments: Mapping[str, Argument]
-    ) -> AnswerContent | None:
+    def _repeat(self, node: str, loop: Loop, arguments: Arguments) -> Failure:
         # Without a robot nothing can be sensed: one pass shows what would be done.
         for _ in range(loop.times if self._primitives else 1):
             failure = self._walk_steps(node, loop.steps, arguments)
@@ -372,7 +357,7 @@ class TreeExecutor:
                 return None
         return self._primitives.not_sensed(loop.until) if self._primitives and loop.until else None
 
-    def _passed(self, step: TreeStep, arguments: Mapping[str, Argument]) -> dict[str, Argument]:
+    def _passed(self, step: TreeStep, arguments: Arguments) -> dict[str, Argument]:
         passed = {name: _value(each, arguments) for name, each in step.arguments.items()}
         if step.action in self._context.actions.trees:
             return review_arguments(
@@ -383,12 +368,8 @@ class TreeExecutor:
     # --- Choosing ----------------------------------------------------------------------------
 
     def _find(
-        self,
-        node: str,
-        arguments: Mapping[str, Argument],
-        percepts: Sequence[Percept],
-        inference: Inference,
-    ) -> AnswerContent | None:
+        self, node: str, arguments: Arguments, percepts: Sequence[Percept], inference: Inference
+    ) -> Failure:
         target = self._target(arguments)
         inference, refusal = self._without_forbidden(node, target, percepts, inference)
         patient = self._patient
@@ -417,7 +398,7 @@ class TreeExecutor:
 
     def _without_forbidden(
         self, node: str, target: Target, percepts: Sequence[Percept], inference: Inference
-    ) -> tuple[Inference, AnswerContent | None]:
+    ) -> tuple[Inference, Failure]:
         """Return the inference without objects that must not be taken, or why none may be."""
         seen = {each.name: each for each in percepts}
         refusals: list[AnswerContent] = []
@@ -443,7 +424,7 @@ class TreeExecutor:
 
     def _permitted_part(
         self, node: str, target: Target, percept: Percept, part: str | None, inference: Inference
-    ) -> tuple[str | None, AnswerContent | None]:
+    ) -> tuple[str | None, Failure]:
         """Return the part to hold by under the norms, another one if they forbid the chosen one."""
         norms = self._norms
         known = self._allowed_parts(percept, inference)
@@ -460,9 +441,7 @@ class TreeExecutor:
                 return each, None
         return None, refusal
 
-    def _choose_part(
-        self, percept: Percept, inference: Inference
-    ) -> tuple[str | None, AnswerContent | None]:
+    def _choose_part(self, percept: Percept, inference: Inference) -> tuple[str | None, Failure]:
         decision = replace(self.decision, part=inference) if self.decision else None
         self.decision = decision
         chosen = decision.chosen_part if decision else None
@@ -486,9 +465,7 @@ class TreeExecutor:
         is_tool = self._patient is not None
         return self._context.grips.get(percept.object) if is_tool else None, None
 
-    def _objection(
-        self, percept: Percept, inference: Inference, chosen: str | None
-    ) -> AnswerContent | None:
+    def _objection(self, percept: Percept, inference: Inference, chosen: str | None) -> Failure:
         """Return why the part that follows is not taken: a guess, forbidden, or in doubt."""
         best, context, kind = inference.best, self._context, percept.object
         if best and outcome_answer.is_guess(best) and not self._part:
@@ -536,7 +513,7 @@ class TreeExecutor:
         return fitting[0] if fitting else name
 
 
-def _value(given: str | DescribedObject, arguments: Mapping[str, Argument]) -> Argument:
+def _value(given: str | DescribedObject, arguments: Arguments) -> Argument:
     match given:
         case DescribedObject():
             return Target(**vars(given))

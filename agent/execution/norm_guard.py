@@ -6,7 +6,7 @@ is begun that must not be ended; every node is checked again when it is reached.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
 from ...inference.node_rules import GRASP
@@ -16,9 +16,9 @@ from ...kb.interval import CERTAIN
 from ...kb.rule import GRASP_OBJECT, Atom
 from ...ontology.actions import Actions, iterate_steps
 from ...sim.vision.percept import Percept
-from .outcome import AnswerContent
+from .outcome import AnswerContent, Failure
 from .outcome_answer import FORBIDDEN
-from .request import PATIENT, TOOL, Argument, Request, named
+from .request import PATIENT, TOOL, Arguments, Request, named
 
 USE = "use"  # what is done with a tool, whatever for
 _RECIPIENT = "recipient"
@@ -49,11 +49,11 @@ class NormGuard:
         self._actions, self._request = actions, request
         self._done, self._holding = done, holding
         self._recipients: dict[str, str] = {}  # path of a node -> to whom something is given there
-        self._arguments: Mapping[str, Argument] = {}
+        self._arguments: Arguments = {}
         self._part = request.part  # what the object is held by, or is to be
         self.verdicts: list[NormVerdict] = []
 
-    def enter(self, node: str, arguments: Mapping[str, Argument]) -> AnswerContent | None:
+    def enter(self, node: str, arguments: Arguments) -> Failure:
         """Take note of the arguments of a node; return why the command must not be obeyed at all.
 
         That is told before anything is looked for, by what the command itself names.
@@ -79,7 +79,7 @@ class NormGuard:
         """Take note that an action was done with an object of this type."""
         self._done.append((action, name))
 
-    def of_object(self, node: str, target: Target, percept: Percept) -> AnswerContent | None:
+    def of_object(self, node: str, target: Target, percept: Percept) -> Failure:
         """Return why an object must not be taken for what the tree is going to do with it."""
         actions = (*self._ahead(target), *Actions.contexts(node))
         act = self._seen(node, actions, target, percept)
@@ -87,7 +87,7 @@ class NormGuard:
 
     def of_step(
         self, node: str, target: Target, percept: Percept | None, part: str | None = None
-    ) -> AnswerContent | None:
+    ) -> Failure:
         """Return why a step must not be done with the object that was found, by a part."""
         action = node.rsplit("/", 1)[-1]
         grasping = (GRASP,) if action == GRASP_OBJECT else ()
@@ -140,7 +140,7 @@ class NormGuard:
                     yield from self._done_with(step.action, name)
         yield action
 
-    def _refused(self, act: Act, *, is_named: bool = False) -> AnswerContent | None:
+    def _refused(self, act: Act, *, is_named: bool = False) -> Failure:
         """Return why an act is forbidden, or asks what is not seen (not if it `is_named` only)."""
         verdict = self._checker.judge(act)
         if verdict != ALLOWED and verdict not in self.verdicts:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Literal, TypeAlias
 
 from ...inference.norms import NormVerdict
 from ...inference.proof import Proof
@@ -35,6 +35,9 @@ class AnswerContent:
     slots: Mapping[str, Slot] = field(default_factory=dict[str, Slot])
     ending: Ending = "done"
     cause: str = ""
+
+
+Failure: TypeAlias = "AnswerContent | None"  # the answer to what failed, None where nothing did
 
 
 @dataclass(frozen=True)

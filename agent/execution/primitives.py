@@ -10,15 +10,14 @@ import logging
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 
-from ...inference.types import Target
 from ...ontology.logs import timed
 from ...sim.manipulation.motion_report import MotionReport
 from ...sim.vision.percept import Percept
 from ..protocols import ExtraPrimitives, Motion, ReleasingMotion, Vision
 from . import outcome_answer
 from .grasp_log import GraspLog
-from .outcome import AnswerContent, Constraint, WorldOutcome
-from .request import named
+from .outcome import AnswerContent, Constraint, Failure, WorldOutcome
+from .request import Arguments, named
 
 _logger = logging.getLogger(__name__)
 
@@ -48,7 +47,7 @@ class PrimitiveTask:
     """
 
     action: str
-    arguments: Mapping[str, Target | str]
+    arguments: Arguments
     percept: Percept | None
     part: str | None = None
     constraint: Constraint | None = None
@@ -79,7 +78,7 @@ class PrimitiveExecutor:
         self._motion, self._vision = motion, vision
         self._part: str | None = None
         self._depth_before_mm = 0.0
-        self._primitives: Mapping[str, Callable[[PrimitiveTask], AnswerContent | None]] = {
+        self._primitives: Mapping[str, Callable[[PrimitiveTask], Failure]] = {
             "graspObject": self._grasp,
             "moveTo": self._move_to,
             "handOver": self._hand_over,
@@ -90,7 +89,7 @@ class PrimitiveExecutor:
             **dict.fromkeys(EMPTYING, self._empty_hand),
         }
 
-    def perform(self, task: PrimitiveTask) -> AnswerContent | None:
+    def perform(self, task: PrimitiveTask) -> Failure:
         """Perform a primitive; return the failure, if any."""
         with timed(_logger, "perform %s", task.action):
             return self._primitives.get(task.action, self._skill)(task)
@@ -101,7 +100,7 @@ class PrimitiveExecutor:
             return self._not_driven("not_driven")
         return outcome_answer.failed(f"not {event}", self.tool or "thing", "not_driven")
 
-    def _grasp(self, task: PrimitiveTask) -> AnswerContent | None:
+    def _grasp(self, task: PrimitiveTask) -> Failure:
         if task.percept is None:
             return AnswerContent("nothing_seen", {"object": "thing"}, "failed", "nothing_seen")
         self._part = task.part
@@ -111,7 +110,7 @@ class PrimitiveExecutor:
         self.holding = task.percept.name if report.ok else None
         return None if report.ok else self._failed(report.reason, task)
 
-    def _move_to(self, task: PrimitiveTask) -> AnswerContent | None:
+    def _move_to(self, task: PrimitiveTask) -> Failure:
         report = self._motion.lift()
         self.grasps.follow(report)
         self.world = replace(
@@ -123,13 +122,13 @@ class PrimitiveExecutor:
         )
         return None if report.ok else self._failed(report.reason, task)
 
-    def _hand_over(self, task: PrimitiveTask) -> AnswerContent | None:
+    def _hand_over(self, task: PrimitiveTask) -> Failure:
         report = self._motion.hand_over()
         self.grasps.follow(report, is_offered=True)
         self.world = replace(self.world, handed_over=report.ok, handed_over_at=report.at)
         return None if report.ok else self._failed(report.reason, task)
 
-    def _empty_hand(self, task: PrimitiveTask) -> AnswerContent | None:
+    def _empty_hand(self, task: PrimitiveTask) -> Failure:
         failure = empty_hand(self._motion, task.action, named(task.arguments.get("object")))
         # To point at something the robot puts down what it holds, so that it is down already.
         is_down = failure.key == "nothing_held" and self.holding is not None
@@ -139,14 +138,14 @@ class PrimitiveExecutor:
         self.world = replace(self.world, executed=True)
         return None
 
-    def _point_at(self, task: PrimitiveTask) -> AnswerContent | None:
+    def _point_at(self, task: PrimitiveTask) -> Failure:
         if task.percept is None:
             return AnswerContent("nothing_seen", {"object": "thing"}, "failed", "nothing_seen")
         report = self._motion.point_at(task.percept)
         self.world = replace(self.world, executed=True)
         return None if report.ok else self._failed(report.reason, task)
 
-    def _move_above(self, task: PrimitiveTask) -> AnswerContent | None:
+    def _move_above(self, task: PrimitiveTask) -> Failure:
         name = named(task.arguments.get("patient"))
         seen = self._vision.search([f"object:{name}"])
         if not seen:
@@ -157,7 +156,7 @@ class PrimitiveExecutor:
         self._depth_before_mm = report.depth_m * MM
         return self._struck(report)
 
-    def _skill(self, task: PrimitiveTask) -> AnswerContent | None:
+    def _skill(self, task: PrimitiveTask) -> Failure:
         motion = self._motion
         if not isinstance(motion, ExtraPrimitives):
             slots = {"goal": task.action, "object": self.tool or "thing", "ability": task.action}
@@ -174,7 +173,7 @@ class PrimitiveExecutor:
         seen = self._vision.search([f"object:{name}"])
         return seen[0] if seen else name
 
-    def _struck(self, report: MotionReport) -> AnswerContent | None:
+    def _struck(self, report: MotionReport) -> Failure:
         self.grasps.follow(report)
         depth_mm = report.depth_m * MM
         self.world = replace(

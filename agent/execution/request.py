@@ -12,6 +12,7 @@ from ...ontology.actions import Actions, ArgumentByAffordance
 from .outcome import GoalResult
 
 Argument = Target | str
+Arguments = Mapping[str, Argument]  # by the name of the parameter
 TOOL, PATIENT = "tool", "patient"
 
 
@@ -37,7 +38,7 @@ class Request:
     """
 
     action: str
-    arguments: Mapping[str, Argument]
+    arguments: Arguments
     speaker: str
     part: str | None = None
     contexts: Mapping[Atom, Interval] = field(default_factory=dict[Atom, Interval])
@@ -112,9 +113,7 @@ def review_arguments(actions: Actions, tree: str, request: Request) -> dict[str,
     return arguments
 
 
-def _default(
-    default: str | ArgumentByAffordance, arguments: Mapping[str, Argument], speaker: str
-) -> Argument:
+def _default(default: str | ArgumentByAffordance, arguments: Arguments, speaker: str) -> Argument:
     if not isinstance(default, ArgumentByAffordance):
         return speaker
     argument = Atom.parse(default.argument) if default.argument else None
