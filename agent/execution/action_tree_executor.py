@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 from ...inference.affordance import Affordances
 from ...inference.node_rules import FIND, acting_for
@@ -114,7 +115,7 @@ class TreeExecutor:
         self.decision: Decision | None = None
         self._steps: list[WalkStep] = []
         self._setbacks: list[AnswerContent] = []
-        self._found: dict[Target, FoundObject] = {}
+        self._found: dict[Argument | None, FoundObject] = {}
         self._rejected: dict[str, FailedAttempt] = {}
         # What the command or the step names: the part, and what a tool is used on.
         self._part, self._patient = request.part, request.arguments.get(PATIENT)
@@ -130,7 +131,7 @@ class TreeExecutor:
 
     def name(self, argument: Argument | None) -> str:
         """Return the kind of the object that was found for an argument, or that it names."""
-        found = self._found.get(argument) if isinstance(argument, Target) else None
+        found = self._found.get(argument)
         return found.percept.object if found else named(argument) or "thing"
 
     # --- The four operations ---------------------------------------------------------------
@@ -158,7 +159,7 @@ class TreeExecutor:
         index = len(self._steps)
         self._steps.append(_step(node, features, percepts, inference))
         self._notify(self._steps[index])
-        failure = self._act(node, arguments, percepts, inference)
+        failure = self._act(arguments, percepts, inference)
         is_done = _action(node) == FIND or self._primitives
         did = "executed" if is_done else "not executed"
         did = "walked" if _action(node) in self._context.actions.trees else did
@@ -181,8 +182,8 @@ class TreeExecutor:
         return Goal(self._request.action, target, self._request.contexts)
 
     def _target(self, arguments: Arguments) -> Target:
-        targets = [value for value in arguments.values() if isinstance(value, Target)]
-        return (targets or list(self._found) or [Target()])[-1]
+        known = (*self._found, *arguments.values())
+        return next((each for each in reversed(known) if isinstance(each, Target)), Target())
 
     def _search(
         self, node: str, features: Sequence[Atom], arguments: Arguments
@@ -202,23 +203,18 @@ class TreeExecutor:
         is_patient = self._target(arguments) == self._patient
         return () if is_patient else self._request.excluded
 
-    def _act(
-        self, node: str, arguments: Arguments, percepts: Sequence[Percept], inference: Inference
-    ) -> Failure:
-        action, target = _action(node), self._target(arguments)
+    def _act(self, arguments: Arguments, seen: Sequence[Percept], inference: Inference) -> Failure:
+        node, target = inference.node, self._target(arguments)
+        action = _action(node)
         if action == FIND:
-            return self._find(node, arguments, percepts, inference)
+            return self._find(arguments, seen, inference)
         found = self._found.get(target)
-        part = None
-        if action == GRASP and found:
-            part, failure = self._obliged_part(node, target, found.percept, inference), None
-            if part is None:
-                part, failure = self._choose_part(found.percept, inference)
-            if failure is None:
-                part, failure = self._permitted_part(node, target, found.percept, part, inference)
+        percept, part = found and found.percept, None
+        if action == GRASP and percept:
+            part, failure = self._part_to_hold(target, percept, inference)
             self._norms.hold_by(part)
         else:
-            failure = self._norms.of_step(node, target, found and found.percept)
+            failure = self._norms.of_step(node, target, percept)
         if failure:
             return failure
         if action in self._context.actions.trees:
@@ -228,9 +224,8 @@ class TreeExecutor:
         things = {
             parameter: self._found[value].percept
             for parameter, value in arguments.items()
-            if isinstance(value, Target) and value in self._found
+            if value in self._found
         }
-        percept = found.percept if found else None
         bound = Constraint.from_inference(inference)
         return self._primitives.perform(
             PrimitiveTask(action, arguments, percept, part, bound, things, acting_for(node))
@@ -289,7 +284,7 @@ class TreeExecutor:
         return None
 
     def _others(self, argument: Argument) -> list[Candidate]:
-        found = self._found.get(argument) if isinstance(argument, Target) else None
+        found = self._found.get(argument)
         if found is None:
             return []
         tried = {found.percept.name, *self._rejected}
@@ -297,8 +292,7 @@ class TreeExecutor:
         return [each for each in others if each.verdict in WORTH_TRYING]
 
     def _reject(self, argument: Argument, failure: AnswerContent) -> None:
-        if isinstance(argument, Target) and argument in self._found:
-            found = self._found.pop(argument)
+        if found := self._found.pop(argument, None):
             self._rejected[found.percept.name] = FailedAttempt(found.candidate, failure.cause)
 
     def _unmet_condition(self, condition: Precondition, arguments: Arguments) -> Failure:
@@ -323,7 +317,7 @@ class TreeExecutor:
     def _holds(self, condition: Precondition, argument: Argument | None) -> bool:
         if condition.kind == "sees":
             return bool(self._context.vision.search([f"object:{named(argument)}"]))
-        found = self._found.get(argument) if isinstance(argument, Target) else None
+        found = self._found.get(argument)
         holding = self._primitives.holding if self._primitives else None
         return found is not None and holding == found.percept.name
 
@@ -368,10 +362,10 @@ class TreeExecutor:
     # --- Choosing ----------------------------------------------------------------------------
 
     def _find(
-        self, node: str, arguments: Arguments, percepts: Sequence[Percept], inference: Inference
+        self, arguments: Arguments, percepts: Sequence[Percept], inference: Inference
     ) -> Failure:
         target = self._target(arguments)
-        inference, refusal = self._without_forbidden(node, target, percepts, inference)
+        inference, refusal = self._without_forbidden(target, percepts, inference)
         patient = self._patient
         if target != patient or self.decision is None:
             # The patient of a tool may be looked for too; the decision is about the tool.
@@ -397,49 +391,53 @@ class TreeExecutor:
         return None
 
     def _without_forbidden(
-        self, node: str, target: Target, percepts: Sequence[Percept], inference: Inference
+        self, target: Target, percepts: Sequence[Percept], inference: Inference
     ) -> tuple[Inference, Failure]:
         """Return the inference without objects that must not be taken, or why none may be."""
         seen = {each.name: each for each in percepts}
-        refusals: list[AnswerContent] = []
+        first: Failure = None
         for index, candidate in enumerate(inference.candidates):
             if not candidate.accepted:
                 break
-            refusal = self._norms.of_object(node, target, seen[candidate.name])
+            refusal = self._norms.of_object(inference.node, target, seen[candidate.name])
             if refusal is None:
-                allowed = replace(inference, candidates=inference.candidates[index:])
-                return (allowed if index else inference), None
-            refusals.append(refusal)
-        return inference, next(iter(refusals), None)
+                return replace(inference, candidates=inference.candidates[index:]), None
+            first = first or refusal
+        return inference, first
 
-    def _obliged_part(
-        self, node: str, target: Target, percept: Percept, inference: Inference
-    ) -> str | None:
-        wanted = () if self._part else self._norms.obliged_parts(node, target, percept)
+    def _part_to_hold(
+        self, target: Target, percept: Percept, inference: Inference
+    ) -> tuple[str | None, Failure]:
+        part, failure = self._obliged_part(target, percept, inference), None
+        if part is None:
+            part, failure = self._choose_part(percept, inference)
+        return (
+            (part, failure) if failure else self._permitted_part(target, percept, part, inference)
+        )
+
+    def _obliged_part(self, target: Target, percept: Percept, inference: Inference) -> str | None:
+        wanted = self._norms.obliged_parts(inference.node, target, percept)
         part = next((self._own_part(name, percept) for name in wanted), None)
-        if part is None or self._lacks(percept, part) or self.decision is None:
+        if self._part or part is None or self._lacks(percept, part) or self.decision is None:
             return None
         self.decision = replace(self.decision, part=inference, allowed_part=part)
         return part
 
     def _permitted_part(
-        self, node: str, target: Target, percept: Percept, part: str | None, inference: Inference
+        self, target: Target, percept: Percept, part: str | None, inference: Inference
     ) -> tuple[str | None, Failure]:
         """Return the part to hold by under the norms, another one if they forbid the chosen one."""
-        norms = self._norms
+        refusal_of = partial(self._norms.of_step, inference.node, target, percept)
         known = self._allowed_parts(percept, inference)
-        refusal = norms.of_step(node, target, percept, part)
+        refusal = refusal_of(part)
         if part is None:
-            refused = (norms.of_step(node, target, percept, each) for each in known)
-            refusal = refusal or next(filter(None, refused), None)
+            refusal = refusal or next(filter(None, map(refusal_of, known)), None)
         if refusal is None or self._part:
             return part, refusal
-        for each in known:
-            if norms.of_step(node, target, percept, each) is None:
-                if self.decision:
-                    self.decision = replace(self.decision, allowed_part=each)
-                return each, None
-        return None, refusal
+        allowed = next((each for each in known if refusal_of(each) is None), None)
+        if allowed and self.decision:
+            self.decision = replace(self.decision, allowed_part=allowed)
+        return allowed, None if allowed else refusal
 
     def _choose_part(self, percept: Percept, inference: Inference) -> tuple[str | None, Failure]:
         decision = replace(self.decision, part=inference) if self.decision else None
