@@ -7,7 +7,7 @@ PIP := $(BIN)/python -m pip -qq --disable-pip-version-check
 # The installed tree links to each file, so it is laid anew when files come or go.
 READY := .venv/.ready-$(shell find agent inference kb nlu ontology sim -type f ! -name '*.pyc' | LC_ALL=C sort | cksum | cut -d' ' -f1)
 
-.PHONY: demo test test-extras coverage lint format bench docs linkcheck lock clean
+.PHONY: demo test test-extras test-install coverage lint format bench docs linkcheck lock clean
 
 demo: $(READY)  ## the paper's running example: three sentences, a command, a knife passed by the blade
 	@$(BIN)/hilt demo
@@ -18,6 +18,9 @@ test: $(READY)  ## the whole test suite
 test-extras: $(READY) .venv/.extras  ## what `make test` skips: Ray with a killed node, and the comparisons with peers
 	@$(BIN)/pytest tests/agent/evaluation/runners/test_ray.py
 	@$(BIN)/pytest benchmarks -m peer -s
+
+test-install: $(READY)  ## the README from an empty machine: build, install, first hour, type checkers, removal
+	@$(BIN)/pytest -n 2 -m install tests/packaging
 
 coverage: $(READY)  ## line coverage of kb, inference and nlu, each at least 90 %
 	@$(BIN)/pytest -n auto --dist loadfile --cov --cov-report=
@@ -43,7 +46,6 @@ linkcheck: $(READY)  ## whether the links out of the site lead somewhere; needs 
 	@$(BIN)/sphinx-build -q -b linkcheck docs out/linkcheck
 
 lock: $(READY)  ## update requirements.lock from pyproject.toml
-	@$(PIP) install uv
 	@$(BIN)/uv pip compile --quiet --upgrade --universal --python-version 3.10 --extra all --extra dev --extra docs \
 		--no-emit-index-url --no-header pyproject.toml -o requirements.lock
 
