@@ -20,6 +20,7 @@ import shutil
 import sys
 import tempfile
 import time
+import weakref
 from pathlib import Path
 
 from ...ontology.errors import StoreError
@@ -98,51 +99,54 @@ class WriteAheadLogSync:
         self.changes = 0
 
 
-def new_snapshot_folder(folder: Path) -> Path:
-    """A new, empty folder for a snapshot of a folder."""
-    prefix = f"{os.getpid()}-"
-    try:
-        (folder / SNAPSHOTS).mkdir(exist_ok=True)
-        return Path(tempfile.mkdtemp(prefix=prefix, dir=folder / SNAPSHOTS))
-    except OSError:
-        return Path(tempfile.mkdtemp(prefix="hilt-"))
+class Snapshot:
+    """A new, empty folder for a snapshot, removed when nobody refers to it any more."""
+
+    def __init__(self, folder: Path | None) -> None:
+        """Make it inside the folder of a base, or among the temporary files."""
+        try:
+            place = folder / SNAPSHOTS if folder else None
+            if place:
+                place.mkdir(exist_ok=True)
+            name = tempfile.mkdtemp(prefix=f"{os.getpid()}-" if place else "hilt-", dir=place)
+        except OSError:
+            name = tempfile.mkdtemp(prefix="hilt-")
+        self.path = Path(name)
+        weakref.finalize(self, _remove_snapshot, self.path, os.getpid())
 
 
-def take_snapshot(folder: Path) -> Path:
+def take_snapshot(folder: Path) -> Snapshot:
     """A snapshot of a folder that another process writes to; StoreError if it never pauses."""
     try:
-        return _copy_until_consistent(folder, new_snapshot_folder(folder))
+        return _copy_until_consistent(folder, Snapshot(folder))
     except OSError as error:
         if error.errno != errno.ENOSPC:
             raise
-    return _copy_until_consistent(folder, Path(tempfile.mkdtemp(prefix="hilt-")))
+    return _copy_until_consistent(folder, Snapshot(None))
 
 
-def remove_snapshot(snapshot: Path) -> None:
-    """Remove a snapshot, and the folder of snapshots when it was the last one."""
-    shutil.rmtree(snapshot, ignore_errors=True)
-    if snapshot.parent.name == SNAPSHOTS:
+def _remove_snapshot(path: Path, owner: int | None = None) -> None:
+    if owner not in {None, os.getpid()}:  # after a fork it is still that of the other process
+        return
+    shutil.rmtree(path, ignore_errors=True)
+    if path.parent.name == SNAPSHOTS:
         with contextlib.suppress(OSError):  # others are in it
-            snapshot.parent.rmdir()
+            path.parent.rmdir()
 
 
 def remove_stale_snapshots(folder: Path) -> None:
     """Remove the snapshots of processes that do not exist any more."""
     for snapshot in list((folder / SNAPSHOTS).glob("*")):
         if not _is_alive(snapshot.name.partition("-")[0]):
-            remove_snapshot(snapshot)
+            _remove_snapshot(snapshot)
 
 
-def _copy_until_consistent(folder: Path, target: Path) -> Path:
-    try:
-        for _ in range(_TRIES):
-            if _copy(folder, target):
-                return target
-            time.sleep(_PAUSE_S)
-        raise StoreError(f'The knowledge base "{folder}" is too busy to be read. Try again.')
-    except BaseException:
-        remove_snapshot(target)
-        raise
+def _copy_until_consistent(folder: Path, snapshot: Snapshot) -> Snapshot:
+    for _ in range(_TRIES):
+        if _copy(folder, snapshot.path):
+            return snapshot
+        time.sleep(_PAUSE_S)
+    raise StoreError(f'The knowledge base "{folder}" is too busy to be read. Try again.')
 
 
 def _copy(folder: Path, target: Path) -> bool:

@@ -60,12 +60,11 @@ class OxigraphStore:
         *,
         read_only: bool,
         folder: Path | None = None,
-        snapshot: Path | None = None,
+        snapshot: directory.Snapshot | None = None,
     ) -> None:
         """Use an open store of pyoxigraph.
 
-        It owns `folder`, which is None for memory and for a snapshot, or reads `snapshot`, which
-        is removed when the store is closed.
+        It owns `folder`, which is None for memory and for a snapshot, or reads `snapshot`.
         """
         self._inner: engine.Store | None = inner
         self._lock = threading.RLock()
@@ -73,10 +72,7 @@ class OxigraphStore:
         self._worker = WorkerProcess()
         self._folder = folder
         self._log = WriteAheadLogSync(folder)
-        self._source: Path | None = None  # what the worker reads, as long as it is up to date
-        self._old_sources: list[Path] = []  # what the worker may still be reading
-        self._running = threading.Lock()
-        self._snapshot = snapshot
+        self._snapshot = snapshot  # what is read, by a worker too; None where that would be old
         self.location = location
         self.read_only = read_only
 
@@ -91,11 +87,10 @@ class OxigraphStore:
         """The result of any query; with limits evaluated in another process over a snapshot."""
         if limits is None:
             return self._evaluate(query)
-        with timed(_logger, "query with limits %s", query), self._running:
+        with timed(_logger, "query with limits %s", query):
             with self._lock:
-                self._remove_old_sources()
-                source = self._worker_source()
-            return self._worker.run(source, query, limits)
+                snapshot = self._snapshot = self._snapshot or self._take_snapshot()
+            return self._worker.run(snapshot.path, query, limits)
 
     def _evaluate(self, query: str) -> QueryResult:
         found = self._run(query)
@@ -171,7 +166,7 @@ class OxigraphStore:
     @property
     def is_sorted(self) -> bool:
         """Whether `quads` of a graph has the statements of a node together."""
-        return self._folder is not None or self._snapshot is not None
+        return self.location != MEMORY
 
     def statements(self, graph: Iri) -> Iterator[engine.Quad]:
         """The statements of a graph as pyoxigraph has them."""
@@ -200,52 +195,28 @@ class OxigraphStore:
             if self._inner is not None and self._log.changes:
                 with contextlib.suppress(OSError):  # the log has it all
                     self._write_tables(self._inner)
-            self._inner = None
-            self._invalidate_source()
-            self._remove_old_sources()
-            if self._snapshot:
-                directory.remove_snapshot(self._snapshot)
-                self._snapshot = None
+            self._inner = self._snapshot = None
 
     def save(self, target: Path) -> None:
         """Write a copy of the store as it is now into a new folder, which can be opened."""
         with self._lock, translated_errors(self.location):
             store = self._engine()
-            if self._snapshot:
-                shutil.copytree(self._snapshot, target)
-            elif self._folder:
+            if self._folder:
                 store.backup(target)
+            elif self._snapshot:
+                shutil.copytree(self._snapshot.path, target)
             else:
                 _write_folder(store, target)
 
-    def _worker_source(self) -> Path:
-        """What the worker can read: a snapshot of a folder, or a file with all statements."""
-        store = self._engine()
-        if self._snapshot:
-            return self._snapshot
-        if self._source is None:
-            with translated_errors(self.location):
-                if self._folder:
-                    # pyoxigraph makes the last folder itself.
-                    self._source = directory.new_snapshot_folder(self._folder) / "base"
-                    store.backup(self._source)
-                else:
-                    self._source = Path(tempfile.mkdtemp(prefix="hilt-")) / "base.nq"
-                    store.dump(str(self._source), format=engine.RdfFormat.N_QUADS)
-        return self._source
+    def _take_snapshot(self) -> directory.Snapshot:
+        snapshot = directory.Snapshot(self._folder)
+        snapshot.path.rmdir()  # pyoxigraph makes it itself
+        self.save(snapshot.path)
+        return snapshot
 
     def _write_tables(self, store: engine.Store) -> None:
         store.flush()
         self._log.reset()
-
-    def _invalidate_source(self) -> None:
-        if self._source is not None:
-            self._old_sources.append(self._source.parent)
-            self._source = None
-
-    def _remove_old_sources(self) -> None:
-        while self._old_sources:
-            directory.remove_snapshot(self._old_sources.pop())
 
     def _run(self, query: str) -> object:
         with timed(_logger, "query %s", query), translated_errors(self.location, query):
@@ -272,7 +243,7 @@ class OxigraphStore:
             store = self._engine()
             if self.read_only:
                 raise StoreError(f'The knowledge base "{self.location}" is open for reading only.')
-            self._invalidate_source()
+            self._snapshot = None
             yield store
             if not self._log.sync():
                 self._write_tables(store)
@@ -314,11 +285,7 @@ def open_folder(folder: Path, *, read_only: bool = False) -> OxigraphStore:
             if not is_there:
                 raise StoreError(f'There is no knowledge base "{folder}" to read.')
             snapshot = directory.take_snapshot(folder)
-            try:
-                inner = engine.Store.read_only(str(snapshot))
-            except BaseException:
-                directory.remove_snapshot(snapshot)
-                raise
+            inner = engine.Store.read_only(str(snapshot.path))
             return OxigraphStore(inner, str(folder), read_only=True, snapshot=snapshot)
         folder.mkdir(parents=True, exist_ok=True)
         directory.remove_stale_snapshots(folder)
@@ -335,14 +302,6 @@ def open_snapshot(snapshot: Path) -> OxigraphStore:
         return OxigraphStore(engine.Store.read_only(str(snapshot)), str(snapshot), read_only=True)
     except (OSError, RuntimeError) as error:
         raise open_error(snapshot, error) from error
-
-
-def load_file(file: Path) -> OxigraphStore:
-    """A store in memory with the statements of a file of N-Quads; StoreError on failure."""
-    store = engine.Store()
-    with translated_errors(str(file)):
-        store.bulk_load(path=file, format=engine.RdfFormat.N_QUADS)
-    return OxigraphStore(store, str(file), read_only=True)
 
 
 def save_quads(quads: Iterable[Quad], target: Path) -> None:

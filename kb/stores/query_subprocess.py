@@ -34,7 +34,7 @@ class WorkerProcess:
         self._lock = threading.Lock()
 
     def run(self, source: Path, query: str, limits: QueryLimits) -> QueryResult:
-        """The answer of a query over a snapshot, or a file of N-Quads.
+        """The answer of a query over a snapshot.
 
         Raises:
             QueryError: it is wrong, or was stopped.

@@ -1,8 +1,8 @@
 """The worker process of `query_subprocess`, run as `python -m hilt.kb.stores.query_worker`.
 
-It reads pickled requests from stdin: `source` (a snapshot's folder, or a file of N-Quads), `query`,
-and `megabytes`, its memory beyond what it needs to open the source. It answers with the result or
-the error, pickled. The process that asked kills it when it takes too long.
+It reads pickled requests from stdin: `source` (the folder of a snapshot), `query`, and `megabytes`,
+its memory beyond what it needs to open the source. It answers with the result or the error,
+pickled. The process that asked kills it when it takes too long.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from ...ontology.errors import QueryError, StoreError
-from .oxigraph import OxigraphStore, load_file, open_snapshot
+from .oxigraph import OxigraphStore, open_snapshot
 
 Answer = Callable[[dict[str, Any]], object]
 MAX_SHARE = 4  # an answer takes several times its size there; it may have 1/4 of the memory
@@ -51,7 +51,7 @@ class _QueryAnswers:
     def __call__(self, request: dict[str, Any]) -> object:
         if self._store is None or request["source"] != self._opened:
             source = self._opened = request["source"]
-            self._store = open_snapshot(source) if source.is_dir() else load_file(source)
+            self._store = open_snapshot(source)
             limit_memory(request["megabytes"])
         return self._store.run(request["query"])
 
