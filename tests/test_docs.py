@@ -45,9 +45,11 @@ def test_blocks_of_page_run(
     page: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ):
     """Programs and commands of a page run in turn, and print what it shows."""
-    monkeypatch.setenv("HILT_KB", str(tmp_path))
+    monkeypatch.setenv("HILT_KB", str(tmp_path / "base"))
     monkeypatch.setenv("COLUMNS", "120")
-    monkeypatch.chdir(ROOT)
+    for name in ("docs", "examples", "tests"):  # what is read; what is written stays apart
+        (tmp_path / name).symlink_to(ROOT / name)
+    monkeypatch.chdir(tmp_path)
     document = BLOCKS.parse(page)
     document.namespace["capture"] = capfd
 
@@ -120,12 +122,24 @@ def test_film_of_the_gallery_shows_the_tinted_part(tmp_path: Path):
     assert tinted[0] == 0 < max(tinted)
 
 
-def test_page_of_commands_is_fresh():
-    """Every command with every option is documented as it is now (`make docs`)."""
-    page = (ROOT / "docs" / "commands.md").read_text(encoding="utf-8")
-    reference = runpy.run_path(str(ROOT / "docs" / "commands.py"))["reference"]
+@pytest.mark.parametrize("name", ["commands", "vocabulary"])
+def test_page_made_from_code_or_data_is_fresh(name: str):
+    """Every command with every option, and every term, is documented as it is now (`make docs`)."""
+    page = (ROOT / "docs" / f"{name}.md").read_text(encoding="utf-8")
+    reference = runpy.run_path(str(ROOT / "docs" / f"{name}.py"))["reference"]
 
     assert page == reference()
+
+
+FILE = re.compile(r"`([a-z_]+/[\w/.-]+\.(?:py|yaml|jsonl?|ttl|rq|lark|md|tsv))`")
+
+
+@pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: path.name)
+def test_files_that_are_named_are_there(document: Path):
+    """A path of the repository in a document is the path of a file."""
+    named = FILE.findall(document.read_text(encoding="utf-8"))
+
+    assert [name for name in named if not (ROOT / name).exists()] == []
 
 
 @pytest.mark.parametrize("package", PACKAGES)

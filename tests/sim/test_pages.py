@@ -1,4 +1,4 @@
-"""What `docs/seeing.md` shows can be read."""
+"""What the pages about scenes and episodes show can be read."""
 
 import re
 from pathlib import Path
@@ -7,12 +7,18 @@ from hilt.kb.knowledge_base import KnowledgeBase
 from hilt.ontology.objects import load_household
 from hilt.sim.scene.scene import parse_scene
 
-PAGE = (Path(__file__).parents[2] / "docs" / "seeing.md").read_text(encoding="utf-8")
+DOCS = Path(__file__).parents[2] / "docs"
+
+
+def blocks(page: str, language: str) -> list[str]:
+    """The blocks of a language on a page."""
+    text = (DOCS / page).read_text(encoding="utf-8")
+    return re.findall(rf"^```{language}\n(.*?)^```", text, flags=re.DOTALL | re.MULTILINE)
 
 
 def test_examples_of_the_page_are_valid(tmp_path: Path):
     """The scene and the object of the page are a scene and an object."""
-    scene, mine = re.findall(r"^```yaml\n(.*?)^```", PAGE, flags=re.DOTALL | re.MULTILINE)
+    scene, mine = blocks("objects.md", "yaml")
     for name, text in (("scene.yaml", scene), ("mine.yaml", mine)):
         (tmp_path / name).write_text(text, encoding="utf-8")
 
@@ -25,7 +31,7 @@ def test_examples_of_the_page_are_valid(tmp_path: Path):
 
 def test_question_of_the_page_is_answered():
     """The SPARQL text is one that a base understands."""
-    (question,) = re.findall(r"^```sparql\n(.*?)^```", PAGE, flags=re.DOTALL | re.MULTILINE)
+    (question,) = blocks("episodes.md", "sparql")
 
     with KnowledgeBase.open("memory:") as base:
         assert list(base.select(question)) == []
