@@ -10,7 +10,7 @@ The simulated body is made at the first command: teaching and asking need no rob
 from __future__ import annotations
 
 import logging
-from collections.abc import Generator, Mapping
+from collections.abc import Callable, Generator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import cached_property
@@ -41,7 +41,7 @@ from .episodes.serialization import embodiment_as_json, file_as_json, settings_a
 from .execution.embodiment import Embodiment
 from .execution.goal_manager import GoalManager
 from .execution.norm_guard import NormGuard
-from .execution.outcome import GoalResult, Json
+from .execution.outcome import GoalResult, Json, WalkStep
 from .execution.perception import LoggedVision
 from .execution.request import Request, review_arguments
 from .protocols import Motion, Vision
@@ -64,6 +64,9 @@ class Agent:
         vision: replaces the simulator's vision.
         motion: the motion that goes with `vision`; without one the agent decides but does not act.
         dialogue: a language part that is asked before Hilt's own.
+
+    Attributes:
+        watchers: called at every node of an action tree, before and after its action.
     """
 
     def __init__(
@@ -91,6 +94,7 @@ class Agent:
         self._done: list[tuple[str, str]] = []
         self.simulate = embodiment.simulate and vision is None
         self.interruption = Interruption()
+        self.watchers: list[Callable[[WalkStep], None]] = []
         self._hearing = Lock()
         self._film: Film | None = None
         self._episodes = EpisodeRecorder(base, self.circumstances, self.state, self.robot)
@@ -278,6 +282,7 @@ class Agent:
             parts={name: frozenset(kind.parts) for name, kind in self.objects.items()},
             interruption=self.interruption,
             done=self._done,
+            watchers=self.watchers,
         )
 
     @contextmanager

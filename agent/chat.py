@@ -1,52 +1,102 @@
 """A conversation on a terminal or through a pipe: an utterance per line, and slash commands.
 
-On a terminal `readline` gives a prompt, a history over sessions, and completion of known words. The
-lines are heard in a thread of their own, so that "stop" can be typed while the arm moves.
+On a terminal the lines are heard in a thread of their own, so that "stop" can be typed while the
+arm moves. The first conversation with a base makes its speaker the owner, who is trusted.
 """
 
 from __future__ import annotations
 
-import contextlib
-import sys
-from collections.abc import Callable, Collection, Generator, Iterator, Mapping
+import os
+import re
+from collections.abc import Callable, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor, wait
+from contextlib import nullcontext
 from dataclasses import dataclass, field
+from itertools import count
 from pathlib import Path
-from typing import TextIO
+from typing import NamedTuple, TextIO
 
-from platformdirs import user_state_path
-from rich.console import Console, RenderableType
+from rich.console import Console, Group, RenderableType
+from rich.control import Control
+from rich.segment import ControlType
+from rich.table import Table
 from rich.text import Text
 
-from ..kb.rule import check_speaker
-from ..ontology.errors import ValidationError
+from ..kb.rule import DEFAULT_SPEAKER, check_speaker
+from ..nlu.generation.templates import proper_name
+from ..ontology.errors import HiltError
 from .agent import Agent
 from .dialogue.reply import Reply
+from .execution.outcome import WalkStep
 from .presentation import console as shown
 from .presentation.plain_text import printable
+from .presentation.progress import doing, view
+from .typed_lines import read_lines, typed_so_far
 
 QUIT = "/quit"
 QUIT_WORDS = {QUIT, "/exit", "quit", "exit"}
-SPEAKER = "/speaker"
-HISTORY_LENGTH = 1000  # lines
 PATIENCE = 1.5  # [s] until the next line can be typed although the last one is not answered
-_DELIMITERS = " \t\n,.;:!?\"'"
+MEDIA = Path("out/chat")  # where pictures and films go that get no name
+EXAMPLES = (  # what it is for, and what is said
+    ("teach", "A knife is used for cutting", "To pass a knife, grab it by the blade"),
+    ("have something done", "Pass me something used for cutting", "Pick up the mug"),
+    ("ask", "What is a knife used for?", "Why?", "What can you do?"),
+    ("correct", "No, by the handle", "Forget that"),
+    ("interrupt", "Stop", "Wait", "Go on", "Put it down"),
+    ("introduce somebody", "My name is Anna", "You can trust Anna"),
+)
+_CLEAR_LINE = Control(ControlType.CARRIAGE_RETURN, (ControlType.ERASE_IN_LINE, 2))
+_NO_ROBOT = "There is no robot to be seen: this chat was started with --no-sim."
+_TRUST = re.compile(r"(.+?)((?: +\d*\.?\d+){0,2})")
 
 
-def run(agent: Agent, out: Console, source: TextIO, speaker: str) -> None:
-    """Converse until the lines end or `/quit` is entered."""
-    chat = Chat(agent, out, speaker, is_interactive=source.isatty())
-    if chat.is_interactive:
-        out.print(Text(f"I am Hilt. {_help()}", "dim"))
-    said = (
-        read_lines(chat.prompt, chat.completable, chat.interrupt) if chat.is_interactive else source
-    )
+def run(agent: Agent, out: Console, source: TextIO, speaker: str | None = None) -> None:
+    """Converse until the lines end or `/quit` is entered.
+
+    Without a speaker it is the owner of the base; who that is, is asked on a terminal.
+    """
+    is_interactive = source.isatty()
+    if is_interactive:
+        out.print(Text("I am Hilt. Talk to me, or say /help.", "dim"))
+    try:
+        speaker = _first_speaker(agent, speaker, out if is_interactive else None)
+    except (EOFError, KeyboardInterrupt):
+        return  # who it is, was not told
+    chat = Chat(agent, out, speaker, is_interactive)
+    said = read_lines(chat.prompt, chat.completable, chat.interrupt) if is_interactive else source
     for line in (line.removeprefix("\ufeff").strip() for line in said):
         if line in QUIT_WORDS:
             break
         if line:
             chat.handle_line(line)
     chat.close()
+
+
+def _first_speaker(agent: Agent, name: str | None, out: Console | None) -> str:
+    """Who speaks first: the owner of the base, which the first one of all becomes."""
+    conversation = agent.dialogue.conversation
+    owner = conversation.people.owner
+    if owner is None:
+        owner = name or (_ask_name(agent, out) if out else DEFAULT_SPEAKER)
+        owner = agent.base.match_speaker(owner)
+        if not conversation.trusts(owner):
+            conversation.trust(owner, by=owner)
+    return agent.base.match_speaker(name or owner)
+
+
+def _ask_name(agent: Agent, out: Console) -> str:
+    account = proper_name(os.environ.get("USER", DEFAULT_SPEAKER))
+    while True:
+        said = out.input(Text(f"What is your name? [{account}] ")).strip()
+        introduced = agent.dialogue.language.introduction(said)
+        name = proper_name(introduced.name) if introduced else said or account
+        try:
+            check_speaker(name)
+        except HiltError as error:
+            out.print(Text(str(error)))
+        else:
+            out.print(Text(f"Hello {proper_name(name)}. I will believe what you tell me.", "dim"))
+            return name
 
 
 @dataclass
@@ -61,11 +111,14 @@ class Chat:
     _waiting: list[Future[None]] = field(default_factory=list[Future[None]])
     _is_interrupted: bool = False  # by a control whose answer is not there yet
     _is_typing: bool = False  # whether the prompt is shown
+    film: Path | None = None  # of what is done next
+    _found: str = ""  # the object that is acted on
 
     def prompt(self) -> str:
         """Return what stands before the line that is typed now."""
         self._is_typing = True
-        return f"{self.speaker}> "
+        people = self.agent.dialogue.conversation.people
+        return f"{people.called(people.speaker(self.speaker))}> "
 
     def handle_line(self, line: str) -> None:
         """Show the answer to an utterance, or the result of a slash command."""
@@ -73,16 +126,14 @@ class Chat:
         name, _, rest = line.partition(" ")
         if not line.startswith("/"):
             self._converse(line)
-        elif name == SPEAKER:
-            self.out.print(self._set_speaker(rest.strip()))
-        elif line in _COMMANDS:
-            self._do(lambda: self.out.print(_COMMANDS[line](self.agent)))
+        elif name in _COMMANDS:
+            self._do(lambda: self._run(_COMMANDS[name], rest.strip()))
         else:
-            self.out.print(Text(f"There is no {line}. {_help()}"))
+            self.out.print(Text(f"There is no {name}. Say /help to see what there is."))
 
     def completable(self) -> set[str]:
         """Return the words that the Tab key can complete."""
-        return {*self.agent.dialogue.language.known_words, *_COMMANDS, SPEAKER, QUIT}
+        return {*self.agent.dialogue.language.known_words, *_COMMANDS, QUIT}
 
     def interrupt(self) -> None:
         """Stop what is being done, and drop the lines that wait to be heard."""
@@ -96,6 +147,12 @@ class Chat:
         """Wait for the last answer."""
         wait(self._waiting)
         self._worker.shutdown()
+
+    def _run(self, command: SlashCommand, argument: str) -> None:
+        try:
+            self.out.print(command.run(self, argument))
+        except HiltError as error:
+            self.out.print(Text(str(error)))
 
     def _converse(self, line: str) -> None:
         self._waiting = [each for each in self._waiting if not each.done()]
@@ -135,105 +192,146 @@ class Chat:
     def _prompt_again(self) -> None:
         """Show the prompt again below an answer that came while a line was typed."""
         if self._is_typing:
-            self.out.print(self.prompt(), end="")
+            self.out.print(Text(self.prompt() + typed_so_far()), end="")
 
     def _hear(self, line: str) -> None:
+        film, self.film = self.film, None
         try:
-            reply = self.agent.hear(line, speaker=self.speaker)
-        except ValidationError as error:  # a text that cannot be stored
-            self.out.print(Text(str(error)))
+            with self.agent.filmed(film) if film else nullcontext():
+                reply = self._watched(line)
+        except HiltError as error:  # a text that cannot be stored, a film that cannot be written
+            self._tell(Text(str(error)))
             return
         # What was interrupted is said in the answer to the control.
         if not (reply.is_interrupted and self._is_interrupted):
             self._show(reply)
+        if film:
+            self.show_file("film", film)
+
+    def _watched(self, line: str) -> Reply:
+        """Hear an utterance, with a line for each step while the arm moves."""
+        is_shown = self.is_interactive and self.agent.simulate
+        watchers = self.agent.watchers
+        watchers += [self._report] * is_shown
+        try:
+            return self.agent.hear(line, speaker=self.speaker)
+        finally:
+            watchers[:] = [each for each in watchers if each != self._report]
+
+    def _report(self, step: WalkStep) -> None:
+        if step.inference.best and not step.action:
+            self._found = step.inference.best.object
+        said = "" if step.action else doing(step, self._found)
+        if said:
+            self._tell(Text(f"... {said}", "dim"))
+            self._prompt_again()
 
     def _show(self, reply: Reply) -> None:
         spoken = Text.assemble(("Hilt: ", "bold green"), printable(reply.said))
-        self.out.print(spoken if self.is_interactive else shown.turn(reply))
+        self._tell(spoken if self.is_interactive else shown.turn(reply))
+        if reply.ending == "refused" and self.agent.base.trust(reply.speaker) is None:
+            self.out.print(Text(self.hint(reply.speaker), "dim"))
 
-    def _set_speaker(self, speaker: str) -> Text:
-        if not speaker:
-            return Text(f"{self.speaker} is speaking. {SPEAKER} NAME lets somebody else speak.")
-        try:
-            check_speaker(speaker)
-        except ValidationError as error:
-            return Text(str(error))
-        self.speaker = speaker = self.agent.base.match_speaker(speaker)
-        trust = self.agent.base.trust(speaker)
-        doubt = "" if trust is not None and trust.upper > 0 else ", whom I do not trust yet"
-        return Text(f"{speaker} is speaking now{doubt}.")
+    def _tell(self, what: RenderableType) -> None:
+        if self._is_typing:
+            self.out.control(_CLEAR_LINE)
+        self.out.print(what)
+
+    def hint(self, stranger: str) -> str:
+        """Return how a stranger comes to be trusted."""
+        host = self.agent.dialogue.conversation.people.owner or DEFAULT_SPEAKER
+        return f"{proper_name(host)} may change that: /speaker {host}, then /trust {stranger}"
+
+    def show_file(self, kind: str, path: Path) -> None:
+        """Say where a picture or film is, and open the viewer where there is one."""
+        self._tell(Text(f"The {kind} is in {path.resolve()}."))
+        if self.is_interactive:
+            view(path)
 
 
-def _help() -> str:
-    return f"Talk to me, or say {', '.join(_COMMANDS)}, {SPEAKER} NAME or {QUIT}."
+class SlashCommand(NamedTuple):
+    """A command of the chat: what it does with its argument, how it is used, and what for."""
+
+    run: Callable[[Chat, str], RenderableType]
+    usage: str
+    purpose: str
 
 
-def _why(agent: Agent) -> RenderableType:
-    last = agent.dialogue.last_done
+def _help(*_: object) -> RenderableType:
+    grid = Table.grid(padding=(0, 2))
+    for purpose, *examples in EXAMPLES:
+        grid.add_row(f"To {purpose}, say", "\n".join(f'"{each}"' for each in examples))
+    for name, command in _COMMANDS.items():
+        grid.add_row(f"{name} {command.usage}".strip().replace("[", r"\["), command.purpose)
+    grid.add_row(QUIT, "end the conversation")
+    return grid
+
+
+def _rules(chat: Chat, _: str) -> RenderableType:
+    return shown.sentences(chat.agent.base.rules(), chat.agent.dialogue.describe)
+
+
+def _scene(chat: Chat, _: str) -> RenderableType:
+    return Text(", ".join(chat.agent.visible()) or "nothing on the table")
+
+
+def _why(chat: Chat, _: str) -> RenderableType:
+    last = chat.agent.dialogue.last_done
     if last is None or last.result is None:
         return Text("I have not done anything yet.")
-    return shown.goal_result(last.result, agent.quote)
+    said, made = Text(printable(last.said)), last.result.decision
+    return Group(said, shown.reasons(made, chat.agent.quote)) if made else said
 
 
-_COMMANDS: Mapping[str, Callable[[Agent], RenderableType]] = {
-    "/rules": lambda agent: shown.rules(agent.base.rules()),
-    "/why": _why,
-    "/scene": lambda agent: Text(", ".join(agent.visible()) or "nothing on the table"),
-    "/help": lambda _: Text(_help()),
+def _trust(chat: Chat, argument: str) -> RenderableType:
+    conversation, known = chat.agent.dialogue.conversation, chat.agent.base.trust_by_speaker()
+    given = _TRUST.fullmatch(argument)
+    if given is None:
+        return Text("\n".join(f"{name}: {trust}" for name, trust in known.items()))
+    speaker = conversation.people.speaker(chat.speaker)
+    answered = conversation.vouch(speaker, given[1], *map(float, given[2].split()))
+    return Text(conversation.say(answered))
+
+
+def _set_speaker(chat: Chat, name: str) -> RenderableType:
+    if name:
+        check_speaker(name)
+        chat.speaker = chat.agent.base.match_speaker(name)
+    if chat.agent.dialogue.conversation.trusts(chat.speaker):
+        return Text(f"{chat.speaker} is speaking.")
+    doubt = f"{chat.speaker} is speaking, whom I do not trust yet."
+    return Text(f"{doubt} {chat.hint(chat.speaker)}")
+
+
+def _picture(chat: Chat, name: str) -> RenderableType:
+    if not chat.agent.simulate:
+        return Text(_NO_ROBOT)
+    path = Path(name) if name else _new_file("picture", ".png")
+    chat.show_file("picture", chat.agent.body.picture(path))
+    return Text("", end="")
+
+
+def _film(chat: Chat, name: str) -> RenderableType:
+    if not chat.agent.simulate:
+        return Text(_NO_ROBOT)
+    chat.film = Path(name) if name else _new_file("film", ".gif")
+    return Text("I will film what I do next.")
+
+
+def _new_file(stem: str, suffix: str) -> Path:
+    names = (MEDIA / f"{stem}-{number}{suffix}" for number in count(1))
+    return next(path for path in names if not path.exists())
+
+
+_COMMANDS: Mapping[str, SlashCommand] = {
+    "/rules": SlashCommand(_rules, "", "show what I was told"),
+    "/why": SlashCommand(_why, "", "show why I did what I did last"),
+    "/scene": SlashCommand(_scene, "", "show what is on the table"),
+    "/picture": SlashCommand(_picture, "[FILE]", "take a picture of the table"),
+    "/film": SlashCommand(_film, "[FILE]", "film what I do next"),
+    "/speaker": SlashCommand(_set_speaker, "[NAME]", "let somebody else speak"),
+    "/trust": SlashCommand(
+        _trust, "[NAME [LOWER [UPPER]]]", "trust somebody, to a degree in [0, 1]"
+    ),
+    "/help": SlashCommand(_help, "", "show this"),
 }
-
-
-def read_lines(
-    prompt: Callable[[], str],
-    words: Callable[[], Collection[str]],
-    interrupt: Callable[[], None] = lambda: None,
-) -> Iterator[str]:
-    """Yield the lines that are typed until the end of input; Ctrl-C discards one and interrupts."""
-    with _editing(user_state_path("hilt") / "history", words):
-        while True:
-            try:
-                line = input(prompt())
-            except EOFError:
-                sys.stdout.write("\n")  # the shell's prompt stands on a line of its own
-                return
-            except KeyboardInterrupt:
-                sys.stdout.write("\n")
-                interrupt()
-                continue
-            yield line
-
-
-def completions(start: str, words: Collection[str]) -> list[str]:
-    """Return the words with this prefix, sorted; none for an empty prefix.
-
-    >>> completions("spo", {"spoon", "spoons", "mug"})
-    ['spoon', 'spoons']
-    """
-    return sorted(word for word in words if start and word.startswith(start.lower()))
-
-
-@contextlib.contextmanager
-def _editing(history: Path, words: Callable[[], Collection[str]]) -> Generator[None]:
-    try:
-        import readline
-    except ImportError:
-        yield
-        return
-
-    def complete(start: str, number: int) -> str | None:
-        found = completions(start, words())
-        return found[number] if number < len(found) else None
-
-    with contextlib.suppress(OSError):
-        readline.read_history_file(history)
-    readline.set_history_length(HISTORY_LENGTH)
-    readline.set_completer_delims(_DELIMITERS)
-    readline.set_completer(complete)
-    readline.parse_and_bind("tab: complete")
-    try:
-        yield
-    finally:
-        readline.set_completer(None)
-        with contextlib.suppress(OSError):
-            history.parent.mkdir(parents=True, exist_ok=True)
-            readline.write_history_file(history)

@@ -6,7 +6,7 @@ numbers.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -14,10 +14,18 @@ from ..kb.interval import CERTAIN, Interval
 from .decision import DecisionRule
 from .proof import Json, Proof
 from .settings import Settings
-from .types import Candidate, Inference
+from .types import Candidate, Inference, Verdict
 
 HALVINGS = 40  # bisections of a path segment: to a precision of 1e-12
 SEGMENTS = 64  # of a path that are searched
+
+_SPOKEN: Mapping[Verdict, str] = {
+    "accepted": "I am sure enough of it",
+    "denied": "what I know speaks against it",
+    "unsure": "I am not sure enough of it",
+    "unknown": "nobody has told me so",
+    "absent": "I don't see it",
+}
 
 
 @dataclass(frozen=True)
@@ -54,13 +62,13 @@ def explain_choice(inference: Inference) -> str:
 
 
 def rejection_reason(inference: Inference, candidate: Candidate) -> str:
-    """Return why a candidate was not chosen, or its own reason if it was."""
+    """Return why a candidate was not chosen, or why it was, as the end of a spoken sentence."""
     best = inference.best
     if not candidate.accepted or best is None or candidate is best:
-        return candidate.reason
-    is_tied = candidate in inference.ties
-    equal = "it is as good, and comes after" if is_tied else "it is less sure than"
-    return f"{candidate.interval}: {equal} {best.name} {best.interval}"
+        return _SPOKEN[candidate.verdict]
+    if candidate in inference.ties:
+        return f"the {best.name} is as good, and I saw it first"
+    return f"I am surer of the {best.name}"
 
 
 def candidate_names(candidate: Candidate) -> tuple[str, ...]:

@@ -64,6 +64,7 @@ from .semantics.meaning import (
     Control,
     Meaning,
     Misunderstanding,
+    TrustStatement,
 )
 from .semantics.pragmatics import load_pragmatics
 
@@ -222,6 +223,9 @@ class Language:
         control = self.control(text)
         if control and (control.is_halt or self.parser.pragmatics.is_enough(context.recognition)):
             return Understanding(text, speaker, addressee, control, discourse=context.discourse)
+        trust = self._trust(text)
+        if trust:
+            return Understanding(text, speaker, addressee, trust, discourse=context.discourse)
         introduction = self.introduction(text)
         if introduction and not introduction.rest:
             greeting = Acknowledgement("greeting", introduction.name)
@@ -350,6 +354,11 @@ class Language:
     def introduction(self, text: str) -> Courtesy | None:
         """Return who a speaker claims to be in a text and what else it says, None for nobody."""
         return self._courtesies.introduction(self._tokens(text), self.utterance_parser.known_words)
+
+    def _trust(self, text: str) -> TrustStatement | None:
+        tokens = self._tokens(text)
+        start = self.controls.after_polite(tokens.words)
+        return self._courtesies.trust(tokens, start, self.utterance_parser.known_words)
 
     @cached_property
     def _courtesies(self) -> CourtesyPhrases:

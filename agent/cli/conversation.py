@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import sys
-from contextlib import nullcontext
+from collections.abc import Generator
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -20,6 +21,7 @@ from .options import (
     SCENE,
     AsJson,
     Heard,
+    Host,
     Kb,
     Out,
     Record,
@@ -31,8 +33,6 @@ from .options import (
 )
 
 if TYPE_CHECKING:
-    from contextlib import AbstractContextManager
-
     from ..agent import Agent
 
 
@@ -91,12 +91,21 @@ def do(
         converse(agent, text, speaker, "do", heard=heard, as_json=as_json)
 
 
-def _filmed(agent: Agent, path: Path | None) -> AbstractContextManager[object]:
+@contextmanager
+def _filmed(agent: Agent, path: Path | None) -> Generator[None]:
     if path is None:
-        return nullcontext()
+        yield
+        return
     if not agent.simulate:
         raise typer.BadParameter("--record films a robot. Leave out --no-sim.")
-    return agent.filmed(path)
+    films: list[Path] = []
+    try:
+        with agent.filmed(path):
+            films.append(path)
+            yield
+    finally:
+        for film in films:  # also of what has failed
+            typer.echo(f"Film written to {film}.", err=True)
 
 
 @app.command(epilog=example('ask "how do you pass a knife?"'))
@@ -118,8 +127,8 @@ def ask(
 
 @app.command(epilog=example("chat --no-sim"))
 @with_config(*EVERY)
-def chat(*, config: AgentConfig, kb: Kb = None, speaker: Speaker = "sam") -> None:
-    """Talk: teach, ask and command, a line each; /rules, /why, /scene, /speaker and /quit."""
+def chat(*, config: AgentConfig, kb: Kb = None, speaker: Host = None) -> None:
+    """Talk: teach, ask and command, a line each; /help shows what can be said."""
     from ..agent import Agent
     from ..chat import run
 

@@ -65,6 +65,9 @@ Record = Annotated[
     Path | None, typer.Option("--record", help="Film what is done: a .mp4, .gif or .png file.")
 ]
 Speaker = Annotated[str, typer.Option("--speaker", help="Who is speaking.")]
+Host = Annotated[
+    str | None, typer.Option("--speaker", help="Who is speaking; by default who taught first.")
+]
 Heard = Annotated[
     float, typer.Option("--heard", min=0.0, max=1.0, help="How surely a recogniser heard it.")
 ]

@@ -2,7 +2,7 @@
 
 "I'm Anna" makes Anna the speaker if she is known. A name that nobody knows changes no trust: what
 is said then counts as the word of the speaker who was heard before. Nobody who is not trusted
-becomes somebody who is by saying so.
+becomes somebody who is by saying so: others have to vouch for them.
 """
 
 from __future__ import annotations
@@ -31,6 +31,24 @@ class Acquaintances:
         """Return whether what a speaker says counts at all."""
         trust = self._base.trust(speaker)
         return trust is not None and trust.upper > 0
+
+    @property
+    def owner(self) -> str | None:
+        """Who was heard first of those who are trusted; None before anybody was."""
+        heard = (said.speaker for said in self._base.history())
+        return next(filter(self.trusts, heard), None)
+
+    def may_vouch(self, speaker: str, person: str) -> bool:
+        """Return whether a speaker may say how far to trust a person.
+
+        The owner may for everybody else. Others who are trusted may not for the owner, nor for
+        somebody who is trusted more than they are.
+        """
+        own, other, owner = self._base.trust(speaker), self._base.trust(person), self.owner
+        if own is None or not self.trusts(speaker) or speaker == person:
+            return False
+        is_below = other is None or other.lower <= own.lower
+        return speaker == owner or (is_below and person != owner)
 
     def meet(self, speaker: str, name: str) -> AnswerContent:
         """Note the name by which a speaker is introduced, and return the greeting."""

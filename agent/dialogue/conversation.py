@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 from ...kb.history import IMPORT
+from ...kb.interval import Interval
 from ...kb.knowledge_base import KnowledgeBase
 from ...kb.rule import Rule
 from ...nlu.language import Language
@@ -180,6 +181,27 @@ class Conversation:
         self.set_topic(told)
         self.topic_from = "lesson"
         return replace(self.reply(turn, spoken), rules=told)
+
+    def vouch(
+        self, speaker: str, name: str, lower: float = 1.0, upper: float | None = None
+    ) -> AnswerContent:
+        """Trust a person because a speaker says so, at most as far as the speaker is trusted.
+
+        The trust is that of `KnowledgeBase.set_trust`. The answer says whether it is set.
+        """
+        asked = Interval(lower, 1.0 if upper is None else upper)
+        person, most = self.base.match_speaker(name), self.base.trust(speaker)
+        if most is None or not self.people.may_vouch(speaker, person):
+            return AnswerContent("may_not_vouch", {"speaker": person}, "refused")
+        self.trust(person, min(asked.lower, most.lower), upper, by=speaker)
+        return spoken("trusts_now" if lower else "trusts_no_more", done=True, speaker=person)
+
+    def trust(
+        self, person: str, lower: float = 1.0, upper: float | None = None, *, by: str
+    ) -> None:
+        """Set the trust in a person, whose name can be said from now on."""
+        self.base.set_trust(person, lower, upper=upper, by=by)
+        self.language = self.language.with_words([word_for_person(person)])
 
     def learn_phrase(self, turn: UnderstoodTurn, meant: Meaning) -> None:
         """Keep how a turn says what its speaker has confirmed, if that is worth remembering."""

@@ -94,6 +94,7 @@ class DialogueManager:
             meaning.ActionCommand: (self._carry_out_plan, "not_obeyed"),
             meaning.Plan: (self._carry_out_plan, "not_obeyed"),
             meaning.TopicStatement: (self._beliefs.open_topic, "not_trusted"),
+            meaning.TrustStatement: (self._vouch, "not_trusted"),
             meaning.Command: (self._carry_out_command, "not_obeyed"),
             meaning.ToolCommand: (self._carry_out_command, "not_obeyed"),
             meaning.Question: (self._answer, ""),
@@ -107,6 +108,11 @@ class DialogueManager:
     def language(self) -> Language:
         """The language of this conversation, with every word that was learned."""
         return self._conversation.language
+
+    @property
+    def conversation(self) -> Conversation:
+        """What was said and done so far, and who speaks."""
+        return self._conversation
 
     @property
     def last_done(self) -> Reply | None:
@@ -183,6 +189,13 @@ class DialogueManager:
 
     def _forget(self, turn: UnderstoodTurn, said: meaning.Retraction) -> Reply:
         return (self.lessons if said.action else self._beliefs).forget(turn, said)
+
+    def _vouch(self, turn: UnderstoodTurn, said: meaning.TrustStatement) -> Reply:
+        conversation, degree = self._conversation, float(not said.distrusted)
+        answers = [conversation.vouch(turn.speaker, name, degree) for name in said.people]
+        refused = [each for each in answers if each.ending == "refused"]
+        spoken = " ".join(map(conversation.say, answers))
+        return conversation.recorded(turn, spoken, "refused" if refused else "done")
 
     # --- Commands -----------------------------------------------------------------------------
 

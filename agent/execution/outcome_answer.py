@@ -9,6 +9,7 @@ from collections.abc import Mapping
 
 from ...inference.induction import INDUCER
 from ...inference.types import Candidate, Inference, Target
+from ...nlu.generation.templates import proper_name
 from ...ontology.actions import Precondition
 from .doubt import Doubt
 from .outcome import AnswerContent, Decision, Slot
@@ -50,7 +51,7 @@ def done(action: str, decision: Decision, speaker: str, recipient: str) -> Answe
         return AnswerContent("passed_to", slots | {"recipient": recipient})
     teacher = _teacher(decision)
     if teacher:
-        slots["speaker"] = "you" if teacher == speaker else teacher.capitalize()
+        slots["speaker"] = "you" if teacher == speaker else proper_name(teacher)
     plain, by_part, as_told = _DONE.get(action, _DONE_OTHERWISE)
     return AnswerContent(as_told if teacher else by_part if decision.chosen_part else plain, slots)
 

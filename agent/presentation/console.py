@@ -17,8 +17,10 @@ from rich.table import Table
 from rich.text import Text
 from rich.tree import Tree
 
+from ...inference.explanation import rejection_reason
 from ...kb.rdf.terms import Iri, Term
 from ...kb.sparql.results import BooleanResult, SelectResult
+from ...nlu.generation.templates import proper_name
 from ...ontology.vocabulary import prefixed
 from .plain_text import counted, printable
 
@@ -30,7 +32,7 @@ if TYPE_CHECKING:
     from ...inference.experience import GraspRecord, TeacherRecord
     from ...inference.explanation import Counterfactual
     from ...inference.induction import InducedRule
-    from ...inference.types import Candidate
+    from ...inference.types import Candidate, Inference
     from ...kb.diff import BaseDifference, UtteranceChanges
     from ...kb.episodes import Episode
     from ...kb.history import Utterance
@@ -76,7 +78,7 @@ def _time(moment: datetime) -> str:
 def turn(reply: Reply) -> RenderableType:
     """Return one turn of a dialogue: the utterance, its predicate form, and the answer."""
     grid = Table.grid(padding=(0, 2))
-    grid.add_row(Text(reply.speaker.capitalize(), "bold cyan"), Text(printable(reply.text)))
+    grid.add_row(Text(proper_name(reply.speaker), "bold cyan"), Text(printable(reply.text)))
     if reply.understanding.pragmatics:
         grid.add_row("", Text(reply.understanding.pragmatics, "dim"))
     grid.add_row(Text("Hilt", "bold green"), Text(printable(reply.said)))
@@ -107,6 +109,15 @@ def rules(found: Iterable[Rule]) -> Table:
         for rule in found
     )
     return _table(("id", "rule", "interval", "speaker", "utterance"), rows, "rule")
+
+
+def sentences(found: Iterable[Rule], describe: Callable[[Rule], str]) -> RenderableType:
+    """Return rules as sentences with who told them; `describe` puts a rule in words."""
+    grid = Table.grid(padding=(0, 2))
+    for rule in found:
+        said = describe(rule)
+        grid.add_row(Text(f"{said[:1].upper()}{said[1:]}."), Text(proper_name(rule.speaker), "dim"))
+    return wrap_cells(grid) if grid.row_count else Text("Nobody has told me anything yet.")
 
 
 def rule_text(rule: Rule) -> str:
@@ -158,20 +169,40 @@ def decision(made: Decision, quote: Quote) -> Table:
 
 def _add_candidate(table: Table, candidate: Candidate, name: str, quote: Quote) -> None:
     mark = Text("yes", "green") if candidate.accepted else Text("no", "red")
-    told = [
-        f'{_source(rule)}: "{quote(rule.utterance)}"' for rule in candidate.rules if rule.utterance
-    ]
     table.add_row(
         name,
         escape(str(candidate.interval)),
         f"{candidate.certainty:.4f}",
         mark,
-        escape("\n".join((*told, candidate.reason))),
+        escape("\n".join((*_told_by(candidate, quote), candidate.reason))),
     )
 
 
+def reasons(made: Decision, quote: Quote) -> Table:
+    """Return why each candidate was chosen, or was not, in words without figures."""
+    grid = Table.grid(padding=(0, 2))
+    for node, wording in zip(made.inferences, ("the {}", "by the {}"), strict=False):
+        for each in node.candidates:
+            name = each.argument.name if node is made.part and each.argument else each.name
+            mark = "" if each is node.best else "not "
+            told = _told_by(each, quote) or [_reason(node, each)]
+            grid.add_row(escape(mark + wording.format(name)), escape("\n".join(told)))
+    return wrap_cells(grid)
+
+
+def _reason(node: Inference, candidate: Candidate) -> str:
+    is_named = candidate.accepted and candidate.argument is None
+    return "that is what was asked for" if is_named else rejection_reason(node, candidate)
+
+
+def _told_by(candidate: Candidate, quote: Quote) -> list[str]:
+    return [
+        f'{_source(rule)}: "{quote(rule.utterance)}"' for rule in candidate.rules if rule.utterance
+    ]
+
+
 def _source(rule: Rule) -> str:
-    return "It is like" if rule.status == "induced" else f"{rule.speaker.capitalize()} said"
+    return "It is like" if rule.status == "induced" else f"{proper_name(rule.speaker)} said"
 
 
 def execution_result(happened: WorldOutcome) -> Table:

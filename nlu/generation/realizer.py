@@ -32,8 +32,9 @@ from ..semantics.meaning import (
     Statement,
     ToolCommand,
     TopicStatement,
+    TrustStatement,
 )
-from .templates import AnswerTemplates
+from .templates import AnswerTemplates, Slot
 
 SECTIONS = ("rules", "targets", "commands", "questions", "replies")
 
@@ -74,6 +75,10 @@ class Realizer:
                 return self._say("rules", "several").join(map(self._kind, rules))
             case Retraction() | TopicStatement():
                 return self._turn(meaning)
+            case TrustStatement(people, distrusted):
+                return self._say(
+                    "rules", "distrusted" if distrusted else "trusted", speakers=people
+                )
             case Acknowledgement(ack):
                 return self._say("replies", ack)
             case _:
@@ -164,7 +169,7 @@ class Realizer:
             slots["affordance"] = self.answers.use_phrase(question.affordance, material)
         return self._say("questions", " ".join([ask, *sorted(slots)]), **slots)
 
-    def _say(self, section: str, shape: str, **slots: str) -> str:
+    def _say(self, section: str, shape: str, **slots: Slot) -> str:
         templates = self.sentences[section]
         if shape not in templates:
             raise UnknownNameError(f"sentence among the {section}", shape, templates)

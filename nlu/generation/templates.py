@@ -156,7 +156,8 @@ class AnswerTemplates:
         if act.recipient is None:
             return text
         is_role = act.recipient in self.roles
-        person = self.inflection.with_article(act.recipient) if is_role else act.recipient.title()
+        named = self.inflection.with_article if is_role else proper_name
+        person = named(act.recipient)
         return self.fill(said["to_whom"], {"act": text, "recipient": person})
 
     def _named(self, thing: ObjectReference) -> str:
@@ -220,6 +221,9 @@ class AnswerTemplates:
             return "".join(items)
         return f"{', '.join(items[:-1])}{comma} {self.phrases['joined']} {items[-1]}"
 
+    def _called(self, person: str) -> str:
+        return f"the {person}" if person in self.roles else proper_name(person)
+
     def fill(self, text: str, slots: Mapping[str, Slot]) -> str:
         """Fill the slots of a template."""
         return SLOT.sub(lambda found: self._form(slots[found[1]], found[2]), text)
@@ -235,7 +239,7 @@ class AnswerTemplates:
             "act": self.act_with,
             "to": self.act,
             "done": lambda word: self.inflection.form(self.act(word), "participle"),
-            "name": lambda word: word[:1].upper() + word[1:],
+            "name": self._called,
             "quote": lambda text: f'"{text.removesuffix(".")}"',
         }
         if form == "use":
@@ -244,6 +248,15 @@ class AnswerTemplates:
             comma = "," if form == "clauses" else ""
             return self.join([self._form(str(e), _LISTED[form]) for e in _items(value)], comma)
         return forms[form](str(value)) if form else str(value)
+
+
+def proper_name(person: str) -> str:
+    """Return the name of a person with capital letters.
+
+    >>> proper_name("zoë ünal"), proper_name("Ada de la Cruz")
+    ('Zoë Ünal', 'Ada de la Cruz')
+    """
+    return person.title() if person.islower() else person[:1].upper() + person[1:]
 
 
 def load_answers(

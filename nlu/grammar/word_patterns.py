@@ -21,6 +21,7 @@ _NEVERANY = frozenset({_BREAK, "not", "never", "no"})
 SLOTS = {
     **dict.fromkeys(("THING", "OBJECT"), 5),
     **dict.fromkeys(("HEAD", "HEADING", "STATE", "FAILURE"), 9),
+    "NAME": 7,
     "WORD": 1,
 }
 """The slots of patterns, each with the most words that it may have."""

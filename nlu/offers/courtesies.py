@@ -2,7 +2,8 @@
 
 "Good morning, I'm your first pupil" is a greeting although nobody taught the word *pupil*. A part
 between pauses is a courtesy or chatter only where it names nothing that a rule or a command is
-about, denies nothing and asks nothing. Nothing follows from it but a polite answer.
+about, denies nothing and asks nothing. Nothing follows from it but a polite answer. Who may be
+trusted is found here too, by phrases: no grammar knows the names of strangers.
 """
 
 from __future__ import annotations
@@ -11,10 +12,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ..grammar.word_lists import Phrase, WordLists, load_word_lists
-from ..lexicon.tokenizer import Tokens
+from ..lexicon.tokenizer import Token, Tokens
 from ..lexicon.unknown_words import KnownWords
 from ..semantics.discourse import Discourse
 from ..semantics.interpretation import GOALS
+from ..semantics.meaning import TrustStatement
 from .mentions import find_mentions
 from .utterance_segments import parts
 
@@ -25,7 +27,7 @@ _LONGEST_COMPLEMENT = 6  # words of "for all your help this morning"
 _FORMAL = frozenset({"greeting", "thanks", "farewell"})
 _PEOPLE = ("RN", "HN")
 _PATTERNS = ("chatter", "openers", "introducing")
-_LISTS = ("before", "denying", "stating", "verbs", "pronouns")
+_LISTS = ("before", "denying", "stating", "verbs", "pronouns", "linking")
 
 _REPLIES = {"thanks": "welcome", "praise": "praised", "apology": "no_problem", "blame": "regrets"}
 """The answers to acknowledgements that are not called like them."""
@@ -97,15 +99,35 @@ class CourtesyPhrases:
         found = self.find(tokens, known)
         return found if found and found.name else None
 
+    def trust(self, tokens: Tokens, start: int, known: KnownWords) -> TrustStatement | None:
+        """Return whom an utterance says to trust, or not to, from a place on; None for nobody."""
+        found = () if tokens.asks else self.words.of_group("trust", tokens.words, start)
+        for kind, end, slots in found:
+            people = self._listed(tokens, *slots["NAME"]) if end == len(tokens.words) else []
+            if people and all(_is_person(token, known) for name in people for token in name):
+                names = (tokens.text[name[0].start : name[-1].end] for name in people)
+                return TrustStatement(tuple(names), kind == "distrusted")
+        return None
+
+    def _listed(self, tokens: Tokens, start: int, end: int) -> list[list[Token]]:
+        """The names between two places: "Anna and Zoë Ünal"."""
+        links, people = self.words.words("linking"), list[list[Token]]([[]])
+        for place, token in enumerate(tokens.items[start:end], start):
+            if place in tokens.pauses or token.word in links:
+                people.append([])
+            if token.word not in links:
+                people[-1].append(token)
+        return [name for name in people if name]
+
     def _introduced(self, part: Tokens, known: KnownWords) -> str:
         """The name by which its speaker is introduced in a part, empty when there is none."""
         words = part.words
         for start in range(min(len(words), _LONGEST_ADDRESS)):
             end = self.words.end("introducing", words, start)
             token = part.items[end] if start < end < len(words) else None
-            if token is None or not token.capital or not self._ends_with(words, end + 1):
+            if token is None or not self._ends_with(words, end + 1):
                 continue
-            if known.lexicon.is_name(token.word, _PEOPLE) or not known.has(token.word):
+            if _is_person(token, known):
                 return token.word
         return ""
 
@@ -150,6 +172,12 @@ class CourtesyPhrases:
         )
 
 
+def _is_person(token: Token, known: KnownWords) -> bool:
+    """Whether a word is the name of a person, or may be that of a stranger."""
+    is_known = known.lexicon.is_name(token.word, _PEOPLE)
+    return token.capital and (is_known or not known.has(token.word))
+
+
 def _text(tokens: Tokens, start: int, end: int) -> str:
     following = tokens.items[end].start if end < len(tokens.items) else len(tokens.text)
     return tokens.text[tokens.items[start].start : following].strip(" ,:-–—")
@@ -157,5 +185,5 @@ def _text(tokens: Tokens, start: int, end: int) -> str:
 
 def load_courtesies(path: Path) -> CourtesyPhrases:
     """Return the courtesies of a language; `DataError` says where the file is not as expected."""
-    keys = {"groups": ("courtesies",), "patterns": _PATTERNS, "phrases": _LISTS}
+    keys = {"groups": ("courtesies", "trust"), "patterns": _PATTERNS, "phrases": _LISTS}
     return CourtesyPhrases(load_word_lists(path, **keys))

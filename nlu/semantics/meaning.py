@@ -441,6 +441,15 @@ class TopicStatement(_Record):
 
 
 @dataclass(frozen=True)
+class TrustStatement(_Record):
+    """Whom to trust, or not to: "you can trust Anna and Ben"; the names are as they are written."""
+
+    kind: ClassVar[str] = "statement"
+    people: tuple[str, ...]
+    distrusted: bool = False
+
+
+@dataclass(frozen=True)
 class Acknowledgement(_Record):
     """An utterance that only keeps the conversation going.
 
@@ -558,6 +567,7 @@ Meaning = (
     | Question
     | Retraction
     | TopicStatement
+    | TrustStatement
     | Acknowledgement
     | Control
     | AskBack

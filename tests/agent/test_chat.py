@@ -1,4 +1,4 @@
-"""A conversation on a terminal: prompt, history, completion."""
+"""A conversation on a terminal: who speaks, slash commands, prompt, history, completion."""
 
 import os
 import pty
@@ -11,7 +11,8 @@ import pytest
 from rich.console import Console
 
 from hilt.agent import Agent, AgentConfig
-from hilt.agent.chat import Chat, completions, read_lines, run
+from hilt.agent.chat import EXAMPLES, Chat, run
+from hilt.agent.typed_lines import completions, read_lines
 from hilt.sim.robot.interruption import Interruption
 
 
@@ -26,7 +27,8 @@ def conversation(keys: list[bytes], home: Path) -> str:
     child, terminal = pty.fork()
     if child == 0:  # the process behind the terminal
         os.environ |= {"XDG_STATE_HOME": str(home), "TERM": "xterm", "COLUMNS": "100"}
-        code = "from hilt.agent.cli import main; main(['chat', '--no-sim', '--kb', 'memory:'])"
+        options = "'chat --no-sim --kb memory: --speaker sam'"
+        code = f"from hilt.agent.cli import main; main({options}.split())"
         os.execv(sys.executable, [sys.executable, "-W", "ignore", "-c", code])
     shown = b""
     for key in keys:
@@ -96,16 +98,158 @@ def test_terminal_completes_words_and_keeps_history(tmp_path: Path):
     taught = conversation([b"A screwd\t is used for cutting\r", b"/rules\r", b"/quit\r"], tmp_path)
 
     assert "I learned: a screwdriver is used for cutting." in taught
-    assert "usedFor" in taught
+    assert "A screwdriver is used for cutting.  " in taught
     assert "A screwdriver is used for cutting" in (tmp_path / "hilt" / "history").read_text()
 
 
-def piped(read_lines: list[str]) -> str:
+def piped(read_lines: list[str], speaker: str | None = "sam") -> str:
     """What is shown when these lines come down a pipe."""
-    shown = StringIO()
     with Agent.open("memory:", AgentConfig(simulate=False)) as agent:
-        run(agent, Console(file=shown, width=200), StringIO("\n".join(read_lines)), "sam")
+        return said_to(agent, read_lines, speaker)
+
+
+def said_to(agent: Agent, lines: list[str], speaker: str | None = None) -> str:
+    """What is shown when these lines come down a pipe to this agent."""
+    shown = StringIO()
+    run(agent, Console(file=shown, width=200), StringIO("\n".join(lines)), speaker)
     return shown.getvalue()
+
+
+class Terminal(StringIO):
+    """A source of lines that is a terminal."""
+
+    def isatty(self) -> bool:
+        """It is."""
+        return True
+
+
+def typed(agent: Agent, lines: list[str], monkeypatch: pytest.MonkeyPatch) -> str:
+    """What a terminal shows when these lines are typed, and then the input ends."""
+    keys, shown = iter(lines), StringIO()
+
+    def read(_: str = "") -> str:
+        line = next(keys, None)
+        if line is None:
+            raise EOFError
+        return line
+
+    monkeypatch.setattr("builtins.input", read)
+    run(agent, Console(file=shown, width=200), Terminal())
+    return shown.getvalue()
+
+
+@pytest.mark.parametrize("answer", ["Tessa", "my name is Tessa", " Tessa "])
+def test_first_conversation_asks_for_the_name(
+    agent: Agent, answer: str, monkeypatch: pytest.MonkeyPatch
+):
+    """Who answers is the owner from then on, is believed, and is not asked again."""
+    shown = typed(agent, [answer, "A knife is used for cutting"], monkeypatch)
+
+    assert "Hello Tessa. I will believe what you tell me." in shown
+    assert [rule.speaker for rule in agent.base.rules()] == ["Tessa"]
+    assert "What is your name?" not in typed(agent, ["A mug is used for containing"], monkeypatch)
+    assert {rule.speaker for rule in agent.base.rules()} == {"Tessa"}
+
+
+def test_account_names_who_only_presses_enter(agent: Agent, monkeypatch: pytest.MonkeyPatch):
+    """A name that nobody can have is asked for again."""
+    monkeypatch.setenv("USER", "ada")
+
+    typed(agent, ["<>", "", "A knife is used for cutting"], monkeypatch)
+
+    assert [rule.speaker for rule in agent.base.rules()] == ["Ada"]
+
+
+def test_nobody_owns_a_base_without_a_name(agent: Agent, monkeypatch: pytest.MonkeyPatch):
+    """Where the input ends at the question, the next one is asked."""
+    typed(agent, [], monkeypatch)
+
+    assert agent.dialogue.conversation.people.owner is None
+    assert agent.base.speakers() == ("sam",)
+
+
+def test_speaker_who_is_named_first_is_trusted(agent: Agent):
+    """Only in the first conversation; a second stranger has to be vouched for."""
+    said_to(agent, ["A knife is used for cutting"], "Tessa")
+    shown = said_to(agent, ["A mug is used for containing"], "Ben")
+
+    assert [rule.object for rule in agent.base.rules()] == ["knife"]
+    assert "Tessa may change that: /speaker Tessa, then /trust Ben" in shown
+
+
+def test_owner_lets_others_teach():
+    """By a slash command or a sentence, to a degree; strangers cannot help themselves."""
+    lesson = "A mug is used for containing"
+    shown = piped(
+        [
+            "/speaker Ben", "/trust Ben", lesson, "/speaker Tessa", "/trust Ben 0.5",
+            "/speaker Ben", lesson, "/trust", "/trust Ben 0.9", "/trust Kim 2",
+        ],
+        "Tessa",
+    )  # fmt: skip
+
+    assert "Ben is speaking, whom I do not trust yet." in shown
+    assert shown.count("How far I trust Ben is not for you to say.") == 2
+    assert shown.count("with some doubt: a mug is used for containing") == 1
+    assert "Ben: [0.50, 1.00]" in shown
+    assert "is not an interval" in shown
+
+
+def test_examples_of_the_help_are_understood(agent: Agent):
+    """What it offers can be said."""
+    for _, *texts in EXAMPLES:
+        for text in texts:
+            agent.hear("To pass a knife, grab it by the blade")
+            assert agent.hear(text).understanding.kind != "error", text
+
+
+def test_slash_commands_speak_plain_english():
+    """Neither symbols nor figures."""
+    lessons = ["A knife is used for cutting", "A spoon is rarely used for cutting"]
+    order = "pass me something used for cutting"
+    shown = piped(["/why", *lessons, "/rules", order, "/why", "pass me the mug", "/why"])
+
+    words = "\n".join(line for line in shown.splitlines() if "(sam" not in line)
+    assert "I have not done anything yet." in words
+    assert "A spoon is rarely used for cutting.  Sam" in words
+    assert 'not the spoon  Sam said: "A spoon is rarely used for cutting"' in words
+    assert "the mug  that is what was asked for" in words
+    assert not {"λ", "[", "=>", "lambda", "object:"} & {*words.replace(":", ": ").split()}
+
+
+def test_help_names_every_slash_command():
+    """With what it is for."""
+    shown = piped(["/help"])
+
+    for name in ("/rules", "/why", "/scene", "/picture", "/film", "/speaker", "/trust", "/quit"):
+        assert f"\n{name} " in shown
+
+
+def test_without_a_robot_there_is_nothing_to_film():
+    """It says why, and the conversation goes on."""
+    assert piped(["/picture", "/film", "hello"]).count("There is no robot to be seen") == 2
+
+
+@pytest.mark.sim
+def test_steps_and_files_are_told_while_the_arm_moves(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+):
+    """A line a step; pictures and films are numbered, and nothing of the kind comes down a pipe."""
+    monkeypatch.chdir(tmp_path)
+    shown_to = list[Path]()
+    monkeypatch.setattr("hilt.agent.chat.view", shown_to.append)
+    with Agent.open("memory:", AgentConfig(scene="objects:knife")) as agent:
+        lines = ["Tessa", "/picture", "/film", "point to the knife", "/picture"]
+        shown = typed(agent, lines, monkeypatch)
+        piped = said_to(agent, ["point to the knife"])
+
+    folder = tmp_path / "out" / "chat"
+    files = [folder / name for name in ("picture-1.png", "film-1.gif", "picture-2.png")]
+    assert [path.resolve() for path in shown_to] == files
+    assert all(path.exists() and str(path) in shown for path in files)
+    assert "... looking for the knife" in shown
+    assert "... pointing at the knife" in shown
+    assert "..." not in piped
 
 
 def test_several_people_speak_in_one_conversation():
@@ -114,7 +258,7 @@ def test_several_people_speak_in_one_conversation():
 
     shown = piped(["/speaker kim", lesson, "/speaker sam", lesson, "/rules"])
 
-    assert "kim is speaking now, whom I do not trust yet." in shown
+    assert "kim is speaking, whom I do not trust yet." in shown
     assert "because I have no reason to trust Kim" in shown
     assert "I learned: a mug is used for containing." in shown
 

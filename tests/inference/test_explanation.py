@@ -92,10 +92,10 @@ def test_why_prints_the_proof_from_the_conclusion_down():
 
 @pytest.mark.parametrize(
     ("name", "reason"),
-    [("spoon", "it is less sure than knife"), ("screwdriver", "nothing that was told says so")],
+    [("spoon", "I am surer of the knife"), ("screwdriver", "nobody has told me so")],
 )
 def test_why_not_says_what_is_against_the_rejected_object(name: str, reason: str):
-    """A rejected object is explained by its own proof, or by that of the chosen one."""
+    """A rejected object is explained by its own verdict, or by the chosen one, without figures."""
     inference = decided([rule("knife", 0.95), rule("spoon", 0.5)])
 
     candidate = next(each for each in inference.candidates if each.name == name)

@@ -9,6 +9,7 @@ import shlex
 import subprocess
 import sys
 from collections.abc import Iterator
+from contextlib import nullcontext
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -16,6 +17,7 @@ from typing import Any
 import pytest
 import typer
 
+from hilt.agent import Agent
 from hilt.agent.cli import app, main
 
 LESSONS = (
@@ -173,6 +175,19 @@ def test_options_may_lead_the_command(taught: Hilt, capfd: pytest.CaptureFixture
         main(["--kb", str(taught.kb), "--json", "rules"])
 
     assert len(json.loads(capfd.readouterr().out)) == 3
+
+
+def test_film_of_what_is_done_is_announced(
+    hilt: Hilt, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    """Beside the JSON, whether it was done or not."""
+    monkeypatch.setattr(Agent, "filmed", lambda *_: nullcontext())
+    film = str(tmp_path / "a.gif")
+
+    done = hilt("do", "frobnicate", "--record", film, "--json")
+
+    assert (done.code, done.document["outcome"]) == (1, "not_understood")
+    assert f"Film written to {film}.\n" in done.err
 
 
 def test_dash_reads_one_utterance_a_line(hilt: Hilt, monkeypatch: pytest.MonkeyPatch):

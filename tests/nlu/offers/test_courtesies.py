@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from hilt.nlu import Acknowledgement, Language
+from hilt.nlu.semantics.meaning import TrustStatement
 
 
 @pytest.mark.parametrize(
@@ -67,3 +68,35 @@ def test_introduction_names_the_speaker(
 def test_other_words_introduce_nobody(language: Language, text: str) -> None:
     """A word in lower case, a clause that goes on, a question."""
     assert language.introduction(text) is None
+
+
+@pytest.mark.parametrize(
+    ("text", "people", "is_trusted"),
+    [
+        ("I really trust Ottokar", ["Ottokar"], True),
+        ("Robot, please listen to Zoë Ünal", ["Zoë Ünal"], True),
+        ("We trust Anna, Ben and Kim too", ["Anna", "Ben", "Kim"], True),
+        ("O'Brien may also teach you", ["O'Brien"], True),
+        ("Sam can be believed", ["Sam"], True),
+        ("You shouldn't believe Anna", ["Anna"], False),
+        ("I no longer trust Anna and Ben", ["Anna", "Ben"], False),
+        ("Anna must not be trusted", ["Anna"], False),
+    ],
+)
+def test_people_are_trusted_or_not(
+    language: Language, text: str, people: list[str], is_trusted: bool
+) -> None:
+    """Whoever they are; what is said of it in other words is the same."""
+    meaning = language.understand(text).meaning
+
+    assert meaning == TrustStatement(tuple(people), not is_trusted)
+    assert language.understand(language.generate(meaning)).meaning == meaning
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["Can I trust Anna?", "Trust me", "You can trust the knife", "I trust Hammer", "I trust it"],
+)
+def test_what_is_no_name_is_not_trusted(language: Language, text: str) -> None:
+    """Nor is what somebody asks."""
+    assert not isinstance(language.understand(text).meaning, TrustStatement)

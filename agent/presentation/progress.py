@@ -1,0 +1,61 @@
+"""What the robot does at a step, in words, for who watches it: "grasping the knife by the blade".
+
+The file of a picture or film is shown by the viewer of the desktop, where there is one.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from ...inference.node_rules import FIND
+from ..execution.outcome import WalkStep
+
+_DOING: Mapping[str, str] = {  # primitive -> what is done
+    "graspObject": "grasping the {}",
+    "moveTo": "lifting the {}",
+    "handOver": "handing over the {}",
+    "pointAt": "pointing at the {}",
+    "moveAbove": "moving the {} above it",
+    "raise": "raising the {}",
+    "lower": "striking with the {}",
+    "placeObject": "putting down the {}",
+    "returnObject": "putting back the {}",
+    "letGo": "letting go of the {}",
+}
+_VIEWERS: Mapping[str, Sequence[str]] = {"darwin": ("open",), "win32": ("cmd", "/c", "start", "")}
+_DISPLAYS = ("DISPLAY", "WAYLAND_DISPLAY")
+
+
+def doing(step: WalkStep, found: str) -> str:
+    """Return what is done at a step with the object that was found; empty for a step of steps."""
+    action, constraint = step.node.rpartition("/")[2], step.constraint
+    if action == FIND:
+        return f"looking for {_wanted(step)}"
+    if action not in _DOING:
+        return ""
+    part = f" by the {constraint.part}" if constraint and constraint.part else ""
+    return _DOING[action].format(found or "object") + part
+
+
+def _wanted(step: WalkStep) -> str:
+    first = next(iter(step.inference.candidates), None)
+    if first is None:
+        return "it"
+    if first.argument and first.argument.kind == "affordance":
+        return f"something used for {first.argument.name}"
+    return f"the {first.object}"
+
+
+def view(path: Path) -> None:
+    """Open a file in the viewer of the desktop; nothing happens where there is none."""
+    viewer = _VIEWERS.get(sys.platform, ("xdg-open",))
+    is_headless = sys.platform not in _VIEWERS and not any(map(os.environ.get, _DISPLAYS))
+    if is_headless or shutil.which(viewer[0]) is None:
+        return
+    nowhere = subprocess.DEVNULL
+    subprocess.Popen([*viewer, str(path)], stdin=nowhere, stdout=nowhere, stderr=nowhere)  # noqa: S603
