@@ -19,7 +19,6 @@ app = typer.Typer(
     epilog="--kb, --scene, --seed, --speaker and --json may also stand before the command; "
     "anywhere, --verbose logs what is done and how long that takes, --debug shows the traceback of "
     "an error. hilt COMMAND --help has an example.",
-    add_completion=False,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
 )

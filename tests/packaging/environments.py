@@ -35,6 +35,7 @@ def fresh_variables(home: Path, *bins: Path) -> dict[str, str]:
     cache = os.environ.get("UV_CACHE_DIR", str(Path.home() / ".cache" / "uv"))
     path = os.pathsep.join([*map(str, bins), SYSTEM])
     own = {"HOME": str(home), "PATH": path, "LANG": "C.UTF-8", "COLUMNS": "120"}
+    own["PIP_NO_COMPILE"] = "1"  # bytecode is made where it is used: half of the time saved
     return {**kept, "UV_CACHE_DIR": cache, "UV_PYTHON_DOWNLOADS": "never", **own}
 
 
