@@ -48,6 +48,7 @@ _USING = ("grasp", "use")  # "take the knife, cut the bread with it" is one comm
 _TIMES = {"twice": 2, "two": 2, "three": 3, "four": 4, "five": 5}
 _ACTS = ("CP", "(CP", "((CP", "C/", "B/", "(B", "UV", "CG", "K")  # how those of acts begin
 _ANYTHING = "anythingNamed"  # the object of an action that is taught for any
+_TOOL = "tool"  # the kind of whatever has a use
 _OPENING = ("order", "only_if", "unless", "if")  # what a clause begins with
 _PATTERNS = (
     *(*_OPENING, "behind", "heads", "asked", "tails", "again", "times", "another"),
@@ -518,11 +519,15 @@ def _generalised(act: Command | ToolCommand) -> Act:
 
 
 def _is_of_same(one: Act, other: Act) -> bool:
-    """Whether a command says more of the one before: "hold the mug, by the barrel"."""
+    """Whether a command says more of the one before: "hold the mug, by the barrel".
+
+    "I need to cut something, pass me a tool" names one thing.
+    """
     if isinstance(one, Command) and isinstance(other, ToolCommand) and one.goal in _USING:
         return other.tool.object == one.target.object
     if isinstance(one, Command) and isinstance(other, Command):
         first, second = one.target, other.target
         about = [(each.object, each.used_for, each.not_used_for) for each in (first, second)]
-        return one.goal == other.goal and about[0] == about[1]
+        is_described = bool(first.used_for) and second.object == _TOOL
+        return one.goal == other.goal and (is_described or about[0] == about[1])
     return one.goal == other.goal and not isinstance(one, ActionCommand)

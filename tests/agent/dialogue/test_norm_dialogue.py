@@ -177,3 +177,11 @@ def test_stranger_lays_down_no_norm(agent: Agent):
     """Who is not trusted is not believed."""
     assert ending(agent, NEVER, "mallory") == "refused"
     assert ending(agent, "pick up the mug") == "done"
+
+
+def test_norm_on_a_kind_holds_for_what_is_of_it(agent: Agent):
+    """A hammer is a tool, and a shoe is none."""
+    agent.hear("Don't hand tools to children")
+
+    assert ending(agent, "pass the hammer to the child") == "refused"
+    assert ending(agent, "pass the shoe to the child") == "done"
