@@ -15,7 +15,7 @@ from ...inference.norms import NormVerdict
 from ...inference.types import Target
 from ...kb.interval import CERTAIN
 from ...kb.rdf.rule_mapping import rule_id
-from ...kb.rule import NORMS, PERMITTED, Atom, Rule
+from ...kb.rule import NORMS, OBLIGED, PERMITTED, Atom, Rule
 from ...nlu.parsing.understanding import Understanding
 from ...nlu.semantics import meaning
 from ...ontology.errors import UnknownNameError
@@ -74,7 +74,7 @@ class NormDialogue:
             if (old.functor == PERMITTED) is not is_permission
             and old.features <= new.features
             and _circumstances(old) <= _circumstances(new)
-            and old.argument in {None, new.argument}
+            and _is_contrary_argument(old, new)
         ]
 
     # --- Prohibitions of the moment -------------------------------------------------------------
@@ -196,6 +196,17 @@ class NormDialogue:
 
 def _circumstances(rule: Rule) -> frozenset[Atom]:
     return frozenset(atom for atom in rule.contexts if atom.kind != "action")
+
+
+def _is_contrary_argument(old: Rule, new: Rule) -> bool:
+    """Whether the arguments of a permission and another norm are at odds.
+
+    To hold something by the rim is what a duty to hold it by the rim wants.
+    """
+    duty = next((rule for rule in (old, new) if rule.functor == OBLIGED), None)
+    if duty and duty.part:
+        return None not in {old.part, new.part} and old.part != new.part
+    return old.argument in {None, new.argument}
 
 
 def _is_opposite(one: Rule, other: Rule) -> bool:

@@ -29,6 +29,7 @@ from .meaning import (
 from .predicates import PredicateForm, UninterpretableError
 
 _NORMS = frozenset({"forbidden", "obliged", "permitted", "beforehand", "without"})
+_ANYBODY = frozenset(map(PredicateForm, ("speaker", "someone", "him", "her", "them")))
 _PUT_DOWN = "putDown"  # what may have to come first, and is said as a control
 
 
@@ -37,6 +38,7 @@ def meaning_of(intention: PredicateForm, interpreter: Interpreter, discourse: Di
     content = intention.arguments[-1]
     if intention.name == "wantRevise" and content.name == "correct":
         content = content.arguments[0]
+    content = content.mapped(lambda part: _given_to(part, intention.arguments[0]))
     if _is_norm(content):
         norms = tuple(dict.fromkeys(_NormReader(interpreter, discourse).norms(content)))
         return NormStatement(norms)
@@ -54,6 +56,17 @@ def _is_norm(form: PredicateForm) -> bool:
     if form.name == "and":
         return all(map(_is_norm, form.arguments))
     return form.name in _NORMS or form.name in _ADDITIONS
+
+
+def _given_to(form: PredicateForm, speaker: PredicateForm) -> PredicateForm | None:
+    """A rule on passing something to somebody in particular, as a norm on that; else None."""
+    if form.name != "implies" or form.arguments[0].name != "pass":
+        return None
+    act, *others = form.arguments
+    if len(act.arguments) < 3 or act.arguments[2] in {speaker, *_ANYBODY}:
+        return None
+    rule = PredicateForm("implies", (PredicateForm("pass", act.arguments[:2]), *others))
+    return PredicateForm("givenTo", (rule, act.arguments[2]))
 
 
 def _when_it_is(norm: Norm, thing: PredicateForm) -> Norm:

@@ -185,3 +185,11 @@ def test_norm_on_a_kind_holds_for_what_is_of_it(agent: Agent):
 
     assert ending(agent, "pass the hammer to the child") == "refused"
     assert ending(agent, "pass the shoe to the child") == "done"
+
+
+def test_permission_to_do_what_is_a_duty_does_not_end_the_duty(agent: Agent):
+    """The rim is wanted still, although to hold it there is allowed, too."""
+    agent.hear("You must touch the mug only by the rim")
+    agent.hear("You may touch the mug by the rim")
+
+    assert ending(agent, "pass me the mug by the handle") == "refused"

@@ -84,6 +84,13 @@ def is_forbidden(deed: Deed, rules: Sequence[Rule]) -> bool:
 
 # --- Random norms and commands ---------------------------------------------------------------
 
+BEGIN = {
+    "forbidden": ("never", "I forbid you to", "you are not allowed to"),
+    "permitted": ("you may", "you are allowed to"),
+    "obliged": ("you must", "always"),
+}
+DOING = {"pass": "pass", "pickUp": "pick up", "pointTo": "point to", "grasp": "touch"}
+
 
 def some_norm(chance: random.Random) -> Rule:
     """A norm on one of the actions."""
@@ -96,6 +103,27 @@ def some_norm(chance: random.Random) -> Rule:
     argument = Atom("part", part) if part else None
     action = "pass" if contexts and contexts[0].kind == "role" else chance.choice(ACTIONS)
     return norm(functor, action, thing, argument, interval=SURE, contexts=contexts)
+
+
+def sentence(rule: Rule, chance: random.Random) -> str:
+    """One of the ways to say a norm."""
+    context = {atom.kind: atom.name for atom in rule.contexts}
+    thing = "anything" if rule.object in {None, "*"} else f"the {rule.object}"
+    person = {"child": " to a child", "anna": " to Anna"}.get(context.get("role", ""), "")
+    only = "only " if rule.functor == "obliged" else ""
+    part = f" {only}by the {rule.part}" if rule.part else ""
+    place = f" in the {context['place']}" if "place" in context else ""
+    is_holding = rule.functor == "forbidden" and part and not person and not place
+    begin = "I forbid you to" if is_holding else chance.choice(BEGIN[rule.functor])
+    return f"{begin} {DOING[context['action']]} {thing}{person}{part}{place}"
+
+
+def heard(agent: Agent, text: str, rule: Rule) -> Rule:
+    """The norm that the agent has learned from a sentence: the one that was meant."""
+    (learned,) = agent.hear(text).rules
+    said = (learned.functor, learned.features, learned.contexts, learned.argument)
+    assert said == (rule.functor, rule.features, rule.contexts, rule.argument), text
+    return agent.base.rule(learned.id)
 
 
 def some_request(chance: random.Random) -> Request:
@@ -133,14 +161,12 @@ def agent():
 
 
 def test_nothing_forbidden_is_done_in_random_sequences(agent: Agent):
-    """After random norms, each deed is one that the reference allows; what is free is done."""
+    """After norms in words, each deed is one that the reference allows; what is free is done."""
     chance = random.Random(14)  # noqa: S311 - no secret
     done = refused = 0
     for _ in range(SEQUENCES):
         told = [some_norm(chance) for _ in range(chance.randint(2, 5))]
-        for rule in told:
-            agent.base.believe("A norm.", "", "sam", [rule])
-        rules = [agent.base.rule(rule.id) for rule in told]
+        rules = [heard(agent, sentence(rule, chance), rule) for rule in told]
         for _ in range(COMMANDS):
             request = some_request(chance)
             result = agent.goals.achieve(request)
