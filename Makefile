@@ -40,6 +40,7 @@ bench: $(READY) .venv/.extras  ## speed, beside named peers where there are any
 
 docs: $(READY)  ## write the pages made from code and data again, and the site to out/docs; warnings are errors
 	@$(BIN)/python docs/commands.py > docs/commands.md
+	@$(BIN)/python docs/formats.py > docs/formats.md
 	@$(BIN)/python docs/vocabulary.py > docs/vocabulary.md
 	@$(BIN)/sphinx-build -q -W --keep-going -b html docs out/docs
 

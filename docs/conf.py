@@ -15,6 +15,7 @@ html_theme = "furo"
 html_title = "Hilt"
 html_static_path = ["static"]
 html_css_files = ["site.css"]
+html_extra_path = ["schemas"]
 html_show_sourcelink = False
 
 myst_enable_extensions = ["colon_fence"]

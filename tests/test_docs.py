@@ -122,7 +122,7 @@ def test_film_of_the_gallery_shows_the_tinted_part(tmp_path: Path):
     assert tinted[0] == 0 < max(tinted)
 
 
-@pytest.mark.parametrize("name", ["commands", "vocabulary"])
+@pytest.mark.parametrize("name", ["commands", "formats", "vocabulary"])
 def test_page_made_from_code_or_data_is_fresh(name: str):
     """Every command with every option, and every term, is documented as it is now (`make docs`)."""
     page = (ROOT / "docs" / f"{name}.md").read_text(encoding="utf-8")
