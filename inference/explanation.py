@@ -6,6 +6,7 @@ numbers.
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -117,21 +118,17 @@ class _CounterfactualSearch:
         self, leaf: Proof, path: Sequence[Interval], about: Sequence[int]
     ) -> Counterfactual | None:
         """Return the first point of a path at which the decision changes; None if there is none."""
-        before = 0.0
-        for segment in range(1, SEGMENTS + 1):
-            after = segment / SEGMENTS
-            if self._chosen(leaf, _along(path, after), about) != self.decided:
-                break
-            before = after
-        else:
+
+        def is_changed(share: float) -> bool:
+            return self._chosen(leaf, _along(path, share), about) != self.decided
+
+        segment = next((n for n in range(SEGMENTS) if is_changed((n + 1) / SEGMENTS)), None)
+        if segment is None:
             return None
-        for _ in range(HALVINGS):
-            middle = (before + after) / 2
-            if self._chosen(leaf, _along(path, middle), about) == self.decided:
-                before = middle
-            else:
-                after = middle
-        instead = _along(path, after)
+        start, end = segment << HALVINGS, (segment + 1) << HALVINGS
+        whole = SEGMENTS << HALVINGS
+        part = bisect_left(range(end), True, start, key=lambda n: is_changed(n / whole))
+        instead = _along(path, part / whole)
         index = self._chosen(leaf, instead, about)
         chosen = None if index is None else _displayed_name(self.candidates[index])
         return Counterfactual(leaf, instead, chosen)

@@ -83,9 +83,7 @@ class Utterance:
         }
 
 
-def import_utterance(
-    source: str, sequence: int, time: datetime, *, some: str = "", asserts: tuple[str, ...] = ()
-) -> Utterance:
+def import_utterance(source: str, sequence: int, time: datetime, *, some: str = "") -> Utterance:
     """The utterance that stands for a file whose rules do not say where they come from.
 
     `source` is the name of the file, "-" for standard input. Where the utterance stands for only
@@ -93,9 +91,7 @@ def import_utterance(
     """
     name = "standard input" if source == "-" else PurePath(source).name
     speaker = f"file {_NOT_IN_NAMES.sub(' ', name).strip()}"[:MAX_NAME].rstrip(" '@+-")
-    return Utterance(
-        sequence, f"import of {source}{some}", "", speaker, time, IMPORT, asserts=asserts
-    )
+    return Utterance(sequence, f"import of {source}{some}", "", speaker, time, IMPORT)
 
 
 def utterance_iri(sequence: int) -> Iri:

@@ -29,6 +29,11 @@ TOLD = {  # fields of all that utterances taught besides rules
 }
 
 
+def told_as_json(record: object) -> dict[str, object]:
+    """The fields that all that was told has, in the JSON of every command."""
+    return {name: getattr(record, name) for name in TOLD}
+
+
 @dataclass(frozen=True)
 class LearnedMapping(RecordMapping[Record]):
     """How records are stored that utterances taught and that may be retracted.
@@ -74,13 +79,7 @@ class LearnedWord:
 
     def as_json(self) -> dict[str, object]:
         """One entry of `hilt words --json`."""
-        return {
-            "word": self.atom.name,
-            "kind": self.atom.kind,
-            "said": self.said,
-            "speaker": self.speaker,
-            "utterance": self.utterance,
-        }
+        return {"word": self.atom.name, "kind": self.atom.kind, **told_as_json(self)}
 
 
 @dataclass(frozen=True, order=True)
@@ -103,14 +102,8 @@ class LearnedPhrase:
 
     def as_json(self) -> dict[str, object]:
         """One entry of `hilt words --json`."""
-        return {
-            "word": self.pattern,
-            "kind": "phrase",
-            "said": self.said,
-            "speaker": self.speaker,
-            "utterance": self.utterance,
-            "meaning": json.loads(self.meaning),
-        }
+        meaning = json.loads(self.meaning)
+        return {"word": self.pattern, "kind": "phrase", **told_as_json(self), "meaning": meaning}
 
 
 def _word_iri(word: LearnedWord) -> Iri:

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 from hashlib import sha256
 
 from ..ontology.vocabulary import Iri, iri, term
-from .learned_words import TOLD, LearnedMapping
+from .learned_words import TOLD, LearnedMapping, told_as_json
 from .rdf.domain import node_statements
 from .rdf.record_mapping import FieldProperty
 from .rdf.rule_mapping import atom_from_iri, atom_iri
@@ -52,8 +52,7 @@ class TaughtAction:
 
     def as_json(self) -> dict[str, object]:
         """One entry of `hilt actions --json`."""
-        who = {"said": self.said, "speaker": self.speaker, "utterance": self.utterance}
-        return {**json.loads(self.meaning), **who}
+        return {**json.loads(self.meaning), **told_as_json(self)}
 
 
 def read_actions(store: Store) -> list[TaughtAction]:

@@ -30,15 +30,6 @@ class Case:
     key: str
     spec: Json
 
-    def as_json(self) -> Json:
-        """Return the JSON object that is sent to a worker."""
-        return dict(vars(self))
-
-    @classmethod
-    def from_json(cls, document: Mapping[str, Any]) -> Case:
-        """Return the case that `as_json` wrote."""
-        return cls(str(document["experiment"]), str(document["key"]), document["spec"])
-
 
 @dataclass(frozen=True)
 class CaseResult:
@@ -62,21 +53,6 @@ class CaseResult:
     expected: str
     facts: Json = field(default_factory=dict[str, object])
 
-    def as_json(self) -> Json:
-        """Return the JSON object that is written to a file of results."""
-        return dict(vars(self))
-
-    @classmethod
-    def from_json(cls, document: Mapping[str, Any]) -> CaseResult:
-        """Return the result that `as_json` wrote.
-
-        Raises:
-            KeyError, TypeError, ValueError: it is not such a document.
-        """
-        key, found, expected = (str(document[name]) for name in ("key", "found", "expected"))
-        kind, principle, facts = document["kind"], int(document["principle"]), document["facts"]
-        return cls(key, bool(document["right"]), kind, principle, found, expected, dict(facts))
-
 
 @dataclass(frozen=True)
 class TimedResult:
@@ -86,21 +62,15 @@ class TimedResult:
     cpu_s: float
     attempts: int = 1
 
-    def as_json(self) -> Json:
-        """Return the JSON object that is a line of a journal."""
-        return {**vars(self), "result": self.result.as_json()}
-
     @classmethod
     def from_json(cls, document: Mapping[str, Any]) -> TimedResult:
-        """Return the result that `as_json` wrote.
-
-        Raises:
-            KeyError, TypeError, ValueError: it is not such a document.
-        """
-        result = CaseResult.from_json(document["result"])
-        return cls(result, float(document["cpu_s"]), int(document["attempts"]))
+        """Return the result that `to_json_line` wrote; KeyError or TypeError if it is none."""
+        result = CaseResult(**document["result"])
+        return cls(result, document["cpu_s"], document["attempts"])
 
 
-def to_json_line(document: Json) -> str:
-    """Return a document as one line of JSON: the same bytes for the same content."""
-    return json.dumps(document, ensure_ascii=False, sort_keys=True, separators=(",", ":"))
+def to_json_line(document: object) -> str:
+    """Return a document, a case or a result as a line of JSON: equal bytes for equal content."""
+    return json.dumps(
+        document, default=vars, ensure_ascii=False, sort_keys=True, separators=(",", ":")
+    )

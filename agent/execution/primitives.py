@@ -102,7 +102,7 @@ class PrimitiveExecutor:
 
     def _grasp(self, task: PrimitiveTask) -> Failure:
         if task.percept is None:
-            return AnswerContent("nothing_seen", {"object": "thing"}, "failed", "nothing_seen")
+            return _nothing_seen(None)
         self._part = task.part
         report = self._motion.grasp(task.percept, task.part)
         self.grasps.begin(task.percept.object, task.part, task.context, report)
@@ -140,7 +140,7 @@ class PrimitiveExecutor:
 
     def _point_at(self, task: PrimitiveTask) -> Failure:
         if task.percept is None:
-            return AnswerContent("nothing_seen", {"object": "thing"}, "failed", "nothing_seen")
+            return _nothing_seen(None)
         report = self._motion.point_at(task.percept)
         self.world = replace(self.world, executed=True)
         return None if report.ok else self._failed(report.reason, task)
@@ -149,9 +149,7 @@ class PrimitiveExecutor:
         name = named(task.arguments.get("patient"))
         seen = self._vision.search([f"object:{name}"])
         if not seen:
-            return AnswerContent(
-                "nothing_seen", {"object": name or "thing"}, "failed", "nothing_seen"
-            )
+            return _nothing_seen(name)
         report = self._motion.move_above(seen[0])
         self._depth_before_mm = report.depth_m * MM
         return self._struck(report)
@@ -209,3 +207,7 @@ def empty_hand(motion: Motion | None, primitive: str, kind: str | None) -> Answe
         return AnswerContent("not_held", {"object": str(kind)}, "failed", "nothing_held")
     report = EMPTYING[primitive](motion)
     return outcome_answer.hand_emptied(primitive, held.object, "" if report.ok else report.reason)
+
+
+def _nothing_seen(name: str | None) -> AnswerContent:
+    return AnswerContent("nothing_seen", {"object": name or "thing"}, "failed", "nothing_seen")

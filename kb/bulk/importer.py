@@ -40,7 +40,7 @@ from ..validation import (
     stage,
 )
 from ..writer import to_milliseconds
-from .nquads_reader import RuleBlock, StatementGroup, Statements
+from .nquads_reader import RuleBlock, StatementGroup, Statements, read_groups, read_quads
 from .reconciliation import (
     AncillaryWrites,
     BelievedRules,
@@ -319,9 +319,8 @@ def _write(store: Store, lines: Iterator[bytes], plan: AncillaryWrites, source: 
             # The old sequence number never counts beside the new one, which is higher.
             store.apply(delete={*plan.delete, *before} - {*plan.insert})
             return
-    from ..stores.rdf_text import read_rdf
-
-    read = read_rdf(io.BytesIO(b"".join(first)), format="nquads", source=source, default=BELIEFS)
+    text = io.BytesIO(b"".join(first))
+    read = read_quads(read_groups(text, format="nquads", source=source, default=BELIEFS))
     insert = [one for one in read if isinstance(one, Quad)]
     store.apply(insert=insert, delete={*plan.delete, *before} - {*plan.insert})
 

@@ -104,13 +104,11 @@ def read_groups(
         yield from reader.finish()
 
 
-def expand_blocks(items: Iterable[Statements]) -> Iterator[StatementGroup | ReifyingTriple]:
-    """Iterate over the same items, with every block of lines read."""
+def read_quads(items: Iterable[Statements]) -> Iterator[Quad | ReifyingTriple]:
+    """Iterate over the statements of items, with every block of lines read."""
     for item in items:
-        if isinstance(item, RuleBlock):
-            yield from item.groups()
-        else:
-            yield item
+        for one in item.groups() if isinstance(item, RuleBlock) else [item]:
+            yield from one.quads() if isinstance(one, StatementGroup) else (one,)
 
 
 def complete_lines(rest: bytes, chunk: bytes) -> tuple[list[str], bytes]:

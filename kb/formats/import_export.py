@@ -15,13 +15,12 @@ from typing import BinaryIO, cast
 
 from ..bulk.exporter import MAX_SORTED, ProgressCounter, scan_rules, statements, write_statements
 from ..bulk.importer import import_rules, import_statements
-from ..bulk.nquads_reader import RuleBlock, StatementGroup, Statements, expand_blocks, read_groups
+from ..bulk.nquads_reader import RuleBlock, StatementGroup, Statements, read_groups, read_quads
 from ..bulk.reconciliation import ImportSummary
 from ..knowledge_base import KnowledgeBase
 from ..merge import merge
-from ..rdf.annotated_turtle import ReifyingTriple, expand_annotations, write_annotated
+from ..rdf.annotated_turtle import expand_annotations, write_annotated
 from ..rdf.rule_mapping import BELIEFS
-from ..rdf.terms import Quad
 from ..rule import Rule
 from ..stores.base import Store
 from ..validation import findings, raise_findings, stage, stage_rules
@@ -177,12 +176,7 @@ def _size(item: Statements) -> int:
 
 
 def _staged(items: Iterable[Statements], source: str) -> Store:
-    return stage(expand_annotations(_flat(items), source=source), source=source)
-
-
-def _flat(items: Iterable[Statements]) -> Iterator[Quad | ReifyingTriple]:
-    for item in expand_blocks(items):
-        yield from item.quads() if isinstance(item, StatementGroup) else (item,)
+    return stage(expand_annotations(read_quads(items), source=source), source=source)
 
 
 def _write_rules(rules: Iterable[Rule], stream: BinaryIO, name: str) -> None:

@@ -112,18 +112,17 @@ def _completed(
         (USED_FOR, rule_mapping.AFFORDANCE): "FunctionalRule",
         (GRASP_OBJECT, rule_mapping.PART): "ActionRule",
     }
-    if rule_mapping.TYPE not in there:
-        yield rule_mapping.TYPE, term(known.get((functor or "", argument), "Rule"))
-    if rule_mapping.FEATURE not in there:
-        yield from ((rule_mapping.FEATURE, edge.subject) for edge in edges)
-    if rule_mapping.FUNCTOR not in there and functor:
-        yield rule_mapping.FUNCTOR, term(functor)
     if not there & {rule_mapping.PART, rule_mapping.AFFORDANCE, rule_mapping.ARGUMENT} and kind:
         yield argument, first.object
-    if rule_mapping.STATUS not in there:
-        yield rule_mapping.STATUS, rule_mapping.status_iri("active")
-    if rule_mapping.ATTRIBUTED_TO not in there:
-        yield rule_mapping.ATTRIBUTED_TO, iri("speaker", DEFAULT_SPEAKER)
+    defaults: dict[Iri, Sequence[Iri]] = {
+        rule_mapping.TYPE: [term(known.get((functor or "", argument), "Rule"))],
+        rule_mapping.FEATURE: [edge.subject for edge in edges],
+        rule_mapping.FUNCTOR: [term(functor)] if functor else [],
+        rule_mapping.STATUS: [rule_mapping.status_iri("active")],
+        rule_mapping.ATTRIBUTED_TO: [iri("speaker", DEFAULT_SPEAKER)],
+    }
+    for key, values in defaults.items():
+        yield from ((key, value) for value in values if key not in there)
 
 
 def _argument(value: Term) -> tuple[Iri, str]:

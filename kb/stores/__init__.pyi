@@ -1,7 +1,7 @@
 from .base import MEMORY, Store
 from .opening import open_store
 from .oxigraph import OxigraphStore
-from .rdf_text import read_rdf, write_rdf
+from .rdf_text import write_rdf
 from .remote import RemoteStore
 from .result_serialization import write_result
 
@@ -11,7 +11,6 @@ __all__ = [
     "RemoteStore",
     "Store",
     "open_store",
-    "read_rdf",
     "write_rdf",
     "write_result",
 ]

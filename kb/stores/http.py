@@ -125,27 +125,20 @@ class EndpointAuth(httpx.Auth):
     """Authentication by the scheme that the server requests: digest, basic, or a bearer token."""
 
     def __init__(self, address: EndpointConfig) -> None:
-        self._token = address.token
+        self._address = address
         self._scheme: httpx.Auth | None = None
-        user, password = address.user, address.password
-        self._schemes: dict[str, httpx.Auth] = (
-            {"digest": httpx.DigestAuth(user, password), "basic": httpx.BasicAuth(user, password)}
-            if user
-            else {}
-        )
 
     def auth_flow(self, request: httpx.Request) -> Generator[httpx.Request, httpx.Response]:
         """Send the request, and again with credentials when the server requests them."""
-        if self._token:
-            request.headers["Authorization"] = f"Bearer {self._token}"
-            yield request
-            return
+        address = self._address
+        if address.token:
+            request.headers["Authorization"] = f"Bearer {address.token}"
         if self._scheme is None:
             response = yield request
             requested = response.headers.get("www-authenticate", "").lower()
-            found = (auth for name, auth in self._schemes.items() if name in requested)
-            if response.status_code == UNAUTHORIZED:
-                self._scheme = next(found, None)
+            if response.status_code == UNAUTHORIZED and address.user and not address.token:
+                scheme = httpx.DigestAuth if "digest" in requested else httpx.BasicAuth
+                self._scheme = scheme(address.user, address.password)
         if self._scheme is not None:
             yield from self._scheme.auth_flow(request)
 

@@ -16,7 +16,7 @@ from ..rdf.annotated_turtle import AnnotatedEdge, ReifyingTriple
 from ..rdf.rule_mapping import TYPE
 from ..rdf.terms import Quad
 from .base import EmbeddedStore, EngineQuad, Store, batched
-from .errors import syntax_error, translated_errors, translated_text_errors
+from .errors import syntax_error, translated_errors
 from .term_conversion import from_engine, quad_from_engine, quad_to_engine, shared_iri
 
 RDF_FORMATS = {
@@ -35,28 +35,13 @@ _BATCH = 10_000  # statements that are made into text at once
 _NOT_IN_XML = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\ufffe\uffff]")
 
 
-def read_rdf(
-    stream: BinaryIO, *, format: str, source: str, default: Iri
-) -> Iterator[Quad | ReifyingTriple]:
-    """The statements of an RDF text, one after the other as they are parsed.
-
-    The text is UTF-8 in one of `RDF_FORMATS`; statements that name no graph are in `default`.
-
-    Raises:
-        DataError: it is wrong; says where.
-    """
-    with translated_text_errors(source):
-        try:
-            for quad in engine.parse(stream, format=RDF_FORMATS[format]):
-                yield _statement(quad, default)
-        except SyntaxError as error:
-            raise syntax_error(error, source, _line(stream, error.lineno or 0)) from error
-
-
 def read_line(
     line: str, *, format: str, source: str, default: Iri, number: int
 ) -> list[Quad | ReifyingTriple]:
-    """The statements of the `number`th line of N-Quads or N-Triples; otherwise as `read_rdf`."""
+    """The statements of the `number`th line of N-Quads or N-Triples.
+
+    Statements that name no graph are in `default`. A DataError says where it is wrong.
+    """
     try:
         return [
             _statement(quad, default) for quad in engine.parse(line, format=RDF_FORMATS[format])
@@ -78,7 +63,10 @@ def has_graphs(format: str) -> bool:
 
 
 def read_lines(stream: BinaryIO, *, format: str, source: str) -> Iterator[bytes]:
-    """Chunks of an RDF text in its `line_format`; arguments and errors as for `read_rdf`."""
+    """Chunks of an RDF text in one of `RDF_FORMATS`, made UTF-8 lines in its `line_format`.
+
+    A DataError says where it is wrong.
+    """
     chosen = RDF_FORMATS[format]
     if format in _LINE_FORMATS:
         while chunk := stream.read(_CHUNK):

@@ -72,7 +72,7 @@ def test_json_shows_what_is_missing_as_null():
 )
 def test_file_says_what_no_person_said(source: str, speaker: str):
     """Its name is that of a speaker, and never that of a person: a file may be called "sam"."""
-    told = import_utterance(source, 1, NOON, some=", rules 1 to 2", asserts=("rule/0",))
+    told = import_utterance(source, 1, NOON, some=", rules 1 to 2")
 
     assert (told.speaker, told.kind) == (speaker, "import")
     assert told.text == f"import of {source}, rules 1 to 2"

@@ -7,13 +7,13 @@ from pathlib import Path
 
 import pytest
 
+from hilt.kb.bulk.nquads_reader import read_groups, read_quads
 from hilt.kb.formats.import_export import export_file, import_file
 from hilt.kb.interval import Interval
 from hilt.kb.knowledge_base import FORMAT, STEPS, KnowledgeBase, base_format, migrate, version_quad
 from hilt.kb.rdf.terms import Quad
 from hilt.kb.rule import Atom
 from hilt.kb.stores.oxigraph import OxigraphStore, save_quads
-from hilt.kb.stores.rdf_text import read_rdf
 from hilt.kb.validation import check_invariants, check_shapes
 from hilt.ontology.errors import StoreError
 from hilt.ontology.vocabulary import iri, term
@@ -81,7 +81,9 @@ def test_there_is_a_way_from_every_format():
 
 def statements(text: bytes) -> list[Quad]:
     """The statements of N-Quads."""
-    found = read_rdf(io.BytesIO(text), format="nquads", source="x", default=iri("graph", "base"))
+    found = read_quads(
+        read_groups(io.BytesIO(text), format="nquads", source="x", default=iri("graph", "base"))
+    )
     return [each for each in found if isinstance(each, Quad)]
 
 

@@ -20,7 +20,7 @@ from .html import EmbeddedPicture, render_page
 from .summary import EvaluationReport
 
 MAX_PICTURES = 40  # on a page
-COLUMNS = ("key", "right", "kind", "principle", "found", "expected", "cpu_s")
+COLUMNS: Sequence[str] = ("key", "right", "kind", "principle", "found", "expected", "cpu_s")
 
 
 def write_report(
@@ -61,17 +61,15 @@ def _html(experiment: Experiment, cases: Sequence[Case], report: EvaluationRepor
 
 
 def _json(_: Experiment, __: Sequence[Case], report: EvaluationReport) -> str:
-    results = [each.result.as_json() for each in report.runs]
-    return json.dumps(report.as_json() | {"results": results}, ensure_ascii=False, indent=1) + "\n"
+    document = report.as_json() | {"results": report.results}
+    return json.dumps(document, default=vars, ensure_ascii=False, indent=1) + "\n"
 
 
 def _csv(_: Experiment, __: Sequence[Case], report: EvaluationReport) -> str:
     table = io.StringIO()
-    writer = csv.writer(table, lineterminator="\n")
-    writer.writerow(COLUMNS)
-    for run in report.runs:
-        row = run.result.as_json() | {"cpu_s": round(run.cpu_s, 6)}
-        writer.writerow([row[column] for column in COLUMNS])
+    writer = csv.DictWriter(table, COLUMNS, extrasaction="ignore", lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(vars(run.result) | {"cpu_s": round(run.cpu_s, 6)} for run in report.runs)
     return table.getvalue()
 
 

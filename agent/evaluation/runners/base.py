@@ -54,7 +54,7 @@ def run_in_worker(name: str, options: str, case: str) -> str:
         experiment = _experiment(name, options)
     except Exception as error:  # an exception with a single text can be sent to any process
         raise WorkersUnavailableError(f"A worker process could not be started: {error}") from None
-    return to_json_line(run_case(experiment, Case.from_json(json.loads(case))).as_json())
+    return to_json_line(run_case(experiment, Case(**json.loads(case))))
 
 
 @lru_cache(maxsize=1)  # keeps what is expensive to set up for the next cases
@@ -90,7 +90,7 @@ def run_in_pool(
     waiting = iter(cases)
 
     def begin(case: Case, attempt: int) -> None:
-        future = start(to_json_line(case.as_json()))
+        future = start(to_json_line(case))
         pending.add(future)
         future.add_done_callback(lambda done: finished.put((case, attempt, done)))
 

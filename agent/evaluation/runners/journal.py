@@ -67,7 +67,7 @@ class RunJournal(AbstractContextManager["RunJournal"]):
 
     def add(self, run: TimedResult) -> None:
         """Write a result."""
-        self._write(run.as_json())
+        self._write(run)
         self.runs[run.result.key] = run
 
     def finish(self, cases: Sequence[Case], files: Mapping[str, Json] | None = None) -> None:
@@ -76,7 +76,7 @@ class RunJournal(AbstractContextManager["RunJournal"]):
         Each file is written atomically.
         """
         runs = [self.runs[case.key] for case in cases]
-        lines = (f"{to_json_line(each.result.as_json())}\n" for each in runs)
+        lines = (f"{to_json_line(each.result)}\n" for each in runs)
         _replace(self.folder / RESULTS, "".join(lines))
         _replace(self.folder / TIMES, _times(runs))
         for name, document in (files or {}).items():
@@ -120,7 +120,7 @@ class RunJournal(AbstractContextManager["RunJournal"]):
     def _path(self) -> str:
         return str(self.folder / JOURNAL)
 
-    def _write(self, document: Json) -> None:
+    def _write(self, document: Json | TimedResult) -> None:
         left = f"{to_json_line(document)}\n".encode()
         try:
             while left:  # a disk that is nearly full may write only a part
@@ -132,7 +132,7 @@ class RunJournal(AbstractContextManager["RunJournal"]):
 def _header(experiment: Experiment, cases: Sequence[Case]) -> Json:
     digest = hashlib.sha256()
     for case in cases:
-        digest.update(f"{to_json_line(case.as_json())}\n".encode())
+        digest.update(f"{to_json_line(case)}\n".encode())
     return {
         "format": FORMAT,
         "experiment": experiment.name,
@@ -158,10 +158,9 @@ def _parsed(source: str, number: int, line: bytes) -> Json:
 
 
 def _read_run(source: str, number: int, line: bytes) -> TimedResult:
-    document = _parsed(source, number, line)
     try:
-        return TimedResult.from_json(document)
-    except (KeyError, TypeError, ValueError) as error:
+        return TimedResult.from_json(_parsed(source, number, line))
+    except (KeyError, TypeError) as error:
         raise DataError("is not a result.", source=source, line=number) from error
 
 

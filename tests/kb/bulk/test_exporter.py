@@ -19,13 +19,13 @@ from hypothesis import strategies as st
 
 from hilt.kb.bulk import exporter
 from hilt.kb.bulk.exporter import scan_rules, write_statements
+from hilt.kb.bulk.nquads_reader import read_groups, read_quads
 from hilt.kb.rdf import rule_mapping
 from hilt.kb.rdf.rule_mapping import BELIEFS
 from hilt.kb.rdf.terms import Literal, Quad, Term, as_sparql
 from hilt.kb.rule import Rule, Status
 from hilt.kb.stores.base import Store
 from hilt.kb.stores.oxigraph import open_folder, open_memory
-from hilt.kb.stores.rdf_text import read_rdf
 from hilt.ontology.errors import ValidationError
 from hilt.ontology.vocabulary import Iri, iri, term
 
@@ -82,7 +82,7 @@ def written(
     with filled(kind, quads) as store:
         count = write_statements(store, stream, form, None, rules_only=rules_only)
     stream.seek(0)
-    found = read_rdf(stream, format=form, source="x", default=BELIEFS)
+    found = read_quads(read_groups(stream, format=form, source="x", default=BELIEFS))
     return spelled(quad for quad in found if isinstance(quad, Quad)), count
 
 

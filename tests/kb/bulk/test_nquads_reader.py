@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Iterator
+from functools import partial
 
 import pytest
 from hypothesis import given, settings
@@ -13,14 +14,14 @@ from hilt.kb.bulk.nquads_reader import (
     LineReader,
     RuleBlock,
     StatementGroup,
-    expand_blocks,
     read_groups,
+    read_quads,
 )
 from hilt.kb.rdf.annotated_turtle import ReifyingTriple
 from hilt.kb.rdf.rule_mapping import BELIEFS, rule_quads
 from hilt.kb.rdf.terms import Quad
 from hilt.kb.rule import Rule
-from hilt.kb.stores.rdf_text import read_rdf, write_rdf
+from hilt.kb.stores.rdf_text import read_line, write_rdf
 from hilt.ontology.errors import DataError
 
 from ..strategies import rules
@@ -33,17 +34,13 @@ GRAPH = "<https://w3id.org/hilt/graph/beliefs>"
 def read_fast(text: bytes, form: str = "nquads") -> list[Quad]:
     """The statements as the fast reader finds them."""
     groups = read_groups(io.BytesIO(text), format=form, source="x", default=BELIEFS)
-    return [
-        quad
-        for one in expand_blocks(groups)
-        if isinstance(one, StatementGroup)
-        for quad in one.quads()
-    ]
+    return list(read_quads(groups))
 
 
 def read_plain(text: bytes, form: str = "nquads") -> list[object]:
     """The statements as the engine finds them."""
-    return list(read_rdf(io.BytesIO(text), format=form, source="x", default=BELIEFS))
+    read = partial(read_line, format=form, source="x", default=BELIEFS, number=0)
+    return [quad for line in text.decode().splitlines() for quad in read(line)]
 
 
 @given(st.lists(rules, max_size=4), st.sampled_from(["nquads", "ntriples"]))
@@ -114,8 +111,7 @@ def test_chunks_may_end_anywhere(size: int):
             yield from reader.feed(text[start : start + size])
         yield from reader.finish()
 
-    groups = [one for one in expand_blocks(read()) if isinstance(one, StatementGroup)]
-    assert [quad for group in groups for quad in group.quads()] == read_plain(text)
+    assert list(read_quads(read())) == read_plain(text)
 
 
 def test_an_endless_line_is_refused():

@@ -11,13 +11,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hilt.kb.bulk.nquads_reader import LineReader, RuleBlock
+from hilt.kb.bulk.nquads_reader import LineReader, RuleBlock, read_groups, read_quads
 from hilt.kb.bulk.rule_nquads import FastRuleReader, NQuadsWriter
 from hilt.kb.rdf import rule_mapping
 from hilt.kb.rdf.rule_mapping import BELIEFS, rule_quads
 from hilt.kb.rdf.terms import Literal, Quad, Term
 from hilt.kb.rule import Rule
-from hilt.kb.stores.rdf_text import read_rdf, write_rdf
+from hilt.kb.stores.rdf_text import write_rdf
 from hilt.ontology.errors import ValidationError
 from hilt.ontology.vocabulary import Iri, iri, term
 
@@ -56,7 +56,7 @@ def written(some: list[Rule]) -> set[object]:
     for rule in some:
         writer.write_rule(rule)
     stream = io.BytesIO(b"".join(writer.taken(0)))
-    return set(read_rdf(stream, format="nquads", source="x", default=BELIEFS))
+    return set(read_quads(read_groups(stream, format="nquads", source="x", default=BELIEFS)))
 
 
 def mapped(some: list[Rule]) -> set[object]:

@@ -46,7 +46,7 @@ SMALL = AllScenariosExperiment(objects=2, affordances=2, taught=3, traced=2, gro
 @pytest.fixture(scope="module")
 def results() -> list[CaseResult]:
     """What comes of the verification for two objects and two affordances."""
-    sent = [Case.from_json(json.loads(to_json_line(case.as_json()))) for case in SMALL.cases()]
+    sent = [Case(**json.loads(to_json_line(case))) for case in SMALL.cases()]
     return [SMALL.run(case) for case in sent]
 
 

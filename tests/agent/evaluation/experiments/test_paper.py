@@ -129,8 +129,10 @@ def test_results_survive_json():
     case = PaperExperiment(scenes=1).cases()[0]
     result = CaseResult(case.key, True, "tie", 3, "mug", "glass or mug", {"ties": ["mug", "glass"]})
 
-    assert Case.from_json(json.loads(to_json_line(case.as_json()))) == case
-    assert CaseResult.from_json(json.loads(to_json_line(result.as_json()))) == result
+    timed = TimedResult(result, 0.5, attempts=2)
+
+    assert Case(**json.loads(to_json_line(case))) == case
+    assert TimedResult.from_json(json.loads(to_json_line(timed))) == timed
 
 
 def test_report_tells_decisions_from_what_the_hand_did():
