@@ -1,13 +1,15 @@
 # ruff: noqa: RUF009 - `_option` returns a field
 """The configuration of an agent: each option declared once, with its default, type and help.
 
-Python code writes `AgentConfig(scene="objects:knife,mug", simulate=False)`, a YAML file has the
-same names as keys, and the command line makes its options from the same declarations.
+Python code writes `AgentConfig(scene="objects:knife,mug", simulate=False)`, files have the same
+names as keys, and the command line makes its options from the same declarations. `config_files`
+says where a command looks for the values of options that it is not given.
 """
 
 from __future__ import annotations
 
 import logging
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields, replace
 from functools import cache
@@ -16,6 +18,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from ..ontology.errors import DataError, HiltError
 from ..ontology.logs import timed
+from ..ontology.toml_reader import read_toml
 from ..ontology.yaml_reader import YamlNode, read_yaml
 
 if TYPE_CHECKING:  # at run time only where they are needed, so that `hilt --help` is fast
@@ -29,7 +32,6 @@ if TYPE_CHECKING:  # at run time only where they are needed, so that `hilt --hel
 
 T = TypeVar("T")
 _logger = logging.getLogger(__name__)
-FILES = (".yaml", ".yml")
 
 
 @dataclass(frozen=True)
@@ -49,6 +51,11 @@ class ConfigOption:
     flag: str = ""
     metavar: str | None = None
     name: str = ""
+
+    def is_file(self, value: str) -> bool:
+        """Whether a value of this option names a file or folder."""
+        files = {"scene": r".*\.ya?ml", "robot": r".*\.ya?ml(:.*)?", "base": r"(?!\w{2,}:).*"}
+        return self.kind is Path or bool(re.fullmatch(files.get(self.name, "(?!)"), value))
 
 
 def _option(*declared: Any, **more: Any) -> Any:
@@ -127,9 +134,7 @@ class AgentConfig:
         Raises:
             DataError: an unknown key or a wrong value; with file, line and column.
         """
-        entries = read_yaml(path).entries(optional=OPTIONS)
-        values = {name: _read(each, OPTIONS[name], path.parent) for name, each in entries.items()}
-        return cls(**values)
+        return cls(**read_values(path))
 
     def load_settings(self) -> Settings:
         """Return the settings of the inference, with the overrides applied.
@@ -156,6 +161,12 @@ OPTIONS: Mapping[str, ConfigOption] = {
     )
     for each in fields(AgentConfig)
 }
+
+
+def read_values(path: Path) -> dict[str, Any]:
+    """Return the values of the options in a YAML or TOML file; errors as of `from_yaml`."""
+    nodes = (read_toml if path.suffix == ".toml" else read_yaml)(path).entries(optional=OPTIONS)
+    return {name: read_value(node, OPTIONS[name], path.parent) for name, node in nodes.items()}
 
 
 @cache
@@ -257,17 +268,21 @@ def _fits(value: object, option: ConfigOption) -> bool:
     return isinstance(value, option.kind) or (value is None and option.default is None)
 
 
-def _read(value: YamlNode, option: ConfigOption, folder: Path) -> Any:
+def read_value(value: YamlNode, option: ConfigOption, folder: Path) -> Any:
+    """Return the value of an option; a file that it names is looked up in the folder.
+
+    Raises:
+        DataError: it is of the wrong type; with its place.
+    """
     if option.kind is int:
         return value.integer(low=0)
     if option.kind is bool:
         return value.truth()
-    if option.kind is Path:
-        return folder / value.text()
     if option.kind is tuple:
         return _read_texts(value, option)
-    is_scene_file = option.name == "scene" and value.text().endswith(FILES)
-    return str(folder / value.text()) if is_scene_file else value.text()
+    if option.kind is str and not option.is_file(value.text()):
+        return value.text()
+    return option.kind(folder / Path(value.text()).expanduser())
 
 
 def _read_texts(value: YamlNode, option: ConfigOption) -> tuple[str, ...]:

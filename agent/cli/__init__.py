@@ -31,7 +31,7 @@ from ...ontology.errors import (
 
 # Each module adds its commands to `app`; help lists them in this order.
 from . import conversation, language, rules, files, history  # isort: skip
-from . import query, reasoning, scene, evaluate  # isort: skip
+from . import query, reasoning, scene, configuration, evaluate  # isort: skip
 from .common import FAILED, report_error
 from .options import app
 
@@ -40,7 +40,18 @@ MAY_LEAD = {"--kb": 1, "--scene": 1, "--seed": 1, "--speaker": 1, "--json": 0}  
 ANYWHERE = ("--debug", "--verbose")
 UNREADABLE = (DataError, IntervalError, QueryError, UnknownNameError)
 MISSED = (NotFoundError, QueryLimitError)  # what was asked for in the right way, and not got
-COMMANDS = (conversation, language, rules, files, history, query, reasoning, scene, evaluate)
+COMMANDS = (
+    conversation,
+    language,
+    rules,
+    files,
+    history,
+    query,
+    reasoning,
+    scene,
+    configuration,
+    evaluate,
+)
 
 
 def main(arguments: Sequence[str] | None = None) -> None:

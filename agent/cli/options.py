@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Iterable
-from dataclasses import replace
 from functools import wraps
 from pathlib import Path
 from typing import Annotated, Any
@@ -12,7 +11,8 @@ from typing import Annotated, Any
 import typer
 
 from ...sim.installation import check_simulator
-from ..config import OPTIONS, AgentConfig, ConfigOption
+from ..config import OPTIONS, AgentConfig, ConfigOption, read_values
+from ..config_files import KEYS, configured, lasting_values, variable
 
 app = typer.Typer(
     name="hilt",
@@ -48,6 +48,16 @@ def hilt(
     """Learn from plain sentences what objects are for and how to hold them, and act on it."""
 
 
+def _lasting_base(value: str | None) -> str | None:
+    return value or configured()["base"].value
+
+
+def _lasting_speaker(context: typer.Context, value: str | None) -> str | None:
+    source, found = context.get_parameter_source("speaker"), configured()["speaker"]
+    is_given = source is not None and source.name == "COMMANDLINE"
+    return value if is_given or found.origin == "default" else found.value
+
+
 Utterance = Annotated[
     str, typer.Argument(help='What to say; "-" reads lines from stdin, and answers each in JSON.')
 ]
@@ -55,17 +65,26 @@ Kb = Annotated[
     str | None,
     typer.Option(
         "--kb",
-        envvar="HILT_KB",
+        callback=_lasting_base,
+        envvar=variable("base"),
         help='The knowledge base: "memory:", a folder, or the http(s) address of a SPARQL '
-        "endpoint. By default a folder in your data directory.",
+        "endpoint. By default that of `hilt config`.",
     ),
 ]
 Record = Annotated[
     Path | None, typer.Option("--record", help="Film what is done: a .mp4, .gif or .png file.")
 ]
-Speaker = Annotated[str, typer.Option("--speaker", help="Who is speaking.")]
+Speaker = Annotated[
+    str,
+    typer.Option(
+        "--speaker", callback=_lasting_speaker, show_default=False, help=KEYS["speaker"].help
+    ),
+]
 Host = Annotated[
-    str | None, typer.Option("--speaker", help="Who is speaking; by default who taught first.")
+    str | None,
+    typer.Option(
+        "--speaker", callback=_lasting_speaker, help="Who is speaking; by default who taught first."
+    ),
 ]
 Heard = Annotated[
     float, typer.Option("--heard", min=0.0, max=1.0, help="How surely a recogniser heard it.")
@@ -80,7 +99,9 @@ Gui = Annotated[bool, typer.Option("--gui", help=OPTIONS["gui"].help)]
 UserLexicon = Annotated[Path | None, typer.Option("--lexicon", help=OPTIONS["lexicon"].help)]
 ConfigFile = Annotated[
     Path | None,
-    typer.Option("--config", help="A YAML file with options; those given here replace its own."),
+    typer.Option(
+        "--config", help="A YAML or TOML file with options; those given here replace its own."
+    ),
 ]
 
 SCENE = ("scene", "seed", "objects")
@@ -97,9 +118,9 @@ def with_config(*names: str) -> Callable[[Callable[..., None]], Callable[..., No
         @wraps(command)
         def run(**given: Any) -> None:
             file: Path | None = given.pop("config")
-            config = AgentConfig.from_yaml(file) if file else AgentConfig()
+            values = {**lasting_values(), **(read_values(file) if file else {})}
             chosen = {name: given.pop(name) for name in dict.fromkeys(names)}
-            config = replace(config, **dict(_given(chosen)))
+            config = AgentConfig(**{**values, **dict(_given(chosen))})
             if "simulate" in names and config.simulate:
                 check_simulator()
             command(config=config, **given)
@@ -112,7 +133,7 @@ def with_config(*names: str) -> Callable[[Callable[..., None]], Callable[..., No
     return decorate
 
 
-def _given(chosen: dict[str, Any]) -> Iterable[tuple[str, object]]:
+def _given(chosen: dict[str, Any]) -> Iterable[tuple[str, Any]]:
     """The options that stand on the command line, as values of `AgentConfig`."""
     for name, value in chosen.items():
         if value is not None and value != []:
