@@ -7,7 +7,7 @@ PIP := $(BIN)/python -m pip -qq --disable-pip-version-check
 # The installed tree links to each file, so it is laid anew when files come or go.
 READY := .venv/.ready-$(shell find agent inference kb nlu ontology sim -type f ! -name '*.pyc' | LC_ALL=C sort | cksum | cut -d' ' -f1)
 
-.PHONY: demo test test-extras test-install coverage lint format bench docs linkcheck lock clean
+.PHONY: demo test test-extras test-install coverage lint format bench docs linkcheck lock dist clean
 
 demo: $(READY)  ## the paper's running example: three sentences, a command, a knife passed by the blade
 	@$(BIN)/hilt demo
@@ -50,6 +50,14 @@ linkcheck: $(READY)  ## whether the links out of the site lead somewhere; needs 
 lock: $(READY)  ## update requirements.lock from pyproject.toml
 	@$(BIN)/uv pip compile --quiet --upgrade --universal --python-version 3.10 --extra all --extra dev --extra docs \
 		--no-emit-index-url --no-header pyproject.toml -o requirements.lock
+
+SOURCE := https://w3id.org/hilt/source
+DIST := dist
+dist: $(READY)  ## build wheel and sdist; the package index shows the README, so its links are made absolute
+	@copy=$$(mktemp -d) && git ls-files -z | xargs -0 cp --parents -t $$copy && sed -i -E \
+		-e 's#!\[([^]]*)\]\(([^):]+)\)#![\1]($(SOURCE)/raw/HEAD/\2)#g' \
+		-e 's#\[([^]]*)\]\(([^):]+)\)#[\1]($(SOURCE)/blob/HEAD/\2)#g' $$copy/README.md && \
+		$(BIN)/python -W error -m build --installer uv --outdir $(DIST) $$copy; status=$$?; rm -rf $$copy; exit $$status
 
 clean:  ## remove build products; knowledge bases stay
 	rm -rf .venv build dist out *.egg-info

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
 import pytest
 
-from .environments import copy_checkout, fresh_variables, run
+from .environments import ROOT, TOOLS, copy_checkout, fresh_variables, run
 
 
 @pytest.fixture
@@ -18,10 +17,10 @@ def checkout(tmp_path: Path) -> Path:
 
 @pytest.fixture(scope="session")
 def distributions(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The folder with the wheel and the sdist, built with every warning an error."""
+    """The folder with the wheel and the sdist, built as for a release, without any warning."""
     folder = tmp_path_factory.mktemp("distributions")
-    variables = fresh_variables(folder / "home") | {"PYTHONWARNINGS": "error"}
-    build = [sys.executable, "-W", "error", "-m", "build", "--no-isolation"]
-    printed = run(build, copy_checkout(folder / "checkout"), variables)
+    variables = fresh_variables(folder / "home", TOOLS) | {"PYTHONWARNINGS": "error"}
+    make = ["make", "-s", "dist", f"DIST={folder / 'dist'}", "READY="]  # .venv stays as it is
+    printed = run(make, ROOT, variables)
     assert "warning" not in printed.lower()
-    return folder / "checkout" / "dist"
+    return folder / "dist"

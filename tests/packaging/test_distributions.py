@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+import zipfile
+from email.parser import BytesParser
 from pathlib import Path
 
 import pytest
@@ -30,6 +32,20 @@ def files_below(folder: Path) -> set[str]:
 def test_package_index_accepts_the_distributions(distributions: Path):
     """The metadata is complete, and the README can be shown."""
     run([TOOLS / "twine", "check", "--strict", *distributions.iterdir()], ROOT, {})
+
+
+def test_links_of_the_description_are_absolute(distributions: Path):
+    """On the page of the package index every link leads to a file of the source."""
+    with zipfile.ZipFile(next(distributions.glob("*.whl"))) as wheel:
+        name = next(name for name in wheel.namelist() if name.endswith("/METADATA"))
+        metadata = BytesParser().parsebytes(wheel.read(name))
+    source = dict(line.split(", ") for line in metadata.get_all("Project-URL", []))["Source"]
+    links = re.findall(r"\]\(([^)]+)\)", metadata.get_payload())
+
+    files = [re.sub(rf"^{source}/(blob|raw)/HEAD/", "", link) for link in links]
+
+    assert len(files) > 10
+    assert [file for file in files if not (ROOT / file).is_file()] == []
 
 
 @pytest.mark.parametrize("kind", KINDS)
