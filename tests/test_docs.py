@@ -37,7 +37,19 @@ def run_session(example: Example) -> None:
         assert re.fullmatch(pattern, printed, flags=re.DOTALL), f"$ hilt {command}\n{printed}"
 
 
-BLOCKS = Sybil([PythonCodeBlockParser(), CodeBlockParser("console", run_session)])
+def write_file(example: Example) -> None:
+    """Write a block that opens with a file name, "# mine.yaml", into the working folder."""
+    if named := re.match(r"# ([\w.]+)\n", example.parsed):
+        Path(named[1]).write_text(example.parsed, encoding="utf-8")
+
+
+BLOCKS = Sybil(
+    [
+        PythonCodeBlockParser(),
+        CodeBlockParser("console", run_session),
+        CodeBlockParser("yaml", write_file),
+    ]
+)
 
 
 @pytest.mark.parametrize("page", DOCUMENTS, ids=lambda path: path.name)
