@@ -16,6 +16,7 @@ import traceback
 from collections.abc import Generator, Sequence
 from contextlib import contextmanager
 from io import BytesIO, TextIOWrapper
+from typing import Any
 
 import typer
 
@@ -63,9 +64,19 @@ def main(arguments: Sequence[str] | None = None) -> None:
         sys.stdout.reconfigure(errors="backslashreplace")
     atexit.register(gc.freeze)  # else the interpreter looks for cycles in all of it when it ends
     words = [word for word in given if word not in ANYWHERE]
+    group = _command(words)
+    is_group = hasattr(group, "commands") and not group.invoke_without_command
     with _logged("--verbose" in given):
-        code = _run(words or ["--help"], debug="--debug" in given)
-    sys.exit(code if given else WRONG_USAGE)
+        code = _run([*words, "--help"] if is_group else words, debug="--debug" in given)
+    sys.exit(WRONG_USAGE if is_group else code)
+
+
+def _command(words: Sequence[str]) -> Any:
+    """The command, or the group of commands, that some words are; None where they are more."""
+    found: Any = typer.main.get_command(app)
+    for word in words:
+        found = getattr(found, "commands", {}).get(word)
+    return found
 
 
 @contextmanager
@@ -97,7 +108,8 @@ def _run(arguments: Sequence[str], *, debug: bool) -> int:
             raise  # no mistake of who typed this
         if debug:
             traceback.print_exc()
-        report_error(error if isinstance(error, HiltError) else _in_words(error))
+        told = error if isinstance(error, HiltError) else _in_words(error)
+        report_error(told, as_json="--json" in arguments)
         return code
 
 

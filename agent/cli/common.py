@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+import os
+import re
 import shlex
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, cast
+from typing import TYPE_CHECKING, Any, Literal, TextIO, cast
 
 import typer
 
@@ -53,10 +55,32 @@ def open_for_reading(kb: str | None, *, must_exist: bool = False) -> KnowledgeBa
 
 
 def terminal(*, stderr: bool = False) -> Console:
-    """Return the console of the terminal; rich detects its colours and width."""
+    """Return the console of the terminal, whose colours and width rich detects.
+
+    Elsewhere lines are as long as their texts, unless COLUMNS says how long they may be.
+    """
     from rich.console import Console
 
-    return Console(stderr=stderr, highlight=False)
+    stream = sys.stderr if stderr else sys.stdout
+    colours = None if os.environ.get("NO_COLOR") else "auto"
+    if stream.isatty():
+        return Console(stderr=stderr, highlight=False, color_system=colours)
+    width = None if os.environ.get("COLUMNS") else presentation.console.UNLIMITED
+    plain = cast("TextIO", _Unpadded(stream))
+    return Console(file=plain, highlight=False, width=width, color_system=None)
+
+
+class _Unpadded:
+    """A stream of text without spaces at the ends of lines."""
+
+    def __init__(self, stream: TextIO) -> None:
+        self._stream = stream
+
+    def write(self, text: str) -> int:
+        return self._stream.write(re.sub(r" +(?=\n)", "", text))
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._stream, name)
 
 
 def spinner(doing: str) -> AbstractContextManager[object]:
@@ -134,9 +158,9 @@ def read_sparql(text_or_file: str) -> str:
     return text_or_file
 
 
-def print_json(document: object) -> None:
+def print_json(document: object, *, err: bool = False) -> None:
     """Print one JSON document on a line of its own."""
-    typer.echo(json.dumps(document, ensure_ascii=False))
+    typer.echo(json.dumps(document, ensure_ascii=False), err=err)
     sys.stdout.flush()
 
 
@@ -186,15 +210,24 @@ def exit_with(done: bool) -> None:
         raise typer.Exit(FAILED)
 
 
-def report_error(error: HiltError | str) -> None:
+def report_error(error: HiltError | str, *, as_json: bool = False) -> None:
     """Print a line on stderr for each mistake; on a terminal also the text, with a caret."""
     several = _mistakes(error)
+    if as_json:
+        print_json({"errors": [_as_json(one) for one in several]}, err=True)
+        return
     for one in several[:MOST_MISTAKES]:
         typer.echo(f"hilt: {printable(str(one))}", err=True)
         if isinstance(one, DataError) and one.text and sys.stderr.isatty():
             typer.echo(one.excerpt(), err=True)
     if len(several) > MOST_MISTAKES:
         typer.echo(f"hilt: ... and {len(several) - MOST_MISTAKES} more.", err=True)
+
+
+def _as_json(error: HiltError | str) -> dict[str, object]:
+    kind = "Error" if isinstance(error, str) else type(error).__name__
+    places = ("source", "line", "column") if isinstance(error, DataError) else ()
+    return {"type": kind, "message": str(error), **{name: getattr(error, name) for name in places}}
 
 
 def _mistakes(error: HiltError | str) -> Sequence[HiltError | str]:

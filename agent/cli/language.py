@@ -98,7 +98,7 @@ def list_entries(
         for entry in [sense.entry()]
     )
     if word and not entries:
-        report_error(f'No entry has the word "{word}".')
+        report_error(f'No entry has the word "{word}".', as_json=as_json)
     if as_json:
         print_json([{"words": each[0], "category": each[1], "term": each[2]} for each in entries])
     else:

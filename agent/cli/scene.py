@@ -15,7 +15,7 @@ from .options import SCENE, AsJson, app, example, with_config
 if TYPE_CHECKING:
     from ...sim.body import Body
 
-scene_app = typer.Typer(help="Show scenes.", no_args_is_help=True, rich_markup_mode=None)
+scene_app = typer.Typer(help="Show scenes.", rich_markup_mode=None)
 app.add_typer(scene_app, name="scene")
 
 

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import islice
 from typing import TYPE_CHECKING, Any
 
-from rich.console import Group, RenderableType
+from rich.console import Console, ConsoleOptions, Group, RenderableType, RenderResult
 from rich.markup import escape
 from rich.table import Table
 from rich.text import Text
@@ -49,7 +49,36 @@ if TYPE_CHECKING:
 
 Quote = Callable[[int], str]  # the text of an utterance by its number
 SHOWN_DIGITS = 8  # of the id of a rule; 4 are enough to name it when they are unique
+NARROW = 60  # characters in a line, below which tables that do not fit become lists
+UNLIMITED = 100_000  # characters in a line: as many as it takes
 MOST_ROWS = 1000  # of a query result; the layout of more takes longer than the query
+
+
+class RecordTable(Table):
+    """A table that wraps its cells; on a narrow terminal that it does not fit, a list of rows."""
+
+    def add_column(self, *header: Any, **more: Any) -> None:
+        """Add a column, as `Table` does; its cells are never cut off."""
+        super().add_column(*header, **{"overflow": "fold", **more})
+
+    def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
+        whole = console.measure(self, options=options.update(max_width=UNLIMITED)).maximum
+        if whole <= options.max_width or options.max_width >= NARROW:
+            yield from super().__rich_console__(console, options)
+            return
+        if self.title:
+            yield Text(str(self.title), "italic")
+        for cells in zip(*(column.cells for column in self.columns), strict=True):
+            texts = [
+                each if isinstance(each, Text) else Text.from_markup(str(each)) for each in cells
+            ]
+            if self.show_header:
+                heads = [Text(f"{column.header}: ".lstrip(": "), "dim") for column in self.columns]
+                yield Text("\n").join(map(Text.assemble, heads, texts)) + "\n"
+            else:
+                yield Text(": ").join(texts)
+        if self.caption:
+            yield Text(str(self.caption))
 
 
 def wrap_cells(table: Table) -> Table:
@@ -63,12 +92,12 @@ def _table(
     columns: Sequence[str], rows: Iterable[Iterable[str]], *counts: str, **more: Any
 ) -> Table:
     """A table of plain texts; `counts` is the noun of its rows, and its plural if irregular."""
-    table = Table(*columns, **more)
+    table = RecordTable(*columns, **more)
     for row in rows:
         table.add_row(*map(escape, row))
     if counts:
         table.caption = counted(table.row_count, *counts)
-    return wrap_cells(table)
+    return table
 
 
 def _time(moment: datetime) -> str:
@@ -156,7 +185,7 @@ def _operations(step: WalkStep) -> Iterable[tuple[str, str]]:
 
 def decision(made: Decision, quote: Quote) -> Table:
     """Every candidate with its interval, lambda and reason; the part below the object."""
-    table = Table(
+    table = RecordTable(
         "candidate", "interval", "lambda", "", "because", title="Decision", title_justify="left"
     )
     for candidate in made.object.candidates:
@@ -164,7 +193,7 @@ def decision(made: Decision, quote: Quote) -> Table:
     for candidate in made.part.candidates if made.part else ():
         part = candidate.argument.name if candidate.argument else ""
         _add_candidate(table, candidate, f"  by the {part}", quote)
-    return wrap_cells(table)
+    return table
 
 
 def _add_candidate(table: Table, candidate: Candidate, name: str, quote: Quote) -> None:

@@ -80,15 +80,13 @@ class EvaluationReport:
 
     def table(self) -> Table:
         """Return a table of the cases."""
-        from rich.table import Table
+        from ...presentation.console import RecordTable
 
-        from ...presentation import console
-
-        table = Table("case", "chosen", "expected", "right")
+        table = RecordTable("case", "chosen", "expected", "right")
         for result in self.results:
             mark = "[green]yes" if result.right else "[red]no"
             table.add_row(result.key, result.found, result.expected, mark)
-        return console.wrap_cells(table)
+        return table
 
     def lines(self) -> list[str]:
         """Return the summary as lines of text: wrong cases, quantities, and last the count."""
@@ -109,9 +107,9 @@ class EvaluationReport:
         return self._points(cast("list[Json]", curves)) if curves else None
 
     def _points(self, curves: Sequence[Json]) -> Table:
-        from rich.table import Table
+        from ...presentation.console import RecordTable
 
-        table = Table("curve", "line", "at", "mean", "95 % interval", "decisions")
+        table = RecordTable("curve", "line", "at", "mean", "95 % interval", "decisions")
         for curve in curves:
             measure = str(curve.get("measure", "accuracy"))
             form = ".1%" if measure == "accuracy" else ".2f"

@@ -31,11 +31,28 @@ def test_what_somebody_said_commands_no_terminal(agent: Agent):
 
 
 @pytest.mark.parametrize("name", SHOWN)
-def test_narrow_terminal_wraps_and_cuts_nothing(taught: Agent, name: str):
+@pytest.mark.parametrize("width", [NARROW, 40, 60, 80])
+def test_narrow_terminal_wraps_and_cuts_nothing(taught: Agent, name: str, width: int):
     """A cell that does not fit goes on in the next line; no ellipsis takes the place of its end."""
+    text = shown(SHOWN[name](taught), width)
+
+    assert "…" not in text
+    assert max(map(len, text.splitlines())) <= width
+
+
+def test_table_that_does_not_fit_becomes_a_list(taught: Agent):
+    """Below 60 columns: a row is a paragraph, and a cell follows the name of its column."""
+    rules = console.rules(taught.base.rules())
+
+    narrow, wide = shown(rules, 40), shown(rules, 80)
+
+    assert "speaker: sam\nutterance: 1\n\n" in narrow
+    assert narrow.endswith("\n3 rules\n")
+    assert "│" in wide and "│" not in narrow
+
+
+def shown(what: RenderableType, width: int) -> str:
+    """What a terminal of this width shows."""
     text = io.StringIO()
-
-    Console(file=text, width=NARROW).print(SHOWN[name](taught))
-
-    assert "…" not in text.getvalue()
-    assert max(map(len, text.getvalue().splitlines())) <= NARROW
+    Console(file=text, width=width).print(what)
+    return text.getvalue()
