@@ -47,7 +47,7 @@ class Interval:
 
     @property
     def width(self) -> float:
-        """The ignorance: 0 for a point, 1 for [0, 1]."""
+        """The ignorance; 0 for a point, 1 for [0, 1]."""
         return self.upper - self.lower
 
     @property

@@ -190,7 +190,7 @@ class Rule:
 
     @property
     def support(self) -> Interval:
-        """The interval as evidence: discounted by the trust in the speaker."""
+        """The interval as evidence, discounted by the trust in the speaker."""
         return self.interval.discounted(self.trust)
 
     @property
@@ -225,7 +225,7 @@ class Rule:
 
     @cached_property
     def id(self) -> str:
-        """Its identifier, a hash of its content: what one speaker says twice is one rule."""
+        """Its identifier, a hash of its content; what one speaker says twice is one rule."""
         return self._id_with(self.features, self.interval)
 
     @cached_property

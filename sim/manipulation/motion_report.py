@@ -30,18 +30,20 @@ class MotionReport:
 
     Attributes:
         action: the primitive: "grasp", "lift", ...
-        ok, reason: whether it succeeded; else the reason, one of `REASONS`.
+        ok: whether it succeeded.
+        reason: why not, one of `REASONS`.
         touched: the parts of the object that the fingers touch.
         lifted_m: height of the object above where it was taken up [m].
         held_s: how long it was held still [s].
-        attempts, failures: how often the gripper closed, and why attempts failed, in order.
+        attempts: how often the gripper closed.
+        failures: why attempts failed, in order.
         score: of the grasp that was used, at most 1; 0 without one.
-        slip_m, slip_rad: how far the object moved and turned in the hand [m], [rad].
+        slip_m: how far the object moved in the hand [m].
+        slip_rad: how far it turned there [rad].
         bumped: neighbours that were moved by more than a centimetre.
-        depth_m, driven: how deep the struck object stands in the other one [m], 0 without one,
-            and whether it is driven in completely.
-        at: pose of the grip at the handover: x, y, z [m] and the unit quaternion x, y, z, w in the
-            world; empty for other motions and failed ones.
+        depth_m: how deep the struck object stands in the other one [m]; 0 without one.
+        driven: whether it is driven in completely.
+        at: grip at the handover, x, y, z [m] and quaternion x, y, z, w; empty for other motions.
     """
 
     action: str
