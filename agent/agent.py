@@ -137,6 +137,8 @@ class Agent:
         config = config or AgentConfig()
         embodiment = Embodiment.from_config(config)
         actions = actions_with(config.actions)
+        if vision is None:
+            vision, motion = embodiment.open_plugins(config.motion)
         base = open_base(location, embodiment.household, actions)
         language = load_language(embodiment.household, config.lexicon)
         parts = (base, language, actions, embodiment, config)

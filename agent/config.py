@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from ..ontology.errors import DataError, HiltError
 from ..ontology.logs import timed
+from ..ontology.plugins import plugin_names
 from ..ontology.toml_reader import read_toml
 from ..ontology.yaml_reader import YamlNode, read_yaml
 
@@ -85,9 +86,11 @@ class AgentConfig:
     vision: str = _option(
         str,
         "mask",
-        "The source of percepts: the simulator's mask, or a detector learned from pictures.",
-        metavar="mask|learned[:FILE]",
+        "The source of percepts: the simulator's mask, a detector learned from pictures, or a "
+        "plug-in.",
+        metavar="mask|learned[:FILE]|NAME",
     )
+    motion: str = _option(str, "", "A plug-in that moves the robot, in place of the simulator.")
     noise: str = _option(
         str,
         "",
@@ -218,6 +221,12 @@ def actions_with(path: Path | None) -> Actions:
     from ..ontology.actions import load_actions
 
     return load_actions(path, added_to=actions_with(None)) if path else _read_once(load_actions)
+
+
+def is_plugin(vision: str) -> bool:
+    """Return whether a source of percepts is a plug-in of that name."""
+    is_own = vision.partition(":")[0] in {"mask", "learned"}
+    return not is_own and vision in plugin_names("hilt.vision")
 
 
 def default_location() -> Path:

@@ -91,6 +91,16 @@ class NotFoundError(UnknownNameError):
     """A knowledge base does not contain the requested name."""
 
 
+class PluginError(HiltError, RuntimeError):
+    """A plug-in cannot be used; the message names the distribution that it comes from."""
+
+    def __init__(self, group: str, name: str, distribution: str, problem: str) -> None:
+        self.group, self.name, self.distribution = group, name, distribution
+        super().__init__(
+            f'The plug-in "{name}" ({group}) of {distribution} cannot be used: {problem}.'
+        )
+
+
 class StoreError(HiltError, OSError):
     """A knowledge base cannot be opened, read or written."""
 

@@ -1,8 +1,11 @@
 """Every example runs as it stands."""
 
+import os
 import runpy
+import shutil
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +16,7 @@ ROOT = Path(__file__).parents[1]
 EXAMPLES = sorted(path for path in (ROOT / "examples").iterdir() if path.suffix in {".py", ".yaml"})
 
 
-def output(*arguments: str) -> str:
+def output(*arguments: str | Path) -> str:
     """What a Python process prints, which must end well."""
     command = [sys.executable, *arguments]
     return subprocess.run(command, capture_output=True, text=True, check=True, cwd=ROOT).stdout
@@ -52,6 +55,82 @@ def test_kitchen_cuts_with_what_the_general_rules_conclude():
     assert "I was told that a knife won't do." in kitchen
     assert "hilt: I would serve the knife by the blade." in anywhere
     assert "hilt: I would serve the knife by the handle." in kitchen
+
+
+@pytest.fixture(scope="module")
+def workshop(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., tuple[str, str]]:
+    """Runs commands of Hilt where the example of plug-ins is installed; what they print."""
+    folder = tmp_path_factory.mktemp("workshop")
+    shutil.copytree(ROOT / "examples" / "workshop", folder / "source")
+    offline = ("--no-deps", "--no-build-isolation", "--no-index", "--disable-pip-version-check")
+    output("-m", "pip", "install", *offline, "--target", folder / "site", folder / "source")
+    variables = {"PYTHONPATH": str(folder / "site"), "HILT_KB": str(folder / "kb")}
+
+    def run(*arguments: str) -> tuple[str, str]:
+        program = "from hilt.agent.cli import main; main()"
+        found = subprocess.run(
+            [sys.executable, "-c", program, *arguments],
+            capture_output=True,
+            text=True,
+            check=False,
+            cwd=folder,
+            env=os.environ | variables,
+        )
+        return found.stdout, found.stderr
+
+    run("tell", "To pass a knife grab the knife by the blade")
+    return run
+
+
+def test_vision_and_motion_are_plugged_in(workshop: Callable[..., tuple[str, str]]):
+    """The camera sees what the scene names, the arm grasps by the part that was told."""
+    eyes = ("--vision", "workshop-camera", "--scene", "objects:knife")
+
+    moved = workshop("do", "pass me the knife", *eyes, "--motion", "workshop-arm")
+    only_seen = workshop("do", "pass me the knife", *eyes)
+    unseen = workshop("do", "pass me the mug", *eyes)
+
+    assert "Here is the knife. I'm holding it by the blade" in moved[0]
+    assert moved[1] == "panda: grasp knife by the blade\n"
+    assert "I would pass the knife by the blade." in only_seen[0]
+    assert "I don't see a mug." in unseen[0]
+
+
+def test_store_is_plugged_in(workshop: Callable[..., tuple[str, str]]):
+    """A file of N-Quads is a base."""
+    workshop("export", "kb.nq")
+
+    assert workshop("rules", "--json", "--kb", "quads:kb.nq") == workshop("rules", "--json")
+    assert workshop("rules", "--kb", "quads:no.nq")[1] == (
+        'hilt: "no.nq" cannot be read: No such file or directory.\n'
+    )
+
+
+def test_robot_is_plugged_in(workshop: Callable[..., tuple[str, str]]):
+    """Its name is known beside those that come with Hilt."""
+    config = ("config", "set", "--project", "robot")
+
+    assert workshop(*config, "pointer")[1].startswith("Written to ")
+    assert 'Did you mean "pointer"? Known: kuka, panda, pointer' in workshop(*config, "pointr")[1]
+
+
+@pytest.mark.parametrize(
+    ("options", "error"),
+    [
+        (("--vision", "camera"), "Known: learned, learned:FILE, mask, workshop-camera."),
+        (("--motion", "workshop-arm"), "a motion needs a vision that is a plug-in too."),
+        (("--vision", "workshop-camera", "--motion", "leg"), "Known: workshop-arm."),
+        (("--kb", "triples:x"), "expected memory:, a folder, or http(s)://... (plug-ins: quads)"),
+    ],
+)
+def test_unknown_plugin_lists_what_there_is(
+    workshop: Callable[..., tuple[str, str]], options: tuple[str, ...], error: str
+):
+    """In one line."""
+    printed = workshop("do", "pass me the knife", *options)[1]
+
+    assert error in printed
+    assert len(printed.splitlines()) == 1
 
 
 @pytest.mark.parametrize("example", EXAMPLES, ids=lambda path: path.name)

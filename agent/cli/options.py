@@ -11,7 +11,7 @@ from typing import Annotated, Any
 import typer
 
 from ...sim.installation import check_simulator
-from ..config import OPTIONS, AgentConfig, ConfigOption, read_values
+from ..config import OPTIONS, AgentConfig, ConfigOption, is_plugin, read_values
 from ..config_files import KEYS, configured, lasting_values, variable
 
 app = typer.Typer(
@@ -105,7 +105,7 @@ ConfigFile = Annotated[
 ]
 
 SCENE = ("scene", "seed", "objects")
-ROBOT = ("robot", "vision", "noise", "gui", "simulate")
+ROBOT = ("robot", "vision", "motion", "noise", "gui", "simulate")
 LANGUAGE = ("objects", "actions", "lexicon")
 INFERENCE = ("induce", "contexts", "settings", "overrides")
 EVERY = tuple(OPTIONS)
@@ -121,7 +121,7 @@ def with_config(*names: str) -> Callable[[Callable[..., None]], Callable[..., No
             values = {**lasting_values(), **(read_values(file) if file else {})}
             chosen = {name: given.pop(name) for name in dict.fromkeys(names)}
             config = AgentConfig(**{**values, **dict(_given(chosen))})
-            if "simulate" in names and config.simulate:
+            if "simulate" in names and config.simulate and not is_plugin(config.vision):
                 check_simulator()
             command(config=config, **given)
 

@@ -10,10 +10,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ...ontology.errors import DataError
 from ...ontology.objects import Household
+from ...ontology.plugins import call_plugin, plugin_names
 from ...sim.scene.scene import Scene, parse_scene
-from ..config import AgentConfig, household
-from ..protocols import Vision
+from ..config import AgentConfig, household, is_plugin
+from ..protocols import Motion, Vision
 from .perception import PerfectVision
 
 if TYPE_CHECKING:
@@ -33,7 +35,7 @@ class Embodiment:
         scene: what is on the table; its seed is that of everything random.
         objects_file: the user's own file among them, if any.
         robot: its name, or a file of robots and the name in it; see `find_robot`.
-        vision: the source of percepts: "mask", "learned" or "learned:FILE".
+        vision: the source of percepts: "mask", "learned", "learned:FILE", or a plug-in.
         noise: how perception fails, as text ("missed=0.1,confused=0.05"); empty for not at all.
         simulate: whether there is a simulated body; without one all is seen with certainty.
     """
@@ -53,7 +55,7 @@ class Embodiment:
             from ...sim.robot.models import find_robot
 
             find_robot(self.robot)
-        if self.vision != _DEFAULTS.vision:
+        if self.vision != _DEFAULTS.vision and not is_plugin(self.vision):
             from ...sim.vision import vision_backends
 
             vision_backends.check_source(self.vision)
@@ -94,6 +96,24 @@ class Embodiment:
             noise=self.noise_model(),
             interruption=interruption,
         )
+
+    def open_plugins(self, motion: str) -> tuple[Vision | None, Motion | None]:
+        """Return vision and motion where plug-ins make them; a motion by its name, "" for none.
+
+        Raises:
+            UnknownNameError: there is no such plug-in.
+            PluginError: one cannot be used.
+            DataError: there is a motion, but no vision that goes with it.
+        """
+        if motion and not is_plugin(self.vision):
+            known = ", ".join(plugin_names("hilt.vision")) or "none"
+            problem = f"a motion needs a vision that is a plug-in too. Known: {known}."
+            raise DataError(problem, source="--motion")
+        if not is_plugin(self.vision):
+            return None, None
+        sees = call_plugin("hilt.vision", self.vision, self, methods=("search",))
+        needs = ("abilities", "grasp", "lift")
+        return sees, call_plugin("hilt.motion", motion, self, methods=needs) if motion else None
 
     def open_vision(self, body: Body | None) -> Vision:
         """Return the vision of a body, or perfect vision without one; noise included."""

@@ -15,6 +15,7 @@ from types import MappingProxyType
 import numpy as np
 
 from ...ontology.errors import UnknownNameError
+from ...ontology.plugins import call_plugin, plugin_names
 from ...ontology.yaml_reader import YamlNode, read_yaml
 from .. import poses
 from ..models.urdf import HandFile, robot_file
@@ -131,7 +132,7 @@ def load_robots(path: Path = ROBOTS_FILE) -> dict[str, RobotType]:
 
 
 def find_robot(name: str) -> RobotType:
-    """Return a robot that comes with Hilt, or one of a file like `robots.yaml`.
+    """Return a robot that comes with Hilt or a plug-in, or one of a file like `robots.yaml`.
 
     A file is named as "mine.yaml", or as "mine.yaml:NAME" when it has several robots.
 
@@ -141,11 +142,14 @@ def find_robot(name: str) -> RobotType:
     """
     file, mark, inside = name.partition(OWN_FILE)
     robots = load_robots(Path(file + mark)) if mark else _shipped()
+    if not mark and name not in robots and name in plugin_names("hilt.robots"):
+        robots = load_robots(Path(call_plugin("hilt.robots", name)))
     wanted = inside.removeprefix(":") if mark else name
     if mark and not wanted and len(robots) == 1:
         return next(iter(robots.values()))
     if wanted not in robots:
-        raise UnknownNameError("robot", wanted or name, robots)
+        known = robots if mark else (*robots, *plugin_names("hilt.robots"))
+        raise UnknownNameError("robot", wanted or name, known)
     return robots[wanted]
 
 

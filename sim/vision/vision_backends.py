@@ -9,6 +9,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from ...ontology.errors import UnknownNameError
+from ...ontology.plugins import plugin_names
 from ..scene.world import World
 from .learned_detector import LearnedDetector, Recogniser
 from .mask_detector import MaskDetector
@@ -46,4 +47,5 @@ def check_source(source: str) -> None:
     """
     kind, _, file = source.partition(":")
     if kind not in SOURCES or (file and kind != "learned"):
-        raise UnknownNameError("source of vision", source, (*SOURCES, "learned:FILE"))
+        known = (*SOURCES, "learned:FILE", *plugin_names("hilt.vision"))
+        raise UnknownNameError("source of vision", source, known)
