@@ -40,8 +40,10 @@ def update(
     speaker: str = DEFAULT_SPEAKER,
     limits: QueryLimits | None = None,
     dry_run: bool = False,
-) -> Utterance:
+) -> Utterance | None:
     """Change the base by a SPARQL update, and return the utterance that records it.
+
+    What changes nothing is not recorded; then it returns None.
 
     Args:
         base: what is changed.
@@ -63,14 +65,18 @@ def update(
         change, record = with_prefixes(text), _record_update(utterance)
         joined = join_updates(change, record)
         # One by one, so that an error is reported at its place in the text.
-        try_updates(base.store, [change, record], utterance.sequence, limits or QueryLimits())
-        if not dry_run:
+        updates, sequence = (change, record), utterance.sequence
+        changes = try_updates(base.store, updates, sequence, limits or QueryLimits())
+        if changes and not dry_run:
             base.store.update(joined)
-    return utterance
+    return utterance if changes else None
 
 
-def try_updates(store: Store, updates: Sequence[str], sequence: int, limits: QueryLimits) -> None:
-    """Run updates on a copy of a store in a worker process, and check the copy, as `update`."""
+def try_updates(store: Store, updates: Sequence[str], sequence: int, limits: QueryLimits) -> bool:
+    """Run updates on a copy of a store in a worker process, and check the copy, as `update`.
+
+    The first is that of the user; return whether it changes anything.
+    """
     folder, worker = Path(tempfile.mkdtemp(prefix="hilt-")), WorkerProcess(WORKER)
     try:
         store.save(folder / "copy")
@@ -82,15 +88,26 @@ def try_updates(store: Store, updates: Sequence[str], sequence: int, limits: Que
         raise ValidationError(["An update must not change the number of the last utterance."])
     if report["findings"]:
         raise ValidationError(report["findings"])
+    return report["changed"]
 
 
 def update_and_check(store: Store, updates: Iterable[str]) -> dict[str, Any]:
     """Update a copy and report what is wrong with it: the worker's side."""
     history, rules = set(store.quads(None, None, None, HISTORY)), set(rule_nodes(store))
-    for each in updates:
+    change, *others = updates
+    before = _digest(store)
+    store.update(change)
+    is_changed = _digest(store) != before
+    for each in others:
         store.update(each)
     findings = {*_findings(store, rules), *_history_findings(store, history)}
-    return {"sequence": RuleReader(store).sequence, "findings": sorted(findings)}
+    number = RuleReader(store).sequence
+    return {"sequence": number, "findings": sorted(findings), "changed": is_changed}
+
+
+def _digest(store: Store) -> int:
+    """A number that differs when the quads do; it needs no memory, however many there are."""
+    return sum(map(hash, store.quads()))
 
 
 def _findings(store: Store, rules: set[Iri]) -> Iterator[str]:

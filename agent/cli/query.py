@@ -91,8 +91,11 @@ def update(
     with opened(kb) as base:
         text, limits = read_sparql(sparql), QueryLimits(timeout, memory)
         said = apply(base, text, speaker=speaker, limits=limits, dry_run=dry_run)
-    done = "The update is valid." if dry_run else f"Updated; number {said.sequence} in history."
-    announce({"updated": not dry_run, "sequence": said.sequence}, done, as_json=as_json, err=True)
+    number = said.sequence if said else None
+    updated = f"Updated; number {number} in history." if said else "That changes nothing."
+    done = "The update is valid." if dry_run and said else updated
+    found = {"updated": bool(said) and not dry_run, "sequence": number}
+    announce(found, done, as_json=as_json, err=True)
 
 
 def _asked(question: str) -> NamedQuery:

@@ -40,7 +40,8 @@ def explain(
         decision = reply.result.decision if reply.result else None
         changes = _changes(agent, decision)
         if svg and decision:
-            proved = [presentation.deduction_svg.from_proof(each) for each in decision.proofs()]
+            drawn, describe = presentation.deduction_svg.from_proof, agent.dialogue.describe
+            proved = [drawn(each, describe) for each in decision.proofs()]
             write_svg(svg, presentation.deduction_svg.draw_svg(proved))
         if as_json:
             proofs = decision.proofs_as_json() if decision else []

@@ -212,11 +212,12 @@ def _thing(hypothesis: Hypothesis, known: Conversation) -> str:
     named: dict[str, list[str]] = {"object": [], "property": [], "part": []}
     for atom in sorted(hypothesis.features | hypothesis.contexts):
         named.setdefault(atom.kind, []).append(atom.name)
-    parts = "".join(f" with a {part}" for part in named["part"])
+    words = known.language.answers
+    parts = "".join(f" with {words.noun_phrase(part)}" for part in named["part"])
     places = "".join(f" in a {place}" for place in named.get("place", ()))
     thing = " ".join([*named["property"], *(named["object"] or ["thing"])])
     for material in named.get("material", ()):
-        thing = known.language.answers.object_for(thing, material)
+        thing = words.object_for(thing, material)
     return thing + parts + places
 
 
@@ -320,7 +321,9 @@ def _why_not_thing(name: str, last: Reply, known: Conversation) -> Answered:
     elif wanted and not _functional(wanted, known):
         said = spoken("why_not_told", done=True, object=name, affordance=_use(wanted))
     else:
-        said = spoken("why_not_asked", done=True, object=name)
+        named = _named_thing(last)
+        key = "why_not_named" if named else "why_not_asked"
+        said = spoken(key, done=True, object=name, wanted=named)
     return said, ()
 
 
@@ -394,6 +397,11 @@ def _reason(decision: Decision | None, name: str | None) -> str | None:
         return tried.reason
     found = next((each for each in decision.object.candidates if name in {None, each.object}), None)
     return rejection_reason(decision.object, found) if found else None
+
+
+def _named_thing(last: Reply) -> str | None:
+    said = last.understanding.meaning
+    return said.target.object if isinstance(said, Command) else None
 
 
 def _wanted_use(last: Reply, name: str) -> Question | None:

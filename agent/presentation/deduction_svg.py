@@ -5,12 +5,14 @@ Premises stand above a line and what follows from them below it, so that the roo
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from io import StringIO
 from textwrap import wrap
 from typing import NamedTuple
 
 from ...inference.proof import Proof
+from ...kb.rule import Rule
+from ...nlu.generation.templates import proper_name
 from ...nlu.parsing.derivation_views import DerivationStep
 from ...ontology.errors import extra_required
 
@@ -54,12 +56,17 @@ def from_derivation(step: DerivationStep) -> Deduction:
     return Deduction(lines, [from_derivation(part) for part in step.parts], rule)
 
 
-def from_proof(proof: Proof) -> Deduction:
-    """Return a proof with the interval of each step and, in colour, its evidence."""
-    about = wrap(proof.about, COLUMNS, max_lines=MOST_LINES, placeholder=" …")
+def from_proof(proof: Proof, describe: Callable[[Rule], str]) -> Deduction:
+    """Return a proof with the interval of each step and, in colour, its evidence.
+
+    `describe` puts a rule in words.
+    """
+    rule = proof.rule
+    told = f"{proper_name(rule.speaker)}: {describe(rule)}" if rule else proof.about
+    about = wrap(told, COLUMNS, max_lines=MOST_LINES, placeholder=" …")
     lines = (f"{proof.interval}  {proof.step}", *about)
     colour = _EVIDENCE.get(proof.step, "none")
-    return Deduction(lines, [from_proof(each) for each in proof.inputs], colour=colour)
+    return Deduction(lines, [from_proof(each, describe) for each in proof.inputs], colour=colour)
 
 
 def draw_svg(deductions: Sequence[Deduction]) -> str:

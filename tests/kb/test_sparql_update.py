@@ -21,10 +21,27 @@ def test_lawful_update_is_applied_and_remembered(paper: KnowledgeBase):
     """The base changes, and the history says by which update, whose and when."""
     said = update(paper, f"{TRUST} ; # done", speaker="anna")
 
+    assert said is not None
     assert paper.trust("sam") == Interval(0.9, 1)
     assert (paper.sequence, said.sequence) == (4, 4)
     assert paper.utterance(4) == said
     assert (said.kind, said.speaker) == ("update", "anna") and "trustLower" in said.text
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "INSERT DATA {}",
+        "DELETE WHERE { GRAPH graph:beliefs { ?r hilt:lower 0.123 } }",
+        "INSERT { GRAPH graph:beliefs { ?s ?p ?o } } WHERE { GRAPH graph:beliefs { ?s ?p ?o } }",
+    ],
+)
+def test_update_that_changes_nothing_is_not_remembered(paper: KnowledgeBase, text: str):
+    """The base is as it was, its history too."""
+    before = set(paper.store.quads())
+
+    assert update(paper, text) is None
+    assert set(paper.store.quads()) == before
 
 
 def test_dry_run_changes_nothing(paper: KnowledgeBase):

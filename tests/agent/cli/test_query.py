@@ -184,6 +184,14 @@ def test_update_changes_the_base(taught: Hilt):
     assert found.splitlines() == ["o", "0.9"]
 
 
+def test_update_without_effect_says_so(taught: Hilt):
+    """It has no number in the history."""
+    assert taught("update", "INSERT DATA {}").err == "That changes nothing.\n"
+
+    done = taught("update", "INSERT DATA {}", "--json").document
+    assert done == {"updated": False, "sequence": None}
+
+
 @pytest.mark.parametrize(
     ("text", "code", "said"),
     [

@@ -98,7 +98,7 @@ def test_explain_draws_the_proof(run: Run, tmp_path: Path):
     root = ElementTree.parse(tmp_path / "proof.svg").getroot()  # noqa: S314 - our own file
     words = " ".join(text.text or "" for text in root.iter("{http://www.w3.org/2000/svg}text"))
     assert words.count("modus ponens") == 2
-    assert "said sam" in words
+    assert "told Sam: " in words
 
 
 def test_drawing_without_matplotlib_names_the_extra(

@@ -280,6 +280,18 @@ def test_bare_questions_are_about_what_was_last_spoken_of(taught: Agent, questio
 
 
 @pytest.mark.parametrize(
+    ("recipient", "named"), [("the child", "the child"), ("kim", "Kim"), ("Zoë Ünal", "Zoë Ünal")]
+)
+def test_recipients_are_named_as_people_are(taught: Agent, recipient: str, named: str):
+    """By what they are, or by their names with capital letters."""
+    taught.hear("You can trust Zoë Ünal and Kim")
+
+    said = taught.hear(f"pass the knife to {recipient}").said
+
+    assert said == f"I would pass the knife by the blade to {named}."
+
+
+@pytest.mark.parametrize(
     ("question", "answer"),
     [("do you see a mug?", "I see a mug."), ("where is the nail?", "I don't see a nail.")],
 )
@@ -292,8 +304,8 @@ def test_who_asks_for_one_thing_hears_of_that_one(taught: Agent, question: str, 
     ("command", "question", "reason"),
     [
         ("pass me something used for cutting", "spoon", "nobody has told me that a spoon is used"),
-        ("pass me something used for cutting", "nail", "I don't see one"),
-        ("pass me the knife", "spoon", "I was asked for something else"),
+        ("pass me something used for cutting", "nail", "I don't see it"),
+        ("pass me the knife", "spoon", "I was asked for the knife"),
     ],
 )
 def test_why_not_says_what_speaks_against_the_other(

@@ -81,7 +81,10 @@ def test_the_phrase_of_a_rule_is_parsed_to_it(language: Language, rule: Rule) ->
             {"goal": "pound", "patient": "nail", "tool": "hammer"},
             "I pounded the nail with the hammer.",
         ),
-        ("why_not_seen", {"object": "knife"}, "Not the knife, because I don't see one."),
+        ("why_not_seen", {"object": "knife"}, "Not the knife, because I don't see it."),
+        ("why_not_seen", {"object": "scissors"}, "Not the scissors, because I don't see them."),
+        ("hello", {"speaker": "zoë ünal"}, "Hello Zoë Ünal."),
+        ("trusts", {"speaker": "Ada de la Cruz"}, "Yes, I trust Ada de la Cruz."),
         (
             "known_many",
             {"number": "4", "objects": ("knife", "mug")},
