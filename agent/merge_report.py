@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 from ..inference.conflicts import Conflict, find_conflicts
+from ..kb.bulk.importer import merge as merge_stores
 from ..kb.bulk.reconciliation import ImportSummary
 from ..kb.interval import Interval
 from ..kb.knowledge_base import KnowledgeBase
-from ..kb.merge import merge as merge_stores
 from ..kb.rule import Rule
 
 

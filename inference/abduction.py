@@ -83,8 +83,11 @@ def find_hypotheses(
     """
     known = frozenset(above for atom in given for above, _ in taxonomy.above(atom))
     groups: dict[frozenset[Atom], list[Rule]] = defaultdict(list)
+    objects = {atom for atom in known if atom.kind == "object"}
     for rule in rules:
-        if _concludes(rule, conclusion) and _is_compatible(rule, known):
+        wanted = {atom for atom in rule.features if atom.kind == "object"}
+        concludes = conclusion.argument in {None, rule.argument}
+        if rule.functor == conclusion.functor and concludes and (not objects or wanted <= objects):
             groups[rule.features | rule.contexts].append(rule)
     found = (
         Hypothesis(
@@ -102,13 +105,3 @@ def find_hypotheses(
         return -relative_plausibility(each.interval), name
 
     return sorted(likely, key=order)
-
-
-def _concludes(rule: Rule, conclusion: Conclusion) -> bool:
-    return rule.functor == conclusion.functor and conclusion.argument in {None, rule.argument}
-
-
-def _is_compatible(rule: Rule, given: frozenset[Atom]) -> bool:
-    objects = {atom for atom in given if atom.kind == "object"}
-    wanted = {atom for atom in rule.features if atom.kind == "object"}
-    return not objects or wanted <= objects

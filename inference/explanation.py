@@ -127,11 +127,14 @@ class _CounterfactualSearch:
             return None
         start, end = segment << HALVINGS, (segment + 1) << HALVINGS
         whole = SEGMENTS << HALVINGS
-        part = bisect_left(range(end), True, start, key=lambda n: is_changed(n / whole))
-        instead = _along(path, part / whole)
+        place = bisect_left(range(end), True, start, key=lambda n: is_changed(n / whole))
+        instead = _along(path, place / whole)
         index = self._chosen(leaf, instead, about)
-        chosen = None if index is None else _displayed_name(self.candidates[index])
-        return Counterfactual(leaf, instead, chosen)
+        if index is None:
+            return Counterfactual(leaf, instead, None)
+        chosen = self.candidates[index]
+        part = chosen.argument if chosen.argument and chosen.argument.kind == "part" else chosen
+        return Counterfactual(leaf, instead, part.name)
 
     def _chosen(self, leaf: Proof, instead: Interval, about: Sequence[int]) -> int | None:
         intervals = list(self.intervals)
@@ -139,11 +142,6 @@ class _CounterfactualSearch:
             proof = self.candidates[index].proof
             intervals[index] = proof.evaluate(self.operators, {leaf: instead})
         return self.decision.best_index(intervals)
-
-
-def _displayed_name(candidate: Candidate) -> str:
-    argument = candidate.argument
-    return argument.name if argument and argument.kind == "part" else candidate.name
 
 
 def _paths(now: Interval) -> tuple[Sequence[Sequence[Interval]], ...]:

@@ -22,10 +22,10 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Protocol, TypeAlias
 
 from ..kb.rule import KIND_OF, Atom, Rule
-from ..ontology.objects import ObjectType
+from ..ontology.objects import ObjectType, ObjectTypes
 from .affordance import RuleSource
 
 if TYPE_CHECKING:
@@ -37,6 +37,7 @@ INDUCER = "induction"  # the speaker of induced rules
 GRIP = "grip"  # the role of a part for holding, on which no use rests
 
 Json = dict[str, object]
+Classes: TypeAlias = "Mapping[str, str | None]"  # a class of objects -> its superclass
 
 
 class TaughtRules(RuleSource, Protocol):
@@ -74,10 +75,7 @@ class InducedRule:
 
 
 def induce(
-    rules: Iterable[Rule],
-    objects: Mapping[str, ObjectType],
-    *,
-    classes: Mapping[str, str | None] | None = None,
+    rules: Iterable[Rule], objects: ObjectTypes, *, classes: Classes | None = None
 ) -> list[InducedRule]:
     """Return the rules induced from taught rules, in descending order of belief.
 
@@ -108,12 +106,7 @@ def induce(
 class InducedRuleSource:
     """A source of rules that adds the rules of `induce` to the taught ones."""
 
-    def __init__(
-        self,
-        source: TaughtRules,
-        objects: Mapping[str, ObjectType],
-        classes: Mapping[str, str | None],
-    ) -> None:
+    def __init__(self, source: TaughtRules, objects: ObjectTypes, classes: Classes) -> None:
         self.source = source
         self._objects, self._classes = objects, classes
         self._sequence = -1
@@ -135,9 +128,7 @@ class InducedRuleSource:
         return [*self.source.rules_at_nodes(nodes), *added]
 
 
-def ontology_graph(
-    objects: Mapping[str, ObjectType], classes: Mapping[str, str | None]
-) -> nx.DiGraph[str]:
+def ontology_graph(objects: ObjectTypes, classes: Classes) -> nx.DiGraph[str]:
     """Return the graph with edges from objects and parts to their features and superclasses."""
     import networkx as nx  # imported here: it takes half a second to load
 
@@ -166,9 +157,7 @@ def similarity(one: str, other: str, graph: nx.DiGraph[str]) -> tuple[float, tup
     return (len(shared) / len(union) if union else 0.0), tuple(sorted(shared))
 
 
-def needed_features(
-    rule: Rule, rules: Iterable[Rule], objects: Mapping[str, ObjectType]
-) -> frozenset[str]:
+def needed_features(rule: Rule, rules: Iterable[Rule], objects: ObjectTypes) -> frozenset[str]:
     """Return the features on which the use in a rule rests; none if they are not known.
 
     They are those that were taught with it, or else abduced from the objects that were taught to
@@ -213,11 +202,7 @@ def _covers(general: Rule, induced: Rule, kind: ObjectType) -> bool:
 
 
 def _transferred(
-    rule: Rule,
-    name: str,
-    objects: Mapping[str, ObjectType],
-    graph: nx.DiGraph[str],
-    needed: frozenset[str],
+    rule: Rule, name: str, objects: ObjectTypes, graph: nx.DiGraph[str], needed: frozenset[str]
 ) -> InducedRule | None:
     """Return a rule transferred to another object; None if the two are not similar enough."""
     if rule.object is None or rule.object == name or rule.object not in objects:
@@ -252,7 +237,7 @@ def _transferred(
 
 
 def _corresponding_part(
-    rule: Rule, name: str, objects: Mapping[str, ObjectType], graph: nx.DiGraph[str]
+    rule: Rule, name: str, objects: ObjectTypes, graph: nx.DiGraph[str]
 ) -> tuple[str | None, float, tuple[str, ...]]:
     """Return the part of another object that corresponds to the part of a rule, with similarity.
 

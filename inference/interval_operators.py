@@ -85,11 +85,7 @@ def fuse_yager(intervals: Sequence[Interval]) -> Interval:
 
 
 def fuse_dempster(intervals: Sequence[Interval]) -> Interval:
-    """Fuse by Dempster's rule: conflict is divided out.
-
-    Raises:
-        ConflictError: the sources contradict each other fully.
-    """
+    """Fuse by Dempster's rule: conflict is divided out; ConflictError where it is full."""
     if len(intervals) == 1:
         return intervals[0]
     true, false, either = evidence_operators.commonalities([*map(_pair, intervals)])
@@ -180,15 +176,15 @@ RANKINGS: Mapping[str, Ranking] = {
     "lambda": certainty,
 }
 ACCEPTANCES: Mapping[str, Acceptance] = {"directed": is_affirmed, "lambda": is_certain}
+_TABLES: Mapping[str, Mapping[str, object]] = {
+    "conjunction": CONJUNCTIONS, "modus_ponens": MODUS_PONENS, "fusion": FUSIONS,
+    "ranking": RANKINGS, "acceptance": ACCEPTANCES,
+}  # fmt: skip
 
 
 @dataclass(frozen=True)
 class Operators:
-    """The selected operators, by name.
-
-    Raises:
-        UnknownNameError: there is no operator of that name.
-    """
+    """The selected operators, by name; UnknownNameError if there is none of that name."""
 
     conjunction: str = "product"
     modus_ponens: str = "conditional"
@@ -197,15 +193,10 @@ class Operators:
     acceptance: str = "directed"
 
     def __post_init__(self) -> None:
-        for kind, name, table in (
-            ("conjunction", self.conjunction, CONJUNCTIONS),
-            ("modus ponens", self.modus_ponens, MODUS_PONENS),
-            ("fusion", self.fusion, FUSIONS),
-            ("ranking", self.ranking, RANKINGS),
-            ("acceptance", self.acceptance, ACCEPTANCES),
-        ):
+        for kind, table in _TABLES.items():
+            name = getattr(self, kind)
             if name not in table:
-                raise UnknownNameError(kind, name, table)
+                raise UnknownNameError(kind.replace("_", " "), name, table)
 
     def all_of(self, intervals: Sequence[Interval]) -> Interval:
         """Return the conjunction of the intervals; [1, 1] of none."""

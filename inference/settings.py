@@ -56,11 +56,7 @@ class Settings:
 
     @classmethod
     def load(cls, path: Path = SETTINGS_FILE) -> Settings:
-        """Return the settings of a file.
-
-        Raises:
-            DataError: the file is invalid; gives the position and what was expected.
-        """
+        """Return the settings of a file; a DataError says where what was expected."""
         top = read_yaml(path).entries(
             optional=[*OPERATORS, "stage", "detection", CONTRADICTION, THRESHOLD]
         )
@@ -103,16 +99,16 @@ def _chosen(settings: Settings, name: str, value: YamlNode) -> Settings:
         return replace(settings, contradiction=value.number(low=0, high=1))
     if first == THRESHOLD:
         return _with_threshold(settings, context, value.number(low=0, high=1))
+    known = (*OPERATORS, "stage", "detection", CONTRADICTION, THRESHOLD, f"{THRESHOLD}.CONTEXT")
     try:
         if name in OPERATORS:
             operators = replace(settings.operators, **{name: value.text()})
             return replace(settings, operators=operators)
         if name in {"stage", "detection"}:
             return replace(settings, **{name: value.text()})
+        raise UnknownNameError("choice", name, known)
     except UnknownNameError as error:
         raise value.fail(str(error)) from error
-    known = (*OPERATORS, "stage", "detection", CONTRADICTION, THRESHOLD, f"{THRESHOLD}.CONTEXT")
-    raise value.fail(str(UnknownNameError("choice", name, known)))
 
 
 def _with_thresholds(settings: Settings, spec: YamlNode) -> Settings:

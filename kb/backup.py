@@ -64,11 +64,7 @@ def restore(source: Path, location: str, *, replace: bool = False) -> int:
 
 
 def check(folder: Path) -> int:
-    """Open a backup, read it, and return the number of its last utterance.
-
-    Raises:
-        StoreError: it is no readable base.
-    """
+    """Read a backup, and return the number of its last utterance; StoreError if it is no base."""
     with KnowledgeBase.open(folder, read_only=True) as base:
         list(base.history(since=max(0, base.sequence - 1)))
         return base.sequence

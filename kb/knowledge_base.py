@@ -35,7 +35,7 @@ from .writer import RuleWriter, to_milliseconds, trust_quads
 
 if TYPE_CHECKING:
     from ..ontology.actions import Actions
-    from ..ontology.objects import ObjectType
+    from ..ontology.objects import ObjectTypes
 
 FORMAT = 1  # raised when earlier versions would misread what is written
 FORMAT_VERSION = term("formatVersion")
@@ -147,7 +147,7 @@ class KnowledgeBase(RuleWriter, AbstractContextManager["KnowledgeBase"]):
 
     def load_domain(
         self,
-        objects: Mapping[str, ObjectType],
+        objects: ObjectTypes,
         actions: Actions,
         classes: Mapping[str, str | None] | None = None,
     ) -> bool:

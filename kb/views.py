@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime, timedelta
 
@@ -75,7 +75,7 @@ def view(
     """
     events = _utterances(base)
     _check(base, events, at, according_to)
-    counted = [one for one in events if _is_until(one, at)]
+    counted = [one for one in events if at is None or _is_until(one, at)]
     active, finally_active = _replayed(base, counted, according_to), _replayed(base, events, None)
     # A rule that is inactive now although no utterance of this base ended it came with a file or
     # another base, where it was retracted at an unknown time.
@@ -145,8 +145,8 @@ def _check(
         raise NotFoundError("speaker", according_to, speakers)
 
 
-def _is_until(one: Utterance, at: datetime | int | None) -> bool:
-    return at is None or (one.sequence <= at if isinstance(at, int) else one.time <= at)
+def _is_until(one: Utterance, at: datetime | int) -> bool:
+    return one.sequence <= at if isinstance(at, int) else one.time <= at
 
 
 def _replayed(
@@ -171,16 +171,10 @@ def _trust(
 
     A trust that no utterance set came with a merged base, and is taken as it is now.
     """
-    ever, then = (dict(_trust_settings(some)) for some in (events, counted))
+    ever, then = (dict(filter(None, map(parse_trust, some))) for some in (events, counted))
     found: dict[str, float] = {}
     for name in speakers:
         start = CERTAIN if name == DEFAULT_SPEAKER else Interval(0, 0)
         now = base.trust(name) or Interval(0, 0)
         found[name] = then.get(name, start if name in ever else now).lower
     return found
-
-
-def _trust_settings(events: list[Utterance]) -> Iterator[tuple[str, Interval]]:
-    for one in events:
-        if one.kind == "trust" and (found := parse_trust(one)):
-            yield found

@@ -126,12 +126,9 @@ class RuleWriter(RuleReader):
 
         The arguments are those of `Utterance`.
         """
-        moment = to_milliseconds(self.clock())
-        utterance = Utterance(
-            0, text, predicate, speaker, moment, kind, accepted, answer, heard=heard
-        )
+        said = self._said(text, predicate, speaker, kind)
         with self.store.writing():
-            return self._write(utterance, [])
+            return self._write(replace(said, accepted=accepted, answer=answer, heard=heard), [])
 
     def retract(
         self, rule_id: str, text: str, predicate: str, speaker: str, *, answer: str = ""
@@ -152,9 +149,8 @@ class RuleWriter(RuleReader):
         check_speaker(speaker)
         most = (1.0 if lower else 0.0) if upper is None else upper
         trust = Interval(lower, most).rounded()
-        said = f"trust {speaker} {trust}"
         form = f"trust({speaker},{trust.lower},{trust.upper})"
-        utterance = Utterance(0, said, form, by, to_milliseconds(self.clock()), "trust")
+        utterance = self._said(f"trust {speaker} {trust}", form, by, "trust")
         with self.store.writing():
             before = self.store.quads(iri("speaker", speaker), None, None, BELIEFS)
             change = _Change()
@@ -164,7 +160,7 @@ class RuleWriter(RuleReader):
 
     def forget_word(self, name: str, text: str, speaker: str) -> LearnedWord:
         """Retract a learned word, whose node stays; UnknownNameError if none has that name."""
-        said = self._correction(text, speaker)
+        said = self._said(text, "", speaker, "correction")
         return self._forget(WORDS, "learned word", lambda word: [word.atom.name], name, said)
 
     def learn_phrase(self, phrase: LearnedPhrase) -> None:
@@ -184,7 +180,7 @@ class RuleWriter(RuleReader):
         Raises:
             NotFoundError: there is no such phrase.
         """
-        said = self._correction(text, speaker)
+        said = self._said(text, "", speaker, "correction")
         return self._forget(
             PHRASES, "learned phrase", lambda one: [one.said, one.pattern], pattern, said
         )
@@ -206,7 +202,7 @@ class RuleWriter(RuleReader):
                 raise NotFoundError("experience", " ".join(filter(None, (of, part))) or "any", ())
             by = utterance_iri(self.sequence + 1)
             change = _Change([Quad(node, FORGOTTEN_BY, by, EPISODES) for node in found])
-            self._write(self._correction(text, speaker), [], change)
+            self._write(self._said(text, "", speaker, "correction"), [], change)
         return len(found)
 
     def forget_action(
@@ -216,7 +212,7 @@ class RuleWriter(RuleReader):
 
         `text` is the utterance that retracts it, for the history.
         """
-        said = self._correction(text, speaker, answer)
+        said = replace(self._said(text, "", speaker, "correction"), answer=answer)
         return self._forget(TAUGHT_ACTIONS, "taught action", lambda one: [one.name], name, said)
 
     def _forget(
@@ -244,9 +240,8 @@ class RuleWriter(RuleReader):
         before = mapping.stored_quads(self.store, record)
         change.replace(before, mapping.learned_quads(record, status="retracted"))
 
-    def _correction(self, text: str, speaker: str, answer: str = "") -> Utterance:
-        moment = to_milliseconds(self.clock())
-        return Utterance(0, text, "", speaker, moment, "correction", answer=answer)
+    def _said(self, text: str, predicate: str, speaker: str, kind: str) -> Utterance:
+        return Utterance(0, text, predicate, speaker, to_milliseconds(self.clock()), kind)
 
     def _write(
         self, utterance: Utterance, rules: Sequence[Rule], change: _Change | None = None

@@ -13,6 +13,7 @@ from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
+from typing import TypeAlias
 
 from .errors import UnknownNameError
 from .part_shapes import (
@@ -156,6 +157,9 @@ class ObjectType:
         if name not in known:
             raise UnknownNameError(f"rest of {self.name}", name, known)
         return known[name]
+
+
+ObjectTypes: TypeAlias = "Mapping[str, ObjectType]"  # by name
 
 
 @dataclass(frozen=True)

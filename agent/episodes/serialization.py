@@ -115,11 +115,7 @@ def file_as_json(path: Path | None) -> dict[str, str] | None:
 
 
 def file_from_json(kept: Mapping[str, str] | None) -> Path | None:
-    """Return the path that was kept.
-
-    Raises:
-        DataError: the file is gone, or was changed.
-    """
+    """Return the path that was kept; DataError if the file is gone, or was changed."""
     if kept is None:
         return None
     path = Path(kept["file"])

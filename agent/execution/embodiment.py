@@ -131,11 +131,7 @@ class Embodiment:
         return not self.noise and (not self.simulate or self.vision == _DEFAULTS.vision)
 
     def noise_model(self) -> NoiseLevels | None:
-        """Return how perception fails; None when it does not.
-
-        Raises:
-            DataError: the text is not of the expected form.
-        """
+        """Return how perception fails, None if it does not; DataError if the text is wrong."""
         if not self.noise:
             return None  # saves the import of numpy
         from ...sim.vision.perception_noise import NoiseLevels

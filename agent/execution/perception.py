@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from ...inference.types import Observation
 from ...kb.interval import Interval
 from ...kb.rule import Atom
 from ...ontology.logs import timed
-from ...ontology.objects import ObjectType
+from ...ontology.objects import ObjectTypes
 from ...sim.scene.scene import Scene
 from ...sim.vision.percept import Percept
 from ..protocols import Vision
@@ -50,7 +50,7 @@ def _shows(percept: Percept, feature: Atom) -> bool:
 class PerfectVision:
     """Vision that reports everything in a scene with certainty (paper, section 4.1)."""
 
-    def __init__(self, scene: Scene, objects: Mapping[str, ObjectType]) -> None:
+    def __init__(self, scene: Scene, objects: ObjectTypes) -> None:
         import numpy as np  # here: who only teaches or asks saves its import time
 
         self._percepts = tuple(

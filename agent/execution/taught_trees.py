@@ -23,11 +23,13 @@ from ...ontology.actions import (
     Step,
 )
 
+Names = Mapping[str, str]
+
 PARAMETERS = ("object", "second", "third", "fourth")
 """The names of the parameters of taught actions, in order."""
 
 
-def tree_from_definition(said: ActionDefinition, tool_acts: Mapping[str, str]) -> ActionTree:
+def tree_from_definition(said: ActionDefinition, tool_acts: Names) -> ActionTree:
     """Return the action tree of a definition.
 
     `tool_acts` are the acts with a tool, each with the use that its tool must have.
@@ -44,13 +46,11 @@ def tree_from_definition(said: ActionDefinition, tool_acts: Mapping[str, str]) -
     )
 
 
-def _steps(
-    acts: Sequence[Act], kinds: Mapping[str, str], tool_acts: Mapping[str, str]
-) -> tuple[Step, ...]:
+def _steps(acts: Sequence[Act], kinds: Names, tool_acts: Names) -> tuple[Step, ...]:
     return tuple(_step(each, kinds, tool_acts) for each in acts)
 
 
-def _step(act: Act, kinds: Mapping[str, str], tool_acts: Mapping[str, str]) -> Step:
+def _step(act: Act, kinds: Names, tool_acts: Names) -> Step:
     """The step that a command is; a tool that nobody named is left to the tree of the act."""
     match act:
         case ToolCommand(goal, patient, tool):
@@ -67,7 +67,7 @@ def _step(act: Act, kinds: Mapping[str, str], tool_acts: Mapping[str, str]) -> S
             return Step(act.goal, arguments | recipient, act.part)
 
 
-def _argument(said: ObjectReference, kinds: Mapping[str, str]) -> str | DescribedObject:
+def _argument(said: ObjectReference, kinds: Names) -> str | DescribedObject:
     if said.object and said.object in kinds and not said.props:
         return kinds[said.object]
     name = None if said.object == ANY_OBJECT else said.object
@@ -76,14 +76,12 @@ def _argument(said: ObjectReference, kinds: Mapping[str, str]) -> str | Describe
     )
 
 
-def _precondition(said: ActionCondition, kinds: Mapping[str, str]) -> Precondition:
+def _precondition(said: ActionCondition, kinds: Names) -> Precondition:
     parameter = kinds.get(said.object, f"{FIXED}{said.object}")
     return Precondition(said.state, parameter, said.property, said.negated)
 
 
-def _branch(
-    said: FailureReaction, kinds: Mapping[str, str], tool_acts: Mapping[str, str]
-) -> FailureBranch:
+def _branch(said: FailureReaction, kinds: Names, tool_acts: Names) -> FailureBranch:
     following = PARAMETERS[0] if said.other else None
     steps = _steps(said.steps, kinds, tool_acts)
     return FailureBranch(frozenset(said.after), following, said.again, steps)

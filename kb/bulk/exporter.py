@@ -90,12 +90,7 @@ def statements(store: Store, *, rules_only: bool = False) -> Iterator[EngineQuad
 
 
 def scan_rules(store: Store) -> Iterator[Rule]:
-    """Iterate over the rules of a store, of any status.
-
-    Raises:
-        StoreError: the store cannot be read.
-        ValidationError: a rule is malformed.
-    """
+    """Iterate over the rules of a store, of any status; ValidationError if one is malformed."""
     read = lru_cache(MAX_KNOWN)(_read_row)
     with store.writing(), paused_garbage_collection():
         rows = (row.split("\t", 1) for row in _rows(store))

@@ -12,12 +12,13 @@ from __future__ import annotations
 
 import io
 import re
+import tempfile
 from array import array
 from collections import defaultdict, deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import chain
-from typing import Protocol
+from typing import BinaryIO, Protocol, cast
 
 from ...ontology.errors import DataError, ValidationError
 from ...ontology.garbage_collection import paused_garbage_collection
@@ -40,6 +41,7 @@ from ..validation import (
     stage,
 )
 from ..writer import to_milliseconds
+from .exporter import write_statements
 from .nquads_reader import RuleBlock, StatementGroup, Statements, read_groups, read_quads
 from .reconciliation import (
     AncillaryWrites,
@@ -56,6 +58,7 @@ from .rule_nquads import FastRuleReader, NQuadsWriter
 MAX_LISTED = 20  # conflicts that a summary names
 MAX_REST = 3_000_000  # statements that belong to no rule and are held in memory
 PER_UTTERANCE = 1000  # rules that one utterance of the history stands for
+_MAX_SPOOLED = 2**24  # bytes of another base; more of it is written to a temporary file
 _MAX_APPLIED = 2**21  # bytes of lines that are written as an ordinary unit
 _DERIVED = frozenset((TYPE, LABEL, RULE, term("usedFor"), term("graspedBy"), term("affords")))
 _LABELLED = frozenset((*ATOM_KINDS, "node", "functor"))
@@ -109,6 +112,32 @@ def import_rules(
     """Import rules; as `import_statements`."""
     one = _Import(base, source, check_invariants)  # only rules are read, so no shape can be broken
     return one.run(rules, dry_run=dry_run)
+
+
+def merge(
+    base: KnowledgeBase,
+    other: Store,
+    *,
+    source: str,
+    dry_run: bool = False,
+    observer: ImportObserver | None = None,
+) -> ImportSummary:
+    """Add to a base what another one knows, as one unit, by an import of its export.
+
+    The source names the other base in the history; a dry run only finds out what would change.
+    The observer receives new rules, and known ones of another status.
+
+    Raises:
+        ValidationError: the other base breaks a law; nothing has changed.
+    """
+    with tempfile.SpooledTemporaryFile(_MAX_SPOOLED, prefix="hilt-") as spool:
+        stream = cast(BinaryIO, spool)
+        write_statements(other, stream, "nquads", None, rules_only=False)
+        stream.seek(0)
+        groups = read_groups(stream, format="nquads", source=source, default=BELIEFS)
+        return import_statements(
+            base, groups, source=source, dry_run=dry_run, check=check_invariants, observer=observer
+        )
 
 
 @dataclass

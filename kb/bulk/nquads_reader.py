@@ -70,12 +70,7 @@ class RuleBlock(NamedTuple):
         return self.reader.read_block(f"<{self.node}>", self.tails, self.line, self.node)
 
     def quad(self, tail: str) -> Quad:
-        """Return the statement of one line.
-
-        Raises:
-            DataError: the line is malformed.
-            ValueError: it holds no or several statements.
-        """
+        """Return the only statement of a line; DataError or ValueError if it has none."""
         (quad,) = self.reader.statements(f"<{self.node}>", tail, self.node)
         if not isinstance(quad, Quad):
             raise ValueError(tail)
@@ -111,20 +106,6 @@ def read_quads(items: Iterable[Statements]) -> Iterator[Quad | ReifyingTriple]:
             yield from one.quads() if isinstance(one, StatementGroup) else (one,)
 
 
-def complete_lines(rest: bytes, chunk: bytes) -> tuple[list[str], bytes]:
-    """Return the lines that a chunk of a text completes, and the beginning of the next line.
-
-    `rest` is the beginning of a line, from the chunks before.
-
-    Raises:
-        UnicodeDecodeError: the text is no UTF-8.
-    """
-    whole, end, left = chunk.rpartition(b"\n")
-    if not end:
-        return [], rest + chunk
-    return (rest + whole).decode().split("\n"), left
-
-
 class LineReader:
     """Reads a text in chunks of bytes and groups the statements of its lines by their subject."""
 
@@ -145,13 +126,10 @@ class LineReader:
         return len(self._rest)
 
     def feed(self, chunk: bytes) -> Iterator[Statements]:
-        """Read a chunk, and iterate over what it completes.
-
-        Raises:
-            UnicodeDecodeError: the text is no UTF-8.
-        """
-        lines, self._rest = complete_lines(self._rest, chunk)
-        return self._blocks(lines)
+        """Iterate over what a chunk completes; UnicodeDecodeError if the text is no UTF-8."""
+        whole, end, left = (self._rest + chunk).rpartition(b"\n")
+        self._rest = left
+        return self._blocks(whole.decode().split("\n") if end else ())
 
     def finish(self) -> Iterator[Statements]:
         """End the text, and iterate over what is left."""

@@ -11,15 +11,14 @@ from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 
-from ...ontology.vocabulary import Iri, iri
+from ...ontology.vocabulary import iri
 from ..episodes import EPISODES
 from ..history import HISTORY, SEQUENCE, TEXT, Utterance, utterance_iri, utterance_quads
-from ..interval import Interval
 from ..knowledge_base import KnowledgeBase
 from ..learned_words import LEXICON
 from ..rdf.domain import DOMAIN, DOMAIN_HASH
 from ..rdf.rule_mapping import BELIEFS
-from ..rdf.terms import Quad
+from ..rdf.terms import Quad, Term
 from ..reader import BASE_GRAPH, BASE_NODE, RuleReader
 from ..rule import Rule
 from ..taught_actions import ACTIONS
@@ -28,10 +27,7 @@ from ..writer import speaker_quads, trust_quads
 
 @dataclass(frozen=True)
 class ImportConflict:
-    """A new rule and a believed one that draw the same conclusion and cannot both be right.
-
-    Their intervals have nothing in common.
-    """
+    """A new rule and a believed one of the same conclusion, whose intervals do not overlap."""
 
     new: Rule
     believed: Rule
@@ -116,7 +112,9 @@ def conflicts_of(rule: Rule, believed: Iterable[Rule]) -> list[ImportConflict]:
     return [
         ImportConflict(rule, other)
         for other in believed
-        if other.contexts == rule.contexts and _are_disjoint(rule.interval, other.interval)
+        if other.contexts == rule.contexts
+        and max(rule.interval.lower, other.interval.lower)
+        > min(rule.interval.upper, other.interval.upper)
     ]
 
 
@@ -146,10 +144,13 @@ def plan_history(
 
 def plan_rest(plan: AncillaryWrites, base: KnowledgeBase, other: RuleReader) -> None:
     """Add episodes, words and taught actions, and the domain where the base has none."""
-    renumbered = {utterance_iri(old): utterance_iri(new) for old, new in plan.numbers.items()}
+    renumbered: dict[Term, Term] = {
+        utterance_iri(old): utterance_iri(new) for old, new in plan.numbers.items()
+    }
     for graph in (EPISODES, LEXICON, ACTIONS):
         plan.insert += (
-            _renumbered(quad, renumbered) for quad in other.store.quads(None, None, None, graph)
+            quad._replace(object=renumbered.get(quad.object, quad.object))
+            for quad in other.store.quads(None, None, None, graph)
         )
     if not any(base.store.quads(BASE_NODE, DOMAIN_HASH, None, BASE_GRAPH)):
         plan.insert += other.store.quads(None, None, None, DOMAIN)
@@ -161,10 +162,6 @@ def _claim(rule: Rule) -> tuple[object, ...]:
     return (rule.features | rule.contexts, rule.functor, rule.argument)
 
 
-def _are_disjoint(one: Interval, other: Interval) -> bool:
-    return one.lower > other.upper or one.upper < other.lower
-
-
 def _same_utterance(base: KnowledgeBase, utterance: Utterance) -> int | None:
     for quad in base.store.quads(None, TEXT, utterance.text, HISTORY):
         for number in base.store.quads(quad.subject, SEQUENCE, None, HISTORY):
@@ -173,9 +170,3 @@ def _same_utterance(base: KnowledgeBase, utterance: Utterance) -> int | None:
                 if replace(there, sequence=utterance.sequence) == utterance:
                     return there.sequence
     return None
-
-
-def _renumbered(quad: Quad, renumbered: dict[Iri, Iri]) -> Quad:
-    if isinstance(quad.object, Iri) and quad.object in renumbered:
-        return quad._replace(object=renumbered[quad.object])
-    return quad

@@ -73,11 +73,7 @@ class CheckedStream(io.RawIOBase):
         self._since_statement = 0
 
     def readinto(self, buffer: memoryview, /) -> int:  # pyright: ignore[reportIncompatibleMethodOverride]
-        """Read the next bytes into a buffer, and return their number.
-
-        Raises:
-            DataError: they cannot be read or are refused.
-        """
+        """Read bytes into a buffer, and return their number; DataError if they are refused."""
         try:
             found = self._stream.read(min(len(buffer), _CHUNK))
             if not self._read and found.startswith(codecs.BOM_UTF8):
@@ -89,11 +85,7 @@ class CheckedStream(io.RawIOBase):
         return len(found)
 
     def lines(self) -> Iterator[str]:
-        """Iterate over its lines as text.
-
-        Raises:
-            DataError: it is no UTF-8, or a line is too long.
-        """
+        """Iterate over its lines; DataError if it is no UTF-8, or a line is too long."""
         text = io.TextIOWrapper(io.BufferedReader(self), encoding="utf-8-sig", newline="")
         number = 0
         try:

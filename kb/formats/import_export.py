@@ -14,11 +14,10 @@ from pathlib import Path
 from typing import BinaryIO, cast
 
 from ..bulk.exporter import MAX_SORTED, ProgressCounter, scan_rules, statements, write_statements
-from ..bulk.importer import import_rules, import_statements
+from ..bulk.importer import import_rules, import_statements, merge
 from ..bulk.nquads_reader import RuleBlock, StatementGroup, Statements, read_groups, read_quads
 from ..bulk.reconciliation import ImportSummary
 from ..knowledge_base import KnowledgeBase
-from ..merge import merge
 from ..rdf.annotated_turtle import expand_annotations, write_annotated
 from ..rdf.rule_mapping import BELIEFS
 from ..rule import Rule

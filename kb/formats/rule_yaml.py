@@ -32,11 +32,7 @@ _KEYS = (
 
 
 def read_sheet(text: str, *, source: str) -> Iterator[Rule]:
-    """Iterate over the rules of a sheet, in its order.
-
-    Raises:
-        DataError: entries are malformed; lists the first mistakes with their places.
-    """
+    """Iterate over the rules of a sheet, in its order; a DataError lists the first mistakes."""
     sheet = parse_yaml(text, source=source).entries(required=["rules"], optional=["speaker"])
     speaker = sheet["speaker"].text() if "speaker" in sheet else None
     yield from value_notation.read_all(sheet["rules"].items(), lambda entry: _rule(entry, speaker))

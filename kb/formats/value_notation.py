@@ -87,22 +87,14 @@ def read_argument(text: str, functor: str) -> Atom | None:
 
 
 def read_status(text: str) -> Status:
-    """Return a status.
-
-    Raises:
-        ValidationError: no status has that name.
-    """
+    """Return a status; ValidationError if none has that name."""
     if text not in STATUSES:
         raise ValidationError([f'"{text[:60]}" is no status; expected {", ".join(STATUSES)}.'])
     return cast(Status, text)
 
 
 def read_moment(text: str) -> datetime:
-    """Return a time with its zone.
-
-    Raises:
-        ValidationError: it is no such time.
-    """
+    """Return a time with its zone; ValidationError if it is none."""
     try:
         return read_time(text.strip().replace(" ", "T"))
     except ValueError as error:
@@ -137,11 +129,7 @@ def make_rule(
 
 
 def read_rule(cells: Sequence[str]) -> Rule:
-    """Return the rule with these texts, one for each column of a table.
-
-    Raises:
-        HiltError: one is malformed.
-    """
+    """Return the rule of texts, one for each column; HiltError if one is malformed."""
     features, contexts, functor, argument, lower, upper, speaker, status, time = map(
         str.strip, cells
     )
@@ -158,11 +146,7 @@ def read_rule(cells: Sequence[str]) -> Rule:
 
 
 def read_interval(lower: str, upper: str) -> Interval:
-    """Return an interval; without an upper bound up to 1.
-
-    Raises:
-        HiltError: a bound is no number, or they are no interval.
-    """
+    """Return an interval, up to 1 without an upper bound; HiltError if it is none."""
     return Interval(_number(lower, "lower"), _number(upper, "upper") if upper.strip() else 1.0)
 
 

@@ -18,7 +18,7 @@ from .terms import Quad, Term, as_sparql
 
 if TYPE_CHECKING:
     from ...ontology.actions import Actions
-    from ...ontology.objects import ObjectType
+    from ...ontology.objects import ObjectType, ObjectTypes
 
 DOMAIN = iri("graph", "domain")
 DOMAIN_HASH = term("domainHash")
@@ -29,9 +29,7 @@ MASS = term("mass")
 
 
 def domain_quads(
-    objects: Mapping[str, ObjectType],
-    actions: Actions,
-    classes: Mapping[str, str | None] | None = None,
+    objects: ObjectTypes, actions: Actions, classes: Mapping[str, str | None] | None = None
 ) -> list[Quad]:
     """The statements of the domain graph, sorted; arguments as for `KnowledgeBase.load_domain`."""
     kinds = {name: kind.is_a for name, kind in objects.items()} | dict(classes or {})
@@ -53,7 +51,7 @@ def _class_statements(kinds: Mapping[str, str | None]) -> Iterator[tuple[Iri, Ir
             yield atom_iri(Atom("object", name)), IS_A, atom_iri(Atom("object", above))
 
 
-def _object_statements(objects: Mapping[str, ObjectType]) -> Iterator[tuple[Iri, Iri, Term]]:
+def _object_statements(objects: ObjectTypes) -> Iterator[tuple[Iri, Iri, Term]]:
     for name, kind in objects.items():
         node = atom_iri(Atom("object", name))
         yield node, MASS, _kilograms(kind.mass)

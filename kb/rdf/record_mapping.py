@@ -71,11 +71,7 @@ class RecordMapping(Generic[Record]):
                     yield Quad(node, field.predicate, field.encode(one), self.graph)
 
     def read(self, found: PropertyValues, **more: object) -> Record:
-        """The record of a node with these properties, and with `more` fields.
-
-        Raises:
-            ValidationError: a property is missing or malformed.
-        """
+        """The record of these properties and `more` fields; ValidationError if one is wrong."""
         stored: dict[str, Any] = {
             name: self._value(found[field.predicate], field) for name, field in self.fields.items()
         }

@@ -73,11 +73,6 @@ def atom_from_iri(node: Iri) -> Atom:
     return Atom(kind, name)
 
 
-def functor_from_iri(node: Iri) -> str:
-    """The functor of an IRI."""
-    return node.removeprefix(HILT) if node.startswith(HILT) else split(node)[1]
-
-
 def status_iri(status: Status) -> Iri:
     """The IRI of a status."""
     return term(status)
@@ -111,18 +106,13 @@ def plain_edges(rule: Rule) -> list[Quad]:
     """The plain edges from features to the argument; none for a norm or a rule that opposes it."""
     if rule.argument is None or not rule.asserts or rule.kind == "norm":
         return []
-    edge, end = edge_property(rule.functor), atom_iri(rule.argument)
+    edge, end = _EDGES.get(rule.functor, _OTHER_EDGE), atom_iri(rule.argument)
     return [Quad(atom_iri(feature), edge, end, BELIEFS) for feature in sorted(rule.features)]
 
 
 def argument_property(kind: str) -> Iri:
     """The property of an argument of a kind of atom."""
     return _ARGUMENTS.get(kind, ARGUMENT)
-
-
-def edge_property(functor: str) -> Iri:
-    """The property of the plain edges of rules with a functor."""
-    return _EDGES.get(functor, _OTHER_EDGE)
 
 
 def atom_label_quads(atoms: Iterable[Atom]) -> Iterator[Quad]:
@@ -175,11 +165,11 @@ def _properties(rule: Rule) -> Iterator[tuple[Iri, Term]]:
 
 def _read(found: dict[Iri, list[Term]]) -> Rule:
     arguments = [*found.get(PART, ()), *found.get(AFFORDANCE, ()), *found.get(ARGUMENT, ())]
-    source = found.get(DERIVED_FROM)
+    source, functor = found.get(DERIVED_FROM), cast(Iri, _one(found, FUNCTOR))
     return Rule(
         _atoms_of(tuple(found.get(FEATURE, ()))),
         _atoms_of(tuple(found.get(CONTEXT, ()))),
-        functor_from_iri(cast(Iri, _one(found, FUNCTOR))),
+        functor.removeprefix(HILT) if functor.startswith(HILT) else split(functor)[1],
         atom_from_iri(cast(Iri, arguments[0])) if arguments else None,
         Interval(cast(float, _one(found, LOWER)), cast(float, _one(found, UPPER))),
         split(cast(Iri, _one(found, ATTRIBUTED_TO)))[1],

@@ -75,14 +75,9 @@ class SelectResult:
 
     def as_json(self) -> dict[str, object]:
         """The document in SPARQL 1.1 Query Results JSON."""
-        return {
-            "head": {"vars": list(self.variables)},
-            "results": {"bindings": [self._binding(row) for row in self.rows]},
-        }
-
-    def _binding(self, row: tuple[Term | None, ...]) -> dict[str, dict[str, str]]:
-        named = zip(self.variables, row, strict=True)
-        return {name: _value(term) for name, term in named if term is not None}
+        named = (zip(self.variables, row, strict=True) for row in self.rows)
+        rows = [{name: _value(term) for name, term in row if term is not None} for row in named]
+        return {"head": {"vars": list(self.variables)}, "results": {"bindings": rows}}
 
 
 @dataclass(frozen=True)

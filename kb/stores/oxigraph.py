@@ -90,7 +90,7 @@ class OxigraphStore:
         with timed(_logger, "query with limits %s", query):
             with self._lock:
                 snapshot = self._snapshot = self._snapshot or self._take_snapshot()
-            return self._worker.run(snapshot.path, query, limits)
+            return self._worker.request(limits, source=snapshot.path, query=query)
 
     def _evaluate(self, query: str) -> QueryResult:
         found = self._run(query)

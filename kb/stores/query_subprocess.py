@@ -14,11 +14,10 @@ import subprocess
 import sys
 import threading
 import time
-from pathlib import Path
 from typing import IO, Any, cast
 
 from ...ontology.errors import HiltError, QueryError
-from ..sparql.results import QueryLimits, QueryResult
+from ..sparql.results import QueryLimits
 
 QUERY_WORKER = f"{__package__}.query_worker"
 
@@ -33,17 +32,13 @@ class WorkerProcess:
         self._megabytes = 0
         self._lock = threading.Lock()
 
-    def run(self, source: Path, query: str, limits: QueryLimits) -> QueryResult:
-        """The answer of a query over a snapshot.
+    def request(self, limits: QueryLimits, **fields: object) -> Any:
+        """Send a request, and return the answer, as of a `query` over a snapshot, the `source`.
 
         Raises:
             QueryError: it is wrong, or was stopped.
             StoreError: the source cannot be read.
         """
-        return self.request(limits, source=source, query=query)
-
-    def request(self, limits: QueryLimits, **fields: object) -> Any:
-        """Send a request, and return the answer; errors as for `run`."""
         with self._lock:
             answer = self._answer({**fields, "megabytes": limits.megabytes}, limits)
         if isinstance(answer, MemoryError):

@@ -54,12 +54,7 @@ def line_format(format: str) -> str:
     """The line-based format that holds what an RDF format holds: "nquads" or "ntriples"."""
     if format in _LINE_FORMATS:
         return format
-    return "nquads" if has_graphs(format) else "ntriples"
-
-
-def has_graphs(format: str) -> bool:
-    """Whether an RDF format can name graphs."""
-    return RDF_FORMATS[format].supports_datasets
+    return "nquads" if RDF_FORMATS[format].supports_datasets else "ntriples"
 
 
 def read_lines(stream: BinaryIO, *, format: str, source: str) -> Iterator[bytes]:

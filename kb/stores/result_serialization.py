@@ -39,14 +39,6 @@ def _csv(found: QueryResult) -> str:
     return written.getvalue()
 
 
-def _tsv(found: QueryResult) -> str:
-    return _by_engine(_rows(found, "TSV"), "TSV")
-
-
-def _xml(found: QueryResult) -> str:
-    return _by_engine(found, "XML").translate(_ILLEGAL_IN_XML)
-
-
 def _by_engine(found: QueryResult, name: str) -> str:
     import pyoxigraph as engine
 
@@ -66,8 +58,8 @@ def _turtle(found: QueryResult) -> str:
 FORMATS: Mapping[str, Callable[[QueryResult], str]] = {
     "json": lambda found: json.dumps(found.as_json(), ensure_ascii=False) + "\n",
     "csv": _csv,
-    "tsv": _tsv,
-    "xml": _xml,
+    "tsv": lambda found: _by_engine(_rows(found, "TSV"), "TSV"),
+    "xml": lambda found: _by_engine(found, "XML").translate(_ILLEGAL_IN_XML),
     "turtle": _turtle,
 }
 

@@ -68,11 +68,7 @@ class Fact:
 
 
 def read_facts(path: Path) -> list[Fact]:
-    """Return the rows of a file.
-
-    Raises:
-        DataError: the file cannot be read, or a row is wrong; gives the line.
-    """
+    """Return the rows of a file; a DataError gives the line that is wrong."""
     rows = csv.DictReader(io.StringIO(read_text(path)), delimiter="\t")
     return [_fact(row, str(path), line) for line, row in enumerate(rows, start=2)]
 

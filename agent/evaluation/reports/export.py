@@ -56,10 +56,6 @@ def check_format(path: Path) -> None:
             raise MissingExtraError("report", package)
 
 
-def _html(experiment: Experiment, cases: Sequence[Case], report: EvaluationReport) -> str:
-    return render_page(experiment, cases, report, _pictures(experiment, cases))
-
-
 def _json(_: Experiment, __: Sequence[Case], report: EvaluationReport) -> str:
     document = report.as_json() | {"results": report.results}
     return json.dumps(document, default=vars, ensure_ascii=False, indent=1) + "\n"
@@ -74,7 +70,9 @@ def _csv(_: Experiment, __: Sequence[Case], report: EvaluationReport) -> str:
 
 
 _FORMATS: Mapping[str, Callable[[Experiment, Sequence[Case], EvaluationReport], str]] = {
-    ".html": _html,
+    ".html": lambda experiment, cases, report: render_page(
+        experiment, cases, report, _pictures(experiment, cases)
+    ),
     ".json": _json,
     ".csv": _csv,
 }

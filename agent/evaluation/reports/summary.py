@@ -103,12 +103,11 @@ class EvaluationReport:
 
     def points(self) -> Table | None:
         """Return a table of the points of the curves; None if there are none."""
-        curves = self.summary.get("curves")
-        return self._points(cast("list[Json]", curves)) if curves else None
-
-    def _points(self, curves: Sequence[Json]) -> Table:
         from ...presentation.console import RecordTable
 
+        curves = cast("list[Json]", self.summary.get("curves"))
+        if not curves:
+            return None
         table = RecordTable("curve", "line", "at", "mean", "95 % interval", "decisions")
         for curve in curves:
             measure = str(curve.get("measure", "accuracy"))

@@ -36,11 +36,7 @@ class ProcessRunner:
     attempts: int = ATTEMPTS
 
     def run(self, experiment: Experiment, cases: Sequence[Case]) -> Iterator[TimedResult]:
-        """Run the cases, each in one of the processes.
-
-        Raises:
-            WorkersError: no process can be started.
-        """
+        """Run the cases, each in one of the processes; WorkersError if none can be started."""
         if not cases:
             return
         pool = ProcessPool(min(self.workers, len(cases)), context=get_context("spawn"))

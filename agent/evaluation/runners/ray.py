@@ -47,11 +47,7 @@ class RayRunner:
         self._ray = _import_ray()
 
     def run(self, experiment: Experiment, cases: Sequence[Case]) -> Iterator[TimedResult]:
-        """Run the cases on the cluster.
-
-        Raises:
-            WorkersError: the cluster cannot be reached.
-        """
+        """Run the cases on the cluster; WorkersError if it cannot be reached."""
         work = (self.timeout_s, experiment.name, to_json_line(experiment.options))
         with self._connected():
             task = self._ray.remote(_run_within).options(max_retries=0)

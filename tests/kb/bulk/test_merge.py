@@ -7,16 +7,16 @@ from dataclasses import replace
 
 import pytest
 
+from hilt.kb.bulk.importer import merge
 from hilt.kb.interval import Interval
 from hilt.kb.knowledge_base import KnowledgeBase
-from hilt.kb.merge import merge
 from hilt.kb.rdf.rule_mapping import rule_quads
 from hilt.kb.rule import Rule
 from hilt.kb.stores.opening import open_store
 from hilt.kb.validation import check_invariants
 from hilt.ontology.errors import ValidationError
 
-from .conftest import BLADE, CUTTING, HANDLE, teach, ticking
+from ..conftest import BLADE, CUTTING, HANDLE, teach, ticking
 
 AGAINST = replace(CUTTING, interval=Interval(0, 0.1))
 
