@@ -7,7 +7,7 @@ PIP := $(BIN)/python -m pip -qq --disable-pip-version-check
 # The installed tree links to each file, so it is laid anew when files come or go.
 READY := .venv/.ready-$(shell find agent inference kb nlu ontology sim -type f ! -name '*.pyc' | LC_ALL=C sort | cksum | cut -d' ' -f1)
 
-.PHONY: demo test test-extras test-install coverage lint format bench docs linkcheck lock dist clean
+.PHONY: demo test test-extras test-install coverage lint format bench docs linkcheck lock dist sbom clean
 
 demo: $(READY)  ## the paper's running example: three sentences, a command, a knife passed by the blade
 	@$(BIN)/hilt demo
@@ -58,6 +58,11 @@ dist: $(READY)  ## build wheel and sdist; the package index shows the README, so
 		-e 's#!\[([^]]*)\]\(([^):]+)\)#![\1]($(SOURCE)/raw/HEAD/\2)#g' \
 		-e 's#\[([^]]*)\]\(([^):]+)\)#[\1]($(SOURCE)/blob/HEAD/\2)#g' $$copy/README.md && \
 		$(BIN)/python -W error -m build --installer uv --outdir $(DIST) $$copy; status=$$?; rm -rf $$copy; exit $$status
+
+sbom: $(READY)  ## write out/sbom.json: what a user installs, at the versions of the lock, with licences (CycloneDX)
+	@$(BIN)/uv venv --quiet --clear --python $(BIN)/python build/sbom
+	@$(BIN)/uv pip install --quiet --python build/sbom --constraint requirements.lock ".[all]"
+	@mkdir -p out && $(BIN)/cyclonedx-py environment --pyproject pyproject.toml --output-reproducible -o out/sbom.json build/sbom
 
 clean:  ## remove build products; knowledge bases stay
 	rm -rf .venv build dist out *.egg-info

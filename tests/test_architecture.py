@@ -36,7 +36,7 @@ MOST_MODULES = 15  # in one folder
 TOP_LEVEL = {
     *PACKAGES, *("tests", "benchmarks", "examples", "docs", ".ci", "Makefile", ".gitignore"),
     "pyproject.toml", "requirements.lock", "README.md", "ARCHITECTURE.md", "CONTRIBUTING.md",
-    "CHANGELOG.md", "LICENSE",
+    "CHANGELOG.md", "LICENSE", "CITATION.cff", "SECURITY.md", ".github", "Dockerfile",
 }  # fmt: skip
 
 
