@@ -1,4 +1,4 @@
-"""Reader and writer for flat TOML files: lines `key = value`, without tables.
+"""Reader and writer for flat TOML files: keys and values, without tables.
 
 What is read has the positions of `yaml_reader`, so that an error names file, line and column. What
 is written changes one value and keeps all else, comments included.
@@ -6,11 +6,8 @@ is written changes one value and keeps all else, comments included.
 
 from __future__ import annotations
 
-import json
 import re
 import sys
-from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -22,17 +19,7 @@ if sys.version_info >= (3, 11):
 else:
     import tomli as tomllib
 
-_ASSIGNMENT = re.compile(r"\s*([\w-]+|\"[^\"]*\"|'[^']*')\s*=\s*")
 _PLACE = re.compile(r" \(at (?:line (\d+), column (\d+)|end of document)\)$")
-
-
-@dataclass(frozen=True)
-class _Statement:
-    key: str
-    value: Any
-    first: int  # index of its first line
-    end: int  # index of the line after it
-    column: int  # of the value
 
 
 def read_toml(path: Path) -> YamlNode:
@@ -42,14 +29,18 @@ def read_toml(path: Path) -> YamlNode:
         DataError: it cannot be read, is not UTF-8 or TOML, or has a table.
     """
     text, source = read_text(path), str(path)
-    lines = text.split("\n")
-    entries: dict[str, YamlNode] = {}
     keys: list[YamlNode] = []
-    for each in _statements(text, source):
-        place = (source, each.first + 1)
-        entries[each.key] = _node(each.value, *place, each.column, lines[each.first])
-        indent = len(lines[each.first]) - len(lines[each.first].lstrip())
-        keys.append(YamlNode(each.key, *place, indent + 1, lines[each.first]))
+    entries: dict[str, YamlNode] = {}
+    for key, value in _parse(text, source).items():
+        keys.append(_key(key, text, source))
+        if isinstance(value, dict):
+            raise keys[-1].fail(
+                "expected KEY = VALUE; tables and keys with dots are not used here."
+            )
+        line = keys[-1].text_line
+        column = line.find("=") + 1
+        column += len(line[column:]) - len(line[column:].lstrip()) + 1
+        entries[key] = _node(value, source, keys[-1].line, column, line)
     return YamlNode(entries, source, 1, 1, keys=tuple(keys))
 
 
@@ -57,43 +48,27 @@ def with_value(text: str, source: str, key: str, value: object) -> str:
     """Return the text of a file in which a key has this value; None removes the key.
 
     Raises:
-        DataError: the text is not TOML, or has a table.
+        DataError: the text is not TOML.
     """
-    lines = text.splitlines()
-    old = next((each for each in _statements(text, source) if each.key == key), None)
-    first, end = (old.first, old.end) if old else (len(lines), len(lines))
-    # The strings and lists of JSON are also those of TOML.
-    new = [] if value is None else [f"{key} = {json.dumps(value, ensure_ascii=False)}"]
-    lines[first:end] = new
-    return "".join(f"{line}\n" for line in lines)
+    import tomlkit  # imported here: most commands only read
 
-
-def _statements(text: str, source: str) -> Iterator[_Statement]:
     _parse(text, source)
-    lines, at = text.split("\n"), 0
-    while at < len(lines):
-        found, end = _ASSIGNMENT.match(lines[at]), at + 1
-        if found:
-            while (values := _complete("\n".join(lines[at:end]))) is None:
-                end += 1
-            ((key, value),) = values.items()
-            yield _Statement(key, value, at, end, found.end() + 1)
-        elif lines[at].strip() and not lines[at].lstrip().startswith("#"):
-            problem = "expected KEY = VALUE; tables and keys with dots are not used here."
-            raise DataError(problem, source=source, line=at + 1, column=1, text=lines[at])
-        at = end
+    document = tomlkit.parse(text)
+    document.pop(key, None) if value is None else document.update({key: value})
+    return tomlkit.dumps(document)
 
 
-def _complete(text: str) -> dict[str, Any] | None:
+def _key(key: str, text: str, source: str) -> YamlNode:
+    """A key where its line begins with it, bare, in quotes, or as the name of a table."""
+    beginning = re.compile(rf"^\s*\[*\s*[\"']?{re.escape(key)}\b")
+    lines = enumerate(text.split("\n"), start=1)
+    number, line = next(((n, line) for n, line in lines if beginning.match(line)), (1, ""))
+    return YamlNode(key, source, number, len(line) - len(line.lstrip()) + 1, line)
+
+
+def _parse(text: str, source: str) -> dict[str, Any]:
     try:
         return tomllib.loads(text)
-    except tomllib.TOMLDecodeError:
-        return None  # its last lines are missing
-
-
-def _parse(text: str, source: str) -> None:
-    try:
-        tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         lines = text.splitlines() or [""]
         place = _PLACE.search(str(error))
