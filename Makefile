@@ -40,8 +40,10 @@ bench: $(READY) .venv/.extras  ## speed, beside named peers where there are any
 
 docs: $(READY)  ## write the pages made from code and data again, and the site to out/docs; warnings are errors
 	@$(BIN)/python docs/commands.py > docs/commands.md
+	@$(BIN)/python docs/options.py > docs/schemas/options.schema.json
 	@$(BIN)/python docs/formats.py > docs/formats.md
 	@$(BIN)/python docs/vocabulary.py > docs/vocabulary.md
+	@$(BIN)/python docs/gallery.py docs/images derivation.svg proof.svg > /dev/null
 	@$(BIN)/sphinx-build -q -W --keep-going -b html docs out/docs
 
 linkcheck: $(READY)  ## whether the links out of the site lead somewhere; needs the internet

@@ -12,7 +12,7 @@ import yaml
 from jsonschema import Draft202012Validator
 from referencing import Registry, Resource
 
-from hilt.agent.config import OPTIONS, AgentConfig
+from hilt.agent.config import AgentConfig
 from hilt.agent.evaluation.experiments.custom import load_custom
 from hilt.inference.settings import Settings
 from hilt.kb.formats.rule_yaml import read_sheet
@@ -153,12 +153,3 @@ def test_schema_lists_the_keys_of_the_reader(place: tuple[str, str], text: str, 
 def test_every_schema_meets_a_wrong_file():
     """No schema accepts everything."""
     assert WRONG.keys() == SCHEMAS.keys() == READERS.keys()
-
-
-def test_options_are_those_of_the_agent():
-    """Each option of an agent is in the schema, with the same words."""
-    described = {
-        name: each["description"] for name, each in SCHEMAS["options"]["properties"].items()
-    }
-
-    assert described == {name: option.help for name, option in OPTIONS.items()}
