@@ -1,5 +1,1 @@
 """Generation of text: meanings as sentences that parse back to them, and spoken answers."""
-
-import lazy_loader
-
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

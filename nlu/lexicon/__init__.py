@@ -1,5 +1,1 @@
 """The words of a language: tokens, entries, inflection, unknown words."""
-
-import lazy_loader
-
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

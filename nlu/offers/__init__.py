@@ -1,5 +1,1 @@
 """Offers: meanings to choose from for an utterance that the grammar does not understand."""
-
-import lazy_loader
-
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,5 +1,1 @@
 """Manipulation: grasping, lifting, handing over, putting back, pointing and striking."""
-
-import lazy_loader
-
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,5 +1,1 @@
 """Vision: from camera images to percepts, objects with the point clouds of their parts."""
-
-import lazy_loader
-
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

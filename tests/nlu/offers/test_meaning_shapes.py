@@ -8,7 +8,8 @@ import pytest
 
 from hilt.nlu import Language
 from hilt.nlu.lexicon.tokenizer import tokenize
-from hilt.nlu.offers import find_mentions, meaning_from_json, shape_of
+from hilt.nlu.offers.meaning_shapes import meaning_from_json, shape_of
+from hilt.nlu.offers.mentions import find_mentions
 from hilt.nlu.semantics.discourse import Discourse
 
 SENTENCES = [
