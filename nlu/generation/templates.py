@@ -31,8 +31,7 @@ from ..semantics.meaning import (
 )
 
 Slot: TypeAlias = str | int | float | Sequence[str] | Confidence
-MOST_OF_NEVER = 0.1
-"""The upper bound up to which a rule is said to hold never, and above it seldom."""
+MOST_OF_NEVER = 0.1  # the upper bound up to which a rule is said to hold never, and above it seldom
 
 SLOT = re.compile(r"\{(\w+)(?::(\w+))?\}")
 """A slot of a template: its name, and its form if it asks for one."""

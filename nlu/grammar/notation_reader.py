@@ -24,8 +24,7 @@ from .types import BasicType, FunctionType, Type
 if TYPE_CHECKING:
     from .notation_parser import Entry, Start, TermPair, UnaryRule, Value
 
-MAX_CHARACTERS = 400
-"""A longer line is rejected, so that none can nest too deeply to be used."""
+MAX_CHARACTERS = 400  # a longer line is rejected, so that none can nest too deeply to be used
 
 _SOURCES = (
     *("notation.lark", "notation_reader.py", "notation_parser.py"),

@@ -123,8 +123,7 @@ class DiscourseMarkers:
         )
 
 
-_LONGEST = 8
-"""The greatest length of a marker that is no clause [words]."""
+_LONGEST = 8  # the greatest length of a marker that is no clause [words]
 
 
 def _begun_once(tokens: Tokens) -> Tokens:

@@ -15,8 +15,7 @@ from .lexicon import LazyEntry, Lexicon, LexiconNode
 from .loader import LexiconBuilder
 from .vocabulary import NewWord
 
-Name = tuple[str, str]
-"""The role of a name, and its dictionary form."""
+Name = tuple[str, str]  # the role of a name, and its dictionary form
 
 _CACHED_FORMS = 512
 """So many forms are kept with their entries, of which the gerund of a use has a hundred."""

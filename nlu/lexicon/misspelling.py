@@ -13,11 +13,8 @@ from collections.abc import Callable, Collection, Iterator
 from itertools import chain
 from string import ascii_lowercase
 
-MIN_LETTERS = 4
-"""Words shorter than this are too close to too many others."""
-
-LONG = 8
-"""From this length on [letters] hardly any two words are one letter apart, endings aside."""
+MIN_LETTERS = 4  # words shorter than this are too close to too many others
+LONG = 8  # from this length on [letters] hardly any two words are one letter apart, endings aside
 
 _SWAPPED_OR_DOUBLED = 6  # the same where letters are only swapped or doubled
 _HARDLY_DOUBLED_AT_THE_END = "bdgmnprt"

@@ -23,8 +23,7 @@ MAX_NEW_WORDS = 5
 MIN_LETTERS = 3
 MAX_LETTERS = 30
 
-NOUNS = frozenset({"N", "NS", "P", "MS"})
-"""The categories of names of things."""
+NOUNS = frozenset({"N", "NS", "P", "MS"})  # the categories of names of things
 
 _ACTS = frozenset({"CP/NP", "(CP/UP)/NP"})
 

@@ -40,8 +40,7 @@ _NEW_ROLES = {
     "context": "act",
 }
 
-LEAST_ASIDE = 4
-"""The least length of what is said aside, from pause to pause [words]."""
+LEAST_ASIDE = 4  # the least length of what is said aside, from pause to pause [words]
 
 _ON = frozenset({"on", "off", "onto", "under"})
 _BEFORE_PLACES = frozenset({"by", "of", "at", "with", "on", "in", "from"})

@@ -42,32 +42,21 @@ from .utterance_segments import SegmentReader
 
 MAX_OFFERS = 3
 
-LEAST = 0.4
-"""The least probability of the first offer."""
+LEAST = 0.4  # the least probability of the first offer
 
 LEAST_OF_ONE = 0.6
 """The least probability of the first offer when it has one name: "so is a spoon" asks nothing."""
 
-LEAST_NAMELESS = 0.9
-"""The least probability of a meaning that names nothing."""
-
-LEAST_OTHER = 0.03
-"""The least probability of a further offer."""
-
-MAX_TRIED = 6
-"""How many of the likeliest candidates are checked."""
-
-MAX_UNKNOWN = 5
-"""How many unknown words an utterance may have."""
-
-MAX_SEGMENTS = 30
-"""How many segments are parsed."""
+LEAST_NAMELESS = 0.9  # the least probability of a meaning that names nothing
+LEAST_OTHER = 0.03  # the least probability of a further offer
+MAX_TRIED = 6  # how many of the likeliest candidates are checked
+MAX_UNKNOWN = 5  # how many unknown words an utterance may have
+MAX_SEGMENTS = 30  # how many segments are parsed
 
 DIGITS = "".join(each for each in map(chr, range(32, 127)) if each not in '"\\')
 """The digits of the numbers in the file of a model, from zero on."""
 
-MORE = 5
-"""How many of the last digits add the number of the others, once to so many times."""
+MORE = 5  # how many of the last digits add the number of the others, once to so many times
 
 
 @dataclass(frozen=True)

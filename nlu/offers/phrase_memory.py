@@ -15,8 +15,7 @@ from ..semantics.meaning import ANY_OBJECT, Json
 from .meaning_shapes import MeaningShape, shape_from, shape_of
 from .mentions import Mentions
 
-LEAST_FIXED = 3
-"""The least number of words of a phrase that are no names."""
+LEAST_FIXED = 3  # the least number of words of a phrase that are no names
 
 _ROLES = {
     "<new>": "object",

@@ -17,8 +17,7 @@ from ..lexicon.tokenizer import BREAK
 from .candidates import Asides, CandidateMeaning
 from .mentions import Mentions
 
-NONE = "none"
-"""The trait of the choice that no candidate was meant."""
+NONE = "none"  # the trait of the choice that no candidate was meant
 
 _START, _END = "^", "$"
 

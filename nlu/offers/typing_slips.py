@@ -13,11 +13,8 @@ from ..lexicon.misspelling import slips
 from ..lexicon.tokenizer import Tokens
 from ..lexicon.unknown_words import MAX_NEW_WORDS, KnownWords
 
-MAX_WORDS = 4
-"""How many known words are tried for an unknown one."""
-
-MAX_TEXTS = 12
-"""How many corrected utterances are tried."""
+MAX_WORDS = 4  # how many known words are tried for an unknown one
+MAX_TEXTS = 12  # how many corrected utterances are tried
 
 _KEYS = {
     letter: (row, column)

@@ -17,8 +17,7 @@ from ..parsing.periphery import PeripheryReader
 from ..parsing.utterance_pieces import HEARER, MARKER, OWN, PHRASE, Pause, UtterancePiece
 from .mentions import Mentions
 
-LEAST_WORDS = 3
-"""The least length of a segment [words]."""
+LEAST_WORDS = 3  # the least length of a segment [words]
 
 Span = tuple[int, int]
 

@@ -35,8 +35,7 @@ PERIPHERY_FILE = Path(__file__).parents[2] / "ontology" / "periphery.yaml"
 REQUEST, QUESTION, HOLDING, USE = "request", "question", "holding", "use"
 """The kinds of cores: a command and a question to the robot, and the rules of two kinds."""
 
-MAX_CORES = 8
-"""How many cores of one utterance are parsed."""
+MAX_CORES = 8  # how many cores of one utterance are parsed
 
 
 @dataclass(frozen=True)

@@ -48,8 +48,7 @@ from .reading_filter import ReadingFilter
 from .segmentation import combine_meanings, segmentations
 from .understanding import Reading, Understanding
 
-_ANYTHING = PredicateForm("anythingNamed")
-"""Stands for whatever a pronoun may refer to."""
+_ANYTHING = PredicateForm("anythingNamed")  # stands for whatever a pronoun may refer to
 
 Strategy = Callable[[Tokens, UtteranceContext], Understanding | None]
 

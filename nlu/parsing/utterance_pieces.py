@@ -49,8 +49,7 @@ class Pause(IntEnum):
     """A piece that ends in an announcement, or precedes one."""
 
 
-LEAST_WORDS = 3
-"""The least length of a core [words]."""
+LEAST_WORDS = 3  # the least length of a core [words]
 
 FORMS = (REASON, PURPOSE, ASIDE, OWN, HEARER, IMPERSONAL)
 _LEADS: Mapping[str, Pause] = {"so": Pause.SO, "but": Pause.BUT, "and": Pause.WEAK}

@@ -17,11 +17,8 @@ from typing import NamedTuple, TypeAlias
 from ...ontology.yaml_reader import YamlNode, read_yaml
 from ..grammar.word_patterns import spellings
 
-Values: TypeAlias = Mapping[str, frozenset[str]]
-"""The values of each feature that a clause has."""
-
-HIDING = "nothing"
-"""The feature of phrases that hide the features of their words."""
+Values: TypeAlias = Mapping[str, frozenset[str]]  # the values of each feature that a clause has
+HIDING = "nothing"  # the feature of phrases that hide the features of their words
 
 MAIN, CONDITION, ASIDE = "main", "condition", "aside"
 

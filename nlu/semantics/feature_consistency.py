@@ -15,8 +15,7 @@ from ...ontology.yaml_reader import YamlNode, read_yaml
 from ..grammar.word_patterns import compile_pattern, expand
 from .clause_features import FeatureReader
 
-MAX_COMPARED = 20_000
-"""Spellings of one pattern that are compared."""
+MAX_COMPARED = 20_000  # spellings of one pattern that are compared
 
 Spelling = tuple[str, ...]
 

@@ -44,8 +44,7 @@ _NAMELESS = frozenset({"self", "speaker", "someone", "it", "both", "butNot"})
 KIND_FORMS = frozenset({"kindOf", "isA"})
 """The forms of "a knife is a kind of tool" and of "a knife is a tool"."""
 
-_UNLEARNABLE = {"noPast": "no_past"}
-"""The answer to what is understood, but not learned."""
+_UNLEARNABLE = {"noPast": "no_past"}  # the answer to what is understood, but not learned
 
 
 @dataclass(frozen=True)

@@ -33,8 +33,7 @@ from .meaning import (
 LICENCE_FILE = Path(__file__).parents[2] / "ontology" / "licence.yaml"
 
 ACCEPT = "accept"
-ABSENT = "none"
-"""Stands in a row for the absence of a feature."""
+ABSENT = "none"  # stands in a row for the absence of a feature
 
 KINDS = ("use", "holding", "correction", "retraction", "command", "norm")
 
