@@ -80,6 +80,12 @@ class WordLists:
         return found
 
 
+def places_of(phrase: Phrase, words: Sequence[str]) -> Iterator[int]:
+    """Yield where a phrase begins in some words."""
+    length = len(phrase)
+    return (n for n in range(len(words) - length + 1) if tuple(words[n : n + length]) == phrase)
+
+
 @lru_cache(maxsize=16)
 def load_word_lists(
     path: Path,

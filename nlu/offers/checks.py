@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
 
-from ..grammar.word_lists import Phrase, load_word_lists
+from ..grammar.word_lists import Phrase, load_word_lists, places_of
 from ..lexicon.tokenizer import BREAK
 from ..lexicon.vocabulary import NewWord
 from ..parsing.clause_spans import features_of_names
@@ -138,10 +138,11 @@ class OfferChecks:
             return False
         if not beside.issuperset(self._places("weak_negation", words)):
             return False
-        count = len(set(self._places("negative", words)) - beside)
-        if _is_negative(meaning):
-            return count == 1 or (count == 2 and _corrects(meaning))
-        return count == 0 or (count == 1 and _corrects(meaning))
+        count, signs = (
+            len(set(self._places("negative", words)) - beside),
+            int(_is_negative(meaning)),
+        )
+        return count == signs or (count == signs + 1 and _corrects(meaning))
 
     def _reasons(self, meaning: Meaning, mentions: Mentions) -> Iterator[Span]:
         """Yield the clauses that say why something is asked for: "I can't reach it, so pass it"."""
@@ -234,22 +235,17 @@ class OfferChecks:
         if not isinstance(meaning, Statement):
             return True
         words = mentions.tokens.words
-        held = self._has("gripping", words) or any(
-            each.role == "act" and each.name == "grasp" for each in mentions.names
-        )
+        acts, named = (mentions.by_role.get(role, {}) for role in ("act", "part"))
+        held = "grasp" in acts or self._has("gripping", words)
         parts = {rule.part for rule in meaning.rules if isinstance(rule, ActionRule)}
-        before = [
-            (each, words[max(0, each.start - 3) : each.start])
-            for each in mentions.names
-            if each.role == "part" and each.name in parts
-        ]
-        return all(
-            (held or self._has("by", said))
-            and (
-                not each.is_new or self._has("before_part", said) or self.reader.is_part(each.name)
-            )
-            for each, said in before
-        )
+        for each in (each for part in parts for each in named.get(part, ())):
+            said = words[max(0, each.start - 3) : each.start]
+            is_part = not each.is_new or self.reader.is_part(each.name)
+            if not (held or self._has("by", said)) or not (
+                is_part or self._has("before_part", said)
+            ):
+                return False
+        return True
 
     def _clauses(self, mentions: Mentions) -> Iterator[ClausePosition]:
         """The words with their clauses; one that is known to name something belongs to none."""
@@ -266,11 +262,7 @@ class OfferChecks:
         return any(True for _ in self._places(kind, words))
 
     def _places(self, kind: str, words: Sequence[str]) -> Iterator[int]:
-        for phrase in self.phrases[kind]:
-            length = len(phrase)
-            for place in range(len(words) - length + 1):
-                if tuple(words[place : place + length]) == phrase:
-                    yield place
+        return (place for phrase in self.phrases[kind] for place in places_of(phrase, words))
 
 
 def load_check_words(path: Path) -> Mapping[str, frozenset[Phrase]]:

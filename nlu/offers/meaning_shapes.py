@@ -61,17 +61,16 @@ class MeaningShape:
     @cached_property
     def slots(self) -> tuple[str, ...]:
         """The slots, each once, in the order of the meaning."""
-        return tuple(dict.fromkeys(_slots(self.template)))
+        said = (str(value) for _, value in _leaves(self.template) if _is_slot(value))
+        return tuple(dict.fromkeys(said))
 
     @cached_property
     def constants(self) -> frozenset[str]:
         """The names that are no slots, without those of acts."""
-        names = (
-            value
-            for key, value in _leaves(self.template)
-            if key in _ROLES_OF_KEYS and _ROLES_OF_KEYS[key] != ("act",)
+        leaves = (
+            (_ROLES_OF_KEYS.get(key, ("act",)), value) for key, value in _leaves(self.template)
         )
-        return frozenset(str(name) for name in names if not str(name).startswith("?"))
+        return frozenset(str(v) for roles, v in leaves if roles != ("act",) and not _is_slot(v))
 
     @cached_property
     def roles(self) -> Mapping[str, tuple[str, ...]]:
@@ -90,21 +89,19 @@ class MeaningShape:
 
     def filled(self, values: Mapping[str, object]) -> Json:
         """The JSON object with the slots filled."""
-        return {key: _filled(value, values) for key, value in self.template.items()}
+        return _changed(
+            self.template, lambda leaf, _, __: values.get(leaf) if _is_slot(leaf) else leaf
+        )
 
 
 def shape_of(meaning: Json, mentions: Mentions, tool_acts: Mapping[str, str]) -> MeaningShape:
     """Return the shape of a meaning; a name that the utterance does not have stays as it is."""
     taken: dict[tuple[str, str], str] = {}
 
-    def change(key: str, value: object, within: Json) -> object:
+    def slotted(value: object, key: str, within: Json) -> object:
         match value:
-            case dict():
-                return {k: change(k, v, value) for k, v in value.items()}
-            case list() if key == "confidence":
-                return degree(value, within)
             case list():
-                return [change(key, each, within) for each in value]
+                return degree(value, within)
             case str():
                 return slot(key, value, within)
             case _:
@@ -128,7 +125,7 @@ def shape_of(meaning: Json, mentions: Mentions, tool_acts: Mapping[str, str]) ->
             return f"?last.{key}"
         return "?it" if key == "object" and value == mentions.it else value
 
-    return shape_from({key: change(key, value, meaning) for key, value in meaning.items()})
+    return shape_from(_changed(meaning, slotted))
 
 
 def shape_from(template: Json) -> MeaningShape:
@@ -145,30 +142,24 @@ def _numbered(role: str, taken: Mapping[tuple[str, str], str]) -> str:
     return f"?{role}{number + 1 if number else ''}"
 
 
-def _slots(value: object) -> Iterator[str]:
-    match value:
-        case dict():
-            for each in value.values():
-                yield from _slots(each)
-        case list():
-            for each in value:
-                yield from _slots(each)
-        case str() if value.startswith("?"):
-            yield value
-        case _:
-            pass
+def _is_slot(value: object) -> bool:
+    return isinstance(value, str) and value.startswith("?")
 
 
-def _filled(value: object, values: Mapping[str, object]) -> object:
+def _changed(
+    value: Any,
+    change: Callable[[Any, str, Json], object],
+    key: str = "",
+    within: Json | None = None,
+) -> Any:
+    """A value with its leaves changed, each by its key and the object in which it stands."""
     match value:
         case dict():
-            return {key: _filled(each, values) for key, each in value.items()}
-        case list():
-            return [_filled(each, values) for each in value]
-        case str() if value.startswith("?"):
-            return values[value]
+            return {k: _changed(v, change, k, value) for k, v in value.items()}
+        case list() if key != "confidence":
+            return [_changed(each, change, key, within) for each in value]
         case _:
-            return value
+            return change(value, key, within or {})
 
 
 def _traits(template: Json) -> Iterator[str]:
@@ -183,11 +174,7 @@ def _kinds(template: Json) -> Iterator[str]:
     for key in ("rule", "ask", "ack", "norm", "control"):
         if key in template:
             yield str(template[key])
-    yield from (
-        key
-        for key in ("goal", "patient", "retract", "kind_of", "action", "plan")
-        if key in template
-    )
+    yield from {"goal", "patient", "retract", "kind_of", "action", "plan"} & template.keys()
 
 
 def _leaves(value: object, key: str = "") -> Iterator[tuple[str, object]]:

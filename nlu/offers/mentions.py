@@ -208,12 +208,9 @@ def _as_acts(found: Iterable[Mention], lexicon: Lexicon) -> Iterator[Mention]:
 def _without_places(found: Iterable[Mention], words: tuple[str, ...]) -> Iterator[Mention]:
     """The mentions without the objects on which others stand: "the cup on that shelf"."""
     mentions = list(found)
-    things = [each for each in mentions if each.role == "object"]
-    places = {
-        each for each in things if _ON.intersection(words[max(0, each.start - 2) : each.start])
-    }
-    is_only = len(places) == len(things)
-    yield from (each for each in mentions if is_only or each not in places)
+    things = {each for each in mentions if each.role == "object"}
+    places = {m for m in things if _ON.intersection(words[max(0, m.start - 2) : m.start])}
+    return (each for each in mentions if places == things or each not in places)
 
 
 def _known(words: tuple[str, ...], lexicon: Lexicon) -> Iterator[Mention]:
@@ -263,14 +260,10 @@ def _fits(role: str, entry: Entry, words: tuple[str, ...], start: int) -> bool:
 def _without_parts(found: Iterable[Mention]) -> Iterator[Mention]:
     """The mentions that are no part of a longer name: "wine" in "wine glass"."""
     mentions = list(found)
-    longer = [each for each in mentions if each.end - each.start > 1 and not each.is_new]
+    known = {range(each.start, each.end) for each in mentions if not each.is_new}
     for each in mentions:
-        if not any(
-            one.start <= each.start
-            and each.end <= one.end
-            and one.end - one.start > each.end - each.start
-            for one in longer
-        ):
+        own = range(each.start, each.end)
+        if not any(one != own and set(own) <= set(one) for one in known):
             yield each
 
 

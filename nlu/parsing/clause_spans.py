@@ -7,10 +7,11 @@ a part of what it is said of, or something that can be handled at all.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from ..grammar.categories import AtomicCategory
+from ..grammar.word_lists import places_of
 from ..lexicon.lexicon import Entry
 from ..lexicon.tokenizer import Tokens
 from ..lexicon.unknown_words import new_recipients
@@ -117,10 +118,9 @@ def features_of_names(
 def _may_be_place(reader: FeatureReader, derivation: Derivation, words: Sequence[str]) -> bool:
     """Whether a new recipient may be a place: one gives to people, but may carry to the lab."""
     entries = lexical_entries(derivation)
-    is_goal = any(str(entry.category) in reader.categories["goal"] for entry in entries)
-    return (
-        is_goal and bool(new_recipients(entries)) and not reader.words["carrying"].isdisjoint(words)
-    )
+    goals, carrying = reader.categories["goal"], reader.words["carrying"]
+    is_goal = any(str(entry.category) in goals for entry in entries)
+    return is_goal and bool(new_recipients(entries)) and not carrying.isdisjoint(words)
 
 
 def _is_subject(reader: FeatureReader, words: Sequence[str], said: str) -> bool:
@@ -145,10 +145,7 @@ def _part(
         return ""
     if reader.is_abstract(said, part) or reader.is_elsewhere(said, part):
         return "new"
-    if (
-        not reader.words["part_words"].isdisjoint(before)
-        or _after(words, said) in reader.words["part_words"]
-    ):
+    if not reader.words["part_words"].isdisjoint((*before, *_after(words, said))):
         return ""
     return "new" if is_known or reader.words["holding_words"].isdisjoint(before) else "unsure"
 
@@ -158,14 +155,11 @@ def _before(words: Sequence[str], said: str, count: int) -> Sequence[str]:
     return words[max(0, place - count) : place] if place is not None else ()
 
 
-def _after(words: Sequence[str], said: str) -> str:
-    place = _place(words, said)
-    end = len(words) if place is None else place + len(said.split(" "))
-    return words[end] if end < len(words) else ""
+def _after(words: Sequence[str], said: str) -> Sequence[str]:
+    place, length = _place(words, said), len(said.split(" "))
+    return words[place + length :][:1] if place is not None else ()
 
 
 def _place(words: Sequence[str], said: str) -> int | None:
     """Where some words stand for the first time, None where they do not."""
-    phrase = tuple(said.split(" "))
-    places: Iterable[int] = range(len(words) - len(phrase) + 1)
-    return next((n for n in places if tuple(words[n : n + len(phrase)]) == phrase), None)
+    return next(places_of(tuple(said.split(" ")), words), None)
