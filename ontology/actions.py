@@ -179,11 +179,7 @@ class Actions:
     trees: Mapping[str, ActionTree] = field(default_factory=dict[str, ActionTree])
 
     def tree(self, name: str) -> ActionTree:
-        """Return the tree of a goal.
-
-        Raises:
-            UnknownNameError: there is no such tree.
-        """
+        """Return the tree of a goal; `UnknownNameError` if there is none."""
         if name not in self.trees:
             raise UnknownNameError("action tree", name, self.trees)
         return self.trees[name]

@@ -28,29 +28,26 @@ class Degrees:
 
     def nearest(self, interval: tuple[float, float]) -> str:
         """Return the degree whose interval is closest to the given one."""
+        return min(self.intervals, key=lambda each: distance(self.intervals[each], interval))
 
-        def distance(degree: str) -> float:
-            low, high = self.intervals[degree]
-            return abs(low - interval[0]) + abs(high - interval[1])
 
-        return min(self.intervals, key=distance)
+def distance(one: tuple[float, float], other: tuple[float, float]) -> float:
+    """Return how far the bounds of two intervals are apart in all."""
+    return abs(one[0] - other[0]) + abs(one[1] - other[1])
 
 
 def load_degrees(path: Path = QUALIFIERS_FILE) -> Degrees:
-    """Return the degrees of a YAML file.
-
-    Raises:
-        DataError: the file is invalid; gives the position.
-    """
+    """Return the degrees of a YAML file; `DataError` with the position where it is invalid."""
     entries = read_yaml(path).entries(required=("default", "degrees"), optional=())
     intervals = {
-        name: _interval(field.entries(required=("interval",), optional=())["interval"])
+        name: read_interval(field.entries(required=("interval",), optional=())["interval"])
         for name, field in entries["degrees"].entries().items()
     }
     return Degrees(entries["default"].text(choices=intervals), MappingProxyType(intervals))
 
 
-def _interval(field: YamlNode) -> tuple[float, float]:
+def read_interval(field: YamlNode) -> tuple[float, float]:
+    """Return (lower, upper) in [0, 1]; `DataError` unless lower <= upper."""
     lower, upper = field.numbers(count=2, low=0, high=1)
     if lower > upper:
         raise field.fail(f"expected lower <= upper, found [{lower:g}, {upper:g}].")

@@ -30,11 +30,7 @@ def content_key(*contents: bytes) -> str:
 
 
 def write_atomically(path: Path, text: str) -> None:
-    """Write a text file under a temporary name and rename it, so that no reader sees half of it.
-
-    Raises:
-        OSError: the file cannot be written.
-    """
+    """Write a text file under another name, then rename it: no reader sees half of it."""
     path.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.NamedTemporaryFile(
         "w", dir=path.parent, delete=False, encoding="utf-8"

@@ -138,21 +138,13 @@ class ObjectType:
         return sum(part.mass for part in self.parts.values())
 
     def part(self, name: str) -> PartType:
-        """Return the part of a name.
-
-        Raises:
-            UnknownNameError: it has no such part.
-        """
+        """Return the part of a name; `UnknownNameError` if it has none."""
         if name not in self.parts:
             raise UnknownNameError(f"part of {self.name}", name, self.parts)
         return self.parts[name]
 
     def rest(self, name: str) -> RestingPose:
-        """Return the rest (the way to lie or stand) of a name.
-
-        Raises:
-            UnknownNameError: it has no such rest.
-        """
+        """Return the rest (the way to lie or stand) of a name; `UnknownNameError` without it."""
         known = {rest.name: rest for rest in self.rests}
         if name not in known:
             raise UnknownNameError(f"rest of {self.name}", name, known)

@@ -122,8 +122,7 @@ class PlacedSolid:
 def read_solid(field: YamlNode) -> PlacedSolid:
     """Return a solid, read from a form and optionally at, turn_deg, colour and only.
 
-    Raises:
-        DataError: a key is missing, unknown or has a value out of range.
+    `DataError` where a key is missing or unknown, or a value is out of range.
     """
     keys = field.entries(optional={*_READERS, "at", "turn_deg", "colour", "only"})
     forms = [key for key in keys if key in _READERS]

@@ -112,9 +112,9 @@ def prefixed(full: Iri) -> str:
     >>> prefixed(iri("object", "wine glass"))
     'object:wine_glass'
     """
-    fitting = ((name, space) for name, space in PREFIXES.items() if full.startswith(space))
-    name, space = max(fitting, key=lambda pair: len(pair[1]), default=("", ""))
-    return f"{name}:{full.removeprefix(space)}" if name else str(full)
+    fitting = (name for name, space in PREFIXES.items() if full.startswith(space))
+    name = next(fitting, "")
+    return f"{name}:{full.removeprefix(PREFIXES[name])}" if name else str(full)
 
 
 def shortened(node: str) -> str:
@@ -123,10 +123,8 @@ def shortened(node: str) -> str:
     >>> shortened(iri("object", "knife"))
     'object:knife'
     """
-    for prefix, namespace in PREFIXES.items():
-        if node.startswith(namespace):
-            return f"{prefix}:{node.removeprefix(namespace)}"
-    return f"<{node}>"
+    short = prefixed(Iri(node))
+    return f"<{node}>" if short == str(node) else short
 
 
 @lru_cache(maxsize=2**16)

@@ -151,19 +151,14 @@ def _suggestion(name: str, known: Collection[str]) -> str:
 
 
 def read_yaml(path: Path) -> YamlNode:
-    """Read a YAML file.
-
-    Raises:
-        DataError: the file cannot be read, is not UTF-8 or YAML, or uses a rejected feature.
-    """
+    """Read a YAML file; `DataError` where it is none, or uses a rejected feature."""
     return parse_yaml(read_text(path, most_bytes=MAX_BYTES), source=str(path))
 
 
 def read_text(path: Path, *, most_bytes: int | None = None) -> str:
     """Return the text of a file in UTF-8, without a byte order mark.
 
-    Raises:
-        DataError: it cannot be read, is larger than `most_bytes`, or is not UTF-8.
+    `DataError` where it cannot be read, is larger than `most_bytes`, or is not UTF-8.
     """
     try:
         if most_bytes is not None and path.stat().st_size > most_bytes:

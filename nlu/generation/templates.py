@@ -11,10 +11,12 @@ import re
 from bisect import bisect
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from types import MappingProxyType
 from typing import TypeAlias
 
+from ...ontology.confidence import distance
 from ...ontology.errors import UnknownNameError
 from ...ontology.yaml_reader import YamlNode, read_yaml
 from ..lexicon.inflection import Inflection
@@ -56,19 +58,11 @@ PHRASES = (
 
 
 @dataclass(frozen=True)
-class AnswerTemplate:
-    """The text of one answer, with `{slot}` or `{slot:form}`, and the names of its slots."""
-
-    slots: tuple[str, ...]
-    say: str
-
-
-@dataclass(frozen=True)
 class AnswerTemplates:
     """The answers of one language, and the words for rules, things and acts.
 
     Attributes:
-        answers: by key.
+        answers: the text of each by its key, with `{slot}` or `{slot:form}`.
         phrases: how rules are put into words, by `PHRASES`.
         inflection: forms of words.
         acts: the verb of each act, with its particle ("pickUp": "pick up").
@@ -78,7 +72,7 @@ class AnswerTemplates:
         roles: names of people by what they are: "child".
     """
 
-    answers: Mapping[str, AnswerTemplate]
+    answers: Mapping[str, str]
     phrases: Mapping[str, str]
     inflection: Inflection
     acts: Mapping[str, str]
@@ -90,20 +84,19 @@ class AnswerTemplates:
     def say(self, key: str, **slots: Slot) -> str:
         """Return an answer with its slots filled, beginning with a capital letter.
 
-        Raises:
-            UnknownNameError: there is no such answer, or a slot is missing or one too many.
+        It raises `UnknownNameError` without such an answer, or for a slot missing or one too many.
         """
         wanted = self.slots(key)
         for name in {*wanted} ^ {*slots}:
             raise UnknownNameError(f'slot of the answer "{key}"', name, wanted)
-        text = self.fill(self.answers[key].say, slots)
+        text = self.fill(self.answers[key], slots)
         return text[:1].upper() + text[1:]
 
     def slots(self, key: str) -> tuple[str, ...]:
         """The names of the slots of an answer; `UnknownNameError` if there is no such answer."""
         if key not in self.answers:
             raise UnknownNameError("answer", key, self.answers)
-        return self.answers[key].slots
+        return tuple(dict.fromkeys(name for name, _ in SLOT.findall(self.answers[key])))
 
     def rule_phrase(self, rule: Rule) -> str:
         """Return a rule in words: "to pass a knife, grab it by the blade"."""
@@ -179,11 +172,7 @@ class AnswerTemplates:
 
     def adverb(self, confidence: Confidence) -> str:
         """Return the adverb of the degree that is closest to a confidence, which may be empty."""
-
-        def distance(degree: Confidence) -> float:
-            return abs(degree[0] - confidence[0]) + abs(degree[1] - confidence[1])
-
-        return self.adverbs[min(self.adverbs, key=distance)]
+        return self.adverbs[min(self.adverbs, key=partial(distance, confidence))]
 
     def with_notes(self, what: str, often: str, speaker: str) -> str:
         """Return words with how often they hold and who said it, if given: "cutting (often)"."""
@@ -284,13 +273,12 @@ def load_answers(
     )
 
 
-def _answer(field: YamlNode) -> AnswerTemplate:
-    found = SLOT.findall(field.text())
-    for _, form in found:
+def _answer(field: YamlNode) -> str:
+    for _, form in SLOT.findall(field.text()):
         if form and form not in _SLOT_FORMS:
             known = ", ".join(sorted(_SLOT_FORMS))
             raise field.fail(f'there is no form "{form}"; expected one of {known}.')
-    return AnswerTemplate(tuple(dict.fromkeys(name for name, _ in found)), field.text())
+    return field.text()
 
 
 def _items(value: Slot) -> Sequence[object]:

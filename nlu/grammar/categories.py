@@ -36,10 +36,8 @@ class Functor:
 
     result: Category
     argument: Category
-    forward: bool
-    """Whether the argument is sought to the right."""
-    composes: bool = False
-    """Whether the slash allows harmonic composition."""
+    forward: bool  # whether the argument is sought to the right
+    composes: bool = False  # whether the slash allows harmonic composition
 
     def __str__(self) -> str:
         slash = ("/" if self.forward else "\\") + ("^" if self.composes else "")

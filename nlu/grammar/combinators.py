@@ -20,14 +20,10 @@ from .grammar import UnaryRule
 class BinaryRule(Enum):
     """A rule for two neighbours, with the sign that derivations show."""
 
-    FORWARD = ">"
-    """`X/Y Y` gives `X`."""
-    BACKWARD = "<"
-    """`Y X\\Y` gives `X`."""
-    FORWARD_COMPOSITION = ">B"
-    """`X/^Y Y/^Z` gives `X/^Z`."""
-    BACKWARD_COMPOSITION = "<B"
-    """`Y\\^Z X\\^Y` gives `X\\^Z`."""
+    FORWARD = ">"  # `X/Y Y` gives `X`
+    BACKWARD = "<"  # `Y X\Y` gives `X`
+    FORWARD_COMPOSITION = ">B"  # `X/^Y Y/^Z` gives `X/^Z`
+    BACKWARD_COMPOSITION = "<B"  # `Y\^Z X\^Y` gives `X\^Z`
 
 
 Sign: TypeAlias = int

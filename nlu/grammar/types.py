@@ -49,8 +49,7 @@ def check_type(
 ) -> None:
     """Check that a term has a type; `context` has those of its free variables, innermost first.
 
-    Raises:
-        TypeMismatchError: it does not, or it uses a constant that the signature does not know.
+    It raises `TypeMismatchError`, also for a constant that the signature does not know.
     """
     if isinstance(term, Lambda):
         if not isinstance(expected, FunctionType):

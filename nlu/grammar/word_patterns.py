@@ -162,9 +162,7 @@ def variants(field: YamlNode) -> list[tuple[str, ...]]:
     """All that a pattern with gaps stands for, as gaps and the patterns of words between them.
 
     Only choices that have a gap within are multiplied out: words stay together in one pattern.
-
-    Raises:
-        DataError: a bracket is missing, or there are more than `MAX_SPELLINGS`.
+    `DataError` where a bracket is missing, or for more than `MAX_SPELLINGS`.
     """
     text = field.text()
     try:

@@ -34,19 +34,18 @@ A phrase has no verb of its own, so it belongs to the core: "by the handle", "wi
 class Pause(IntEnum):
     """How a piece is set off: the strongest pause between it and the core, or its other place."""
 
-    INSIDE = -1
-    """None: within a clause."""
+    INSIDE = -1  # none: within a clause
     WEAK = auto()
-    ASKING = auto()
-    """A weak pause before a question, whose beginning is as clear as after a strong one."""
+    ASKING = (
+        auto()
+    )  # a weak one before a question, whose beginning is as clear as after a strong one
     COLON = auto()
     BUT = auto()
     SO = auto()
     STRONG = auto()
     AFTER = auto()
     WITHIN = auto()
-    TOLD = auto()
-    """A piece that ends in an announcement, or precedes one."""
+    TOLD = auto()  # of a piece that ends in an announcement, or precedes one
 
 
 LEAST_WORDS = 3  # the least length of a core [words]

@@ -28,8 +28,7 @@ _OF_USE = frozenset({"usedFor", "notUsedFor", "both"})
 def resolve(form: PredicateForm, discourse: Discourse) -> PredicateForm:
     """Return the form with every pronoun replaced by its referent.
 
-    Raises:
-        UninterpretableError: there is no referent, or one rule is about two objects.
+    It raises `UninterpretableError` without a referent, or where one rule is about two objects.
     """
     discourse = discourse.accessible
     form = form.mapped(lambda part: _ordinal(part, discourse)).mapped(_with_use).mapped(_with_tool)

@@ -70,10 +70,8 @@ class Interpreter:
     def meaning(self, intention: PredicateForm, discourse: Discourse) -> Meaning:  # noqa: PLR0911
         """Return the meaning of an intention, such as `want(sam,pass(self,knife))`.
 
-        A fragment refers to the last rule, question or command of the discourse.
-
-        Raises:
-            UninterpretableError: the intention is nothing that Hilt can believe, do or answer.
+        A fragment refers to the last rule, question or command of the discourse. What Hilt can
+        neither believe nor do nor answer is an `UninterpretableError`.
         """
         content = intention.arguments[-1]
         match intention.name:
@@ -474,8 +472,7 @@ def act_name(name: str) -> str:
 def kind_and_properties(form: PredicateForm) -> tuple[str, tuple[str, ...]]:
     """Return the kind of object that a form names, or `ANY_OBJECT`, and its properties.
 
-    Raises:
-        UninterpretableError: it names no object.
+    It raises `UninterpretableError` for a form that names no object.
     """
     props: set[str] = set()
     while form.name == "having":

@@ -128,8 +128,7 @@ def load_licence(
 ) -> LicenceTable:
     """Return the licence of a file, with all values of each feature and the interval per degree.
 
-    Raises:
-        DataError: the file is not as expected, or a kind of meaning has no row without features.
+    `DataError` where it is not as expected, or a kind of meaning has no row without features.
     """
     parts = read_yaml(path).entries(required=("rows", "degrees"), optional=())
     rows = tuple(_row(field, features) for field in parts["rows"].items())

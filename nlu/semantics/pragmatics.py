@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
+from ...ontology.confidence import read_interval
 from ...ontology.evidence_operators import (
     certainty,
     fuse_yager,
@@ -100,14 +101,11 @@ def _rule(field: YamlNode) -> PragmaticRule:
         act, intention = form_of_term(left), form_of_term(right)
     except ValueError as error:
         raise parts["rule"].fail("expected predicate forms without functions.") from error
-    lower, upper = parts["interval"].numbers(count=2, low=0, high=1)
-    if lower > upper:
-        raise parts["interval"].fail(f"expected lower <= upper, found [{lower:g}, {upper:g}].")
     unbound = {part.name for part in intention if part.is_variable}
     unbound -= {part.name for part in act if part.is_variable}
     if unbound:
         raise parts["rule"].fail(f"{', '.join(sorted(unbound))} stands only on the right.")
-    return PragmaticRule(act, intention, (lower, upper))
+    return PragmaticRule(act, intention, read_interval(parts["interval"]))
 
 
 def _certainty(interval: Confidence) -> float:

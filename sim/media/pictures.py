@@ -100,11 +100,7 @@ def _wall(camera: Camera) -> Picture:
 
 
 def check_writable(path: Path, suffixes: Sequence[str] = PICTURE_SUFFIXES) -> None:
-    """Check that a file can be written, before any work is done for it.
-
-    Raises:
-        DataError: the suffix of the path is none of these, or its folder is not writable.
-    """
+    """Check that a file with one of these suffixes can be written; otherwise a `DataError`."""
     if path.suffix.lower() not in suffixes:
         raise DataError(f"expected a file ending in {', '.join(suffixes)}.", source=str(path))
     with reporting_write_errors(path):
@@ -126,11 +122,7 @@ def reporting_write_errors(path: Path) -> Generator[None]:
 
 
 def save_picture(picture: Picture, path: Path) -> None:
-    """Write a picture; the suffix of the path names the format (PNG, JPEG, ...).
-
-    Raises:
-        DataError: it cannot be written.
-    """
+    """Write a picture in the format of the suffix (PNG, JPEG, ...); `DataError` if it cannot."""
     with reporting_write_errors(path):
         path.parent.mkdir(parents=True, exist_ok=True)
         Image.fromarray(picture).save(path)

@@ -123,11 +123,8 @@ def robot_file(
     """Return the URDF file of a robot, made when it is not in the cache yet.
 
     `urdf` is the file of its arm, and `attachment` its hand, from another file. `speeds` limit its
-    moving joints, instead of those in the file [rad/s].
-
-    Raises:
-        DataError: a file is no URDF, or lacks a link.
-        SimulationError: the cache cannot be written.
+    moving joints, instead of those in the file [rad/s]. A file that is no URDF or lacks a link is a
+    `DataError`, a cache that cannot be written a `SimulationError`.
     """
     sources = [urdf, *([attachment.urdf] if attachment else [])]
     what = repr((sources, attachment, tuple(speeds))).encode()

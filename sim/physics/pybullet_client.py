@@ -20,9 +20,7 @@ from ...ontology.errors import SimulationError, extra_required
 class PhysicsClient:
     """A connection to one simulator, with a window if `gui`; `close` it.
 
-    Raises:
-        SimulationError: no window can be opened.
-        MissingExtraError: PyBullet is not installed.
+    `SimulationError` where no window can be opened, `MissingExtraError` without PyBullet.
     """
 
     def __init__(self, *, gui: bool = False) -> None:
@@ -39,11 +37,7 @@ class PhysicsClient:
         self.gui = gui
 
     def call(self, function: str, *args: Any, **options: Any) -> Any:
-        """Call a function of PyBullet's API in this simulator.
-
-        Raises:
-            SimulationError: PyBullet refuses it, or the simulator is closed.
-        """
+        """Call a function of PyBullet; `SimulationError` if it refuses, or after `close`."""
         if self._number < 0:
             raise SimulationError("The simulator is closed.")
         try:

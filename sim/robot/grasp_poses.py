@@ -30,11 +30,6 @@ class Grasp:
     opening: float
     score: float
 
-    @property
-    def approach(self) -> Array:
-        """The approach direction (3,)."""
-        return self.world_from_grip[:3, 2]
-
     def half_turned(self) -> Grasp:
         """The same grasp with the fingers exchanged."""
         half = poses.pose(poses.rotation_about((0, 0, 1), np.pi), np.zeros(3))

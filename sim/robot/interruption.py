@@ -52,11 +52,7 @@ class Interruption:
         return self.is_stopped or self.is_paused
 
     def wait(self) -> None:
-        """Block while the motion is paused.
-
-        Raises:
-            MotionInterruptedError: the motion is to end.
-        """
+        """Block while the motion is paused; `MotionInterruptedError` where it is to end."""
         self._free.wait()
         if self.is_stopped:
             raise MotionInterruptedError

@@ -168,11 +168,7 @@ def pose_error(base_from_tip: Array, base_from_target: Array) -> Array:
 
 
 def read_chain(path: Path, tip: str) -> KinematicChain:
-    """Read the chain of a URDF file from its root link to the link `tip`.
-
-    Raises:
-        DataError: the file is not a URDF, or has no joint to `tip`.
-    """
+    """Read the chain of a URDF file from its root to the link `tip`; `DataError` without one."""
     root = read_urdf(path)
     above = {child_attribute(each, "child", "link"): each for each in root.findall("joint")}
     elements: list[ElementTree.Element] = []

@@ -47,8 +47,7 @@ class DropPose:
 def place_objects(scene: Scene, models: Mapping[str, ObjectModel]) -> tuple[DropPose, ...]:
     """Return a spot for every object of a scene, in its order, with the models of all its types.
 
-    Raises:
-        SimulationError: there is no room for all, or two given positions overlap.
+    `SimulationError` where there is no room for all, or two given positions overlap.
     """
     rng = np.random.default_rng(scene.seed)
     loose = [placement for placement in scene.placements if placement.within is None]

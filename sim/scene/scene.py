@@ -113,11 +113,7 @@ def graspable(objects: Mapping[str, ObjectType]) -> tuple[str, ...]:
 
 
 def scene_with(names: Sequence[str], *, seed: int, objects: Mapping[str, ObjectType]) -> Scene:
-    """Return a scene of these types; a type named twice is there twice.
-
-    Raises:
-        UnknownNameError: a type that is not known.
-    """
+    """Return a scene of these types, each as often as named; `UnknownNameError` without one."""
     known = set(objects) - set(ROOM)
     for name in names:
         if name not in known:

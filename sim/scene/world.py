@@ -188,21 +188,16 @@ class SleepManager:
     objects that do nothing. Contacts between two sleeping objects, which cannot change, are left
     out too. An object that has moved is awake, and touches all others again, from that moment on.
 
-    The objects lie still when it begins.
+    The objects lie still when it begins; `asleep` tells where those were that sleep (3,) [m].
     """
 
     def __init__(self, world: World) -> None:
         self._world = world
         self._awake: dict[str, Array] = {}  # where each object was at the last check (3,)
-        self._asleep: dict[str, Array] = {}
+        self.asleep: dict[str, Array] = {}
         self._steps = 0
         for name in world.loose:
             self._put_to_sleep(name)
-
-    @property
-    def asleep(self) -> tuple[str, ...]:
-        """The names of the objects that sleep."""
-        return tuple(self._asleep)
 
     def step(self, count: int) -> None:
         """Let `count` steps pass in the world, and wake what is moved."""
@@ -220,23 +215,23 @@ class SleepManager:
                 self._put_to_sleep(name)
 
     def _check(self) -> None:
-        for name, before in list(self._asleep.items()):
+        for name, before in list(self.asleep.items()):
             if np.abs(self._position(name) - before).max() > MOVED:
                 self._wake(name)
         self._awake = {name: self._position(name) for name in self._awake}
 
     def _put_to_sleep(self, name: str) -> None:
         contacts = self._world.engine.contacts
-        for other in self._asleep:
+        for other in self.asleep:
             contacts.enable(name, other, enabled=False)
         contacts.set_sleeping(name, asleep=True)
-        self._asleep[name] = self._position(name)
+        self.asleep[name] = self._position(name)
 
     def _wake(self, name: str) -> None:
         contacts = self._world.engine.contacts
-        self._awake[name] = self._asleep.pop(name)
+        self._awake[name] = self.asleep.pop(name)
         contacts.set_sleeping(name, asleep=False)
-        for other in self._asleep:
+        for other in self.asleep:
             contacts.enable(name, other, enabled=True)
 
     def _position(self, name: str) -> Array:

@@ -115,10 +115,8 @@ class LearnedDetector(ObjectDetector):
     """Detects objects by trained classifiers; only the types that they know.
 
     The names of percepts are those of the nearest objects of the world, in place of the tracking by
-    which a robot would keep them.
-
-    Raises:
-        DataError: the recogniser knows a type that is not among the objects of the world.
+    which a robot would keep them. A recogniser of types that the world does not have is a
+    `DataError`.
     """
 
     def __init__(

@@ -55,8 +55,7 @@ class NoiseLevels:
     def parse(cls, text: str, *, seed: int = 0) -> NoiseLevels:
         """Read the text of `--noise`, such as "missed=0.1,confused=0.05"; empty for no noise.
 
-        Raises:
-            DataError: a name or a number in it is wrong.
+        A wrong name or number in it is a `DataError`.
         """
         values: dict[str, float] = {}
         for item in filter(None, (piece.strip() for piece in text.split(","))):

@@ -24,12 +24,8 @@ def open_vision(
 ) -> ObjectDetector:
     """Open the detector that `--vision` names: "mask", "learned" or "learned:FILE".
 
-    The file is one of classifiers of one's own. Both detectors use the same cameras with the same
-    depth noise.
-
-    Raises:
-        UnknownNameError: there is no such source.
-        DataError: the file of classifiers cannot be read.
+    The file is one of classifiers of one's own, a `DataError` when it cannot be read. Both
+    detectors use the same cameras with the same depth noise.
     """
     check_source(source)
     kind, _, file = source.partition(":")
@@ -40,11 +36,7 @@ def open_vision(
 
 
 def check_source(source: str) -> None:
-    """Check the name of a source of percepts before anything is made.
-
-    Raises:
-        UnknownNameError: there is no such source.
-    """
+    """Check the name of a source of percepts before anything is made, by `UnknownNameError`."""
     kind, _, file = source.partition(":")
     if kind not in SOURCES or (file and kind != "learned"):
         known = (*SOURCES, "learned:FILE", *plugin_names("hilt.vision"))

@@ -195,5 +195,5 @@ def test_settled_object_sleeps_again(knife_and_mug: World):
 
     sleeping.sleep_again(but="mug")
 
-    assert sleeping.asleep == ("knife",)
+    assert tuple(sleeping.asleep) == ("knife",)
     assert np.isfinite(knife_and_mug.pose("knife")).all()
