@@ -25,7 +25,7 @@ from hilt.nlu.offers.candidates import candidates
 from hilt.nlu.offers.meaning_shapes import shape_of
 from hilt.nlu.offers.mentions import Mentions
 from hilt.nlu.offers.offers import MAX_OFFERS, OfferFinder
-from hilt.nlu.parsing.parser import UtteranceContext
+from hilt.nlu.parsing.understanding import UtteranceContext
 from hilt.nlu.semantics.discourse import Discourse
 from hilt.nlu.semantics.meaning import Json, Meaning
 

@@ -32,7 +32,7 @@ from hilt.nlu.offers.meaning_shapes import MeaningShape, meaning_from_json, shap
 from hilt.nlu.offers.mentions import Mentions
 from hilt.nlu.offers.offers import DIGITS, LEAST, MORE, OfferModel
 from hilt.nlu.offers.ranker import NONE, Ranker, filling_features, utterance_features
-from hilt.nlu.parsing.parser import UtteranceContext
+from hilt.nlu.parsing.understanding import UtteranceContext
 from hilt.nlu.semantics.discourse import Discourse
 from hilt.nlu.semantics.meaning import Json
 

@@ -44,12 +44,12 @@ from .offers.phrase_memory import NO_PHRASES, PhraseMemory, PhrasePattern, phras
 from .offers.typing_slips import is_misspelled
 from .offers.utterance_segments import SegmentReader, parts
 from .parsing.clarification import Clarifier
-from .parsing.parser import SentenceParser, UtteranceContext
+from .parsing.parser import SentenceParser
 from .parsing.periphery import PeripheryReader, load_table
 from .parsing.procedures import ProcedureReader, load_procedure_words
 from .parsing.reading_filter import ReadingFilter
 from .parsing.strategies import UtteranceParser
-from .parsing.understanding import Understanding
+from .parsing.understanding import Understanding, UtteranceContext
 from .parsing.utterance_pieces import PieceReader, load_periphery
 from .semantics.clause_features import load_features
 from .semantics.discourse import Discourse, after_offer

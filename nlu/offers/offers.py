@@ -18,7 +18,7 @@ from ...ontology.errors import UnknownNameError
 from ..generation.templates import AnswerTemplates
 from ..lexicon.tokenizer import BREAK, MAX_TOKENS, Tokens
 from ..lexicon.unknown_words import KnownWords
-from ..parsing.parser import UtteranceContext
+from ..parsing.understanding import UtteranceContext
 from ..semantics.discourse import Discourse
 from ..semantics.interpretation import GOALS
 from ..semantics.meaning import (

@@ -21,7 +21,7 @@ from ..lexicon.tokenizer import Tokens
 from ..lexicon.unknown_words import new_words
 from ..semantics.clause_features import FeatureReader
 from ..semantics.coreference import PRONOUNS, resolve
-from ..semantics.discourse import SOMETHING, Discourse
+from ..semantics.discourse import SOMETHING
 from ..semantics.interpretation import KIND_FORMS, Interpreter, short_answer
 from ..semantics.licence_table import LicenceTable
 from ..semantics.meaning import Answer, Confidence, Meaning, NormStatement
@@ -31,7 +31,7 @@ from ..semantics.predicates import PredicateForm, UninterpretableError, form_of,
 from .chart import Chart, Derivation
 from .clause_spans import features_of
 from .derivation_views import lexical_entries, subderivations
-from .understanding import Reading
+from .understanding import Reading, UtteranceContext
 
 MAX_EXPECTED = 5
 
@@ -40,22 +40,6 @@ _WORD_COST = 1e-3  # of two readings alike that with longer turns of phrase is l
 
 _STATED = frozenset({"implies", "and", "says", *KIND_FORMS})
 """The forms of statements, which a question mark makes questions."""
-
-
-@dataclass(frozen=True)
-class UtteranceContext:
-    """Who speaks to whom after what, and how surely it was heard, (lower, upper) in [0, 1]."""
-
-    speaker: str
-    addressee: str
-    discourse: Discourse
-    recognition: Confidence = CERTAIN
-
-    def with_object(self, thing: PredicateForm | None) -> UtteranceContext:
-        """Return this context after a thing was named, or where none can be referred to."""
-        named, failed = (thing,) if thing else (), self.discourse.has_failed and thing is None
-        discourse = replace(self.discourse, object=thing, named=named, has_failed=failed)
-        return replace(self, discourse=discourse)
 
 
 @dataclass(frozen=True)

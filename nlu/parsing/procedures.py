@@ -37,8 +37,8 @@ from ..semantics.meaning import (
     ToolCommand,
 )
 from ..semantics.predicates import PredicateForm, UninterpretableError
-from .parser import SentenceParser, UtteranceContext
-from .understanding import Understanding
+from .parser import SentenceParser
+from .understanding import Understanding, UtteranceContext
 
 MAX_CLAUSE_WORDS = 20
 
@@ -67,19 +67,6 @@ class ClauseState:
 
     discourse: Discourse
     held: ObjectReference | None = None
-
-
-@dataclass(frozen=True)
-class Procedure:
-    """What an utterance of several steps means, and the state after it."""
-
-    meaning: Plan | ActionDefinition | ActionCommand | Question | Retraction
-    discourse: Discourse
-    new_words: tuple[NewWord, ...] = ()
-
-
-ReadProcedure = Callable[[Tokens, UtteranceContext, Sentence], Procedure | None]
-"""A reader of utterances, given what understands a clause by itself."""
 
 
 @dataclass(frozen=True)
@@ -127,7 +114,7 @@ class ProcedureReader:
 
     def definition(
         self, tokens: Tokens, context: UtteranceContext, sentence: Sentence
-    ) -> Procedure | None:
+    ) -> Understanding | None:
         """Return the action that an utterance teaches, None if it teaches none.
 
         `sentence` understands a clause by itself.
@@ -138,12 +125,13 @@ class ProcedureReader:
             if meaning:
                 new = chain(head.new_words, *map(clauses.new_words_of, meaning.steps))
                 words = {(word.role, word.word): word for word in new}
-                return Procedure(meaning, head.discourse, tuple(words.values()))
+                whole = Understanding.of(tokens, context, meaning)
+                return replace(whole, new_words=tuple(words.values()), discourse=head.discourse)
         return None
 
     def plan(
         self, tokens: Tokens, context: UtteranceContext, sentence: Sentence
-    ) -> Procedure | None:
+    ) -> Understanding | None:
         """Return the plan, or the command of a taught action, that an utterance is; else None."""
         state = ClauseState(context.discourse)
         clauses = _Clauses(self, context, sentence)
@@ -155,12 +143,12 @@ class ProcedureReader:
             return None
         match steps:
             case (ActionCommand() as own,):
-                return Procedure(own, context.discourse)
-            case () | (_,):
-                return None
+                return Understanding.of(tokens, context, own)
+            case (_, _, *_) if self._may_be_plan([each.goal for each in steps]):
+                whole = Understanding.of(tokens, context, Plan(steps))
+                return replace(whole, discourse=found[-1][1].discourse)
             case _:
-                is_plan = self._may_be_plan([each.goal for each in steps])
-                return Procedure(Plan(steps), found[-1][1].discourse) if is_plan else None
+                return None
 
     def _may_be_plan(self, goals: Sequence[str]) -> bool:
         unknown = [goal for goal in goals if not self.is_act(goal)]
@@ -189,14 +177,14 @@ class ProcedureReader:
         only = steps[0] if len(steps) == 1 and parameters else None
         return not isinstance(only, Command) or only.target.object in parameters
 
-    def about(self, tokens: Tokens, context: UtteranceContext, _: Sentence) -> Procedure | None:
+    def about(self, tokens: Tokens, context: UtteranceContext) -> Understanding | None:
         """Return the question about a learned action, or its retraction, that an utterance is."""
         for key in ("how", "forget"):
             for _end, head in self._named(key, tokens):
                 if self._is_learned(head.name):
                     asked = Question("how", context=head.name)
                     meant = asked if key == "how" else Retraction(action=head.name)
-                    return Procedure(meant, context.discourse)
+                    return Understanding.of(tokens, context, meant)
         return None
 
     def _heads(self, tokens: Tokens) -> Iterator[tuple[ActionHead, Tokens]]:

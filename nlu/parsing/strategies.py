@@ -21,9 +21,7 @@ from ..lexicon.discourse_markers import move_to_front
 from ..lexicon.loader import LexiconBuilder
 from ..lexicon.tokenizer import BREAK, Token, Tokens, tokenize
 from ..lexicon.unknown_words import KnownWords
-from ..semantics.discourse import update_discourse
 from ..semantics.meaning import (
-    TEACHING,
     Acknowledgement,
     ActionCommand,
     ActionDefinition,
@@ -41,12 +39,12 @@ from ..semantics.meaning import (
 from ..semantics.predicates import PredicateForm, UnlearnableError
 from .chart import Chart
 from .clarification import Clarifier
-from .parser import SentenceParser, UtteranceContext, decide
+from .parser import SentenceParser, decide
 from .periphery import MAX_CORES, Core, PeripheryReader, kinds_of_core
-from .procedures import ProcedureReader, ReadProcedure
+from .procedures import ProcedureReader
 from .reading_filter import ReadingFilter
 from .segmentation import combine_meanings, segmentations
-from .understanding import Reading, Understanding
+from .understanding import Understanding, UtteranceContext
 
 _ANYTHING = PredicateForm("anythingNamed")  # stands for whatever a pronoun may refer to
 
@@ -72,7 +70,7 @@ class UtteranceParser:
         tokens = tokenize(text, self.builder.contractions)
         problem = self.clarification.of_input(text, tokens)
         if problem is not None:
-            return _failed(_understanding(tokens, context, problem))
+            return _failed(Understanding.of(tokens, context, problem))
         found = _Attempt(self, accepted).understand(tokens, context)
         if _is_procedure(found) and self.parser.pragmatics.is_enough(context.recognition):
             return found
@@ -80,7 +78,7 @@ class UtteranceParser:
             return _failed(found) if self._may_name(tokens) else found
         if found.reading and self.parser.pragmatics.is_enough(found.reading.interval):
             return found
-        return _understanding(tokens, context, self.clarification.of_recognition(found.text))
+        return Understanding.of(tokens, context, self.clarification.of_recognition(found.text))
 
     def _may_name(self, tokens: Tokens) -> bool:
         """Whether an utterance may name an object, so that "it" no longer is the last one."""
@@ -106,10 +104,9 @@ class _Attempt:
         self._sentences: dict[tuple[Tokens, UtteranceContext], Understanding] = {}
         self._fronted: set[Tokens] = set()  # those with a qualifier moved to the front
         reader = tools.procedures
-        self._by_definition, self._by_name, self._by_plan = (
-            partial(self._by_procedure, read)
-            for read in (reader.definition, reader.about, reader.plan)
-        )
+        self._by_definition = partial(reader.definition, sentence=self._sentence)
+        self._by_plan = partial(reader.plan, sentence=self._sentence)
+        self._by_name = reader.about
 
     def understand(self, tokens: Tokens, context: UtteranceContext) -> Understanding:
         """Return the result for the utterance, whose tag ("..., okay?") is taken off first."""
@@ -121,15 +118,6 @@ class _Attempt:
         untagged = self._markers.remove_tag(tokens)
         return self._understand(untagged, context)
 
-    def _by_procedure(
-        self, read: ReadProcedure, tokens: Tokens, context: UtteranceContext
-    ) -> Understanding | None:
-        found = read(tokens, context, self._sentence)
-        if found is None:
-            return None
-        whole = _understanding(tokens, context, found.meaning)
-        return replace(whole, new_words=found.new_words, discourse=found.discourse)
-
     def _understand(
         self, tokens: Tokens, context: UtteranceContext, *, is_core: bool = False
     ) -> Understanding:
@@ -137,7 +125,7 @@ class _Attempt:
         problem = self._tools.clarification.of_too_many_unknown_words(tokens)
         if problem is not None:
             others = (self._by_definition, self._by_name, self._by_core, self._by_plan)
-            answer = _understanding(tokens, context, problem)
+            answer = Understanding.of(tokens, context, problem)
             return self._first_of(() if is_core else others, answer, tokens, context)
         result = self._as_sentence(tokens, context)
         strategies = self._strategies_after(result, is_core=is_core)
@@ -319,7 +307,7 @@ class _Attempt:
             found = self._parse(tokens, context)
             if tokens in self._fronted and _has_several_rules(found):
                 # The qualifier was said of one of them; moved, it no longer shows of which.
-                found = _understanding(tokens, context, Misunderstanding(tokens.text))
+                found = Understanding.of(tokens, context, Misunderstanding(tokens.text))
             self._sentences[key] = found
         return found
 
@@ -336,7 +324,7 @@ class _Attempt:
             if answer is None:
                 chosen = tools.parser.with_features(chosen, tokens)
                 licensed = clarify.licensed(chosen)
-                return _understanding(tokens, context, licensed, chosen, len(accepted))
+                return Understanding.of(tokens, context, licensed, chosen, len(accepted))
         elif accepted:
             answer = clarify.of_new_words(accepted, tokens, self._accepted)
             answer = answer or clarify.of_ambiguity(accepted)
@@ -349,7 +337,7 @@ class _Attempt:
         if answer is None and unknown and not (refusal and refusal.asks):
             answer = clarify.of_unknown_words(tokens, unknown)
         answer = answer or clarify.of_failure(chart, tokens, refusal)
-        return _understanding(tokens, context, answer, readings=len(accepted))
+        return Understanding.of(tokens, context, answer, readings=len(accepted))
 
     def _topic(self, tokens: Tokens, context: UtteranceContext) -> PredicateForm | None:
         return self._tools.parser.topic(self._plain_chart(tokens), context)
@@ -387,19 +375,3 @@ def _has_several_rules(found: Understanding) -> bool:
 
 def _failed(found: Understanding) -> Understanding:
     return replace(found, discourse=replace(found.discourse, has_failed=True))
-
-
-def _understanding(
-    tokens: Tokens,
-    context: UtteranceContext,
-    meaning: Meaning,
-    reading: Reading | None = None,
-    readings: int = 0,
-) -> Understanding:
-    people, discourse = (context.speaker, context.addressee), context.discourse
-    new_words = reading.new_words if reading and isinstance(meaning, TEACHING) else ()
-    if reading is not None:
-        discourse = update_discourse(meaning, reading.speech_act.arguments[-1], discourse)
-    return Understanding(
-        tokens.text, *people, meaning, reading, readings, new_words, tokens.words, discourse
-    )

@@ -8,13 +8,31 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 
+from ..lexicon.tokenizer import Tokens
 from ..lexicon.vocabulary import NewWord
 from ..semantics.clause_features import UtteranceFeatures
 from ..semantics.discourse import Discourse, update_discourse
 from ..semantics.meaning import TEACHING, Confidence, Json, Meaning
+from ..semantics.pragmatics import CERTAIN
 from ..semantics.predicates import PredicateForm
 from .chart import Derivation
 from .derivation_views import DerivationStep, derivation_step
+
+
+@dataclass(frozen=True)
+class UtteranceContext:
+    """Who speaks to whom after what, and how surely it was heard, (lower, upper) in [0, 1]."""
+
+    speaker: str
+    addressee: str
+    discourse: Discourse
+    recognition: Confidence = CERTAIN
+
+    def with_object(self, thing: PredicateForm | None) -> UtteranceContext:
+        """Return this context after a thing was named, or where none can be referred to."""
+        named, failed = (thing,) if thing else (), self.discourse.has_failed and thing is None
+        discourse = replace(self.discourse, object=thing, named=named, has_failed=failed)
+        return replace(self, discourse=discourse)
 
 
 @dataclass(frozen=True)
@@ -62,8 +80,24 @@ class Understanding:
     words: tuple[str, ...] = ()
     discourse: Discourse = field(default_factory=Discourse)
 
+    @classmethod
+    def of(
+        cls,
+        tokens: Tokens,
+        context: UtteranceContext,
+        meaning: Meaning,
+        reading: Reading | None = None,
+        readings: int = 0,
+    ) -> Understanding:
+        """Return what some tokens mean in a context, by a reading if they have one."""
+        people, discourse = (context.speaker, context.addressee), context.discourse
+        understood = cls(
+            tokens.text, *people, meaning, reading, readings, (), tokens.words, discourse
+        )
+        return understood.chosen(meaning)
+
     def chosen(self, meaning: Meaning) -> Understanding:
-        """Return this understanding after its speaker has chosen a meaning that was asked about."""
+        """Return this understanding with a meaning, such as one that its speaker has chosen."""
         if self.reading is None:
             return replace(self, meaning=meaning)
         words = self.reading.new_words if isinstance(meaning, TEACHING) else ()
