@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import random
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import partial
 
 from .generation.templates import SLOT, AnswerTemplates
@@ -108,15 +108,23 @@ def _rules(language: Language) -> dict[str, list[str]]:
         if not (language.inflection.is_plural_only(name) or name in answers.mass)
     ]
     tools = [answers.act(name) for name in language.builder.tool_acts()]
+    # Something that has no property at all would be anything.
+    targets = {
+        **sections["targets"],
+        "props": sections["targets"]["props"].replace("{props}", "<property>"),
+    }
     stated = [sections["rules"][key] for key in ("functional", "action")]
     replies = [*sections["replies"].values(), sections["rules"]["last_taken_back"]]
     return {
         "utterance": [f"<{kind}>" for kind in KINDS],
         "rule": list(map(form, stated)),
-        "command": list(_commands(sections["commands"], form)),
+        "command": [
+            form(text).replace("<act>", _ACTS.get(shape.split()[0], "<act>"))
+            for shape, text in sections["commands"].items()
+        ],
         "question": list(map(form, sections["questions"].values())),
         "reply": list(map(form, replies)),
-        "target": list(_targets(sections["targets"], form)),
+        "target": list(map(form, targets.values())),
         "thing": ["<an_object>", "<a_property> <object>", "the [<property>] <object>"],
         "often": [word for word in answers.adverbs.values() if word],
         "act": [act for act in dict.fromkeys(answers.acts.values()) if act not in tools],
@@ -128,17 +136,6 @@ def _rules(language: Language) -> dict[str, list[str]]:
         "a_property": list(map(an, names["property"])),
         **{name: names[name] for name in ("part", "affordance", "property", "person")},
     }
-
-
-def _commands(templates: Mapping[str, str], form: Callable[[str], str]) -> Iterator[str]:
-    for shape, text in templates.items():
-        yield form(text).replace("<act>", _ACTS.get(shape.split()[0], "<act>"))
-
-
-def _targets(templates: Mapping[str, str], form: Callable[[str], str]) -> Iterator[str]:
-    for shape, text in templates.items():
-        # Something that has no property at all would be anything.
-        yield form(text).replace("[<property>]", "<property>") if shape == "props" else form(text)
 
 
 def _filled(template: str, answers: AnswerTemplates) -> str:

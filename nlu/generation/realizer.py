@@ -68,7 +68,10 @@ class Realizer:
             case Plan(steps):
                 return f"{self._say('rules', 'then')} ".join(map(self.realize, steps))
             case ActionDefinition(only_if=(), if_fails=()):
-                return self._say("rules", "way", **self._way(meaning))
+                action, kinds, links = meaning.action, meaning.parameters, meaning.all_links
+                things = self.answers.act_on(action, *kinds, links=links)
+                steps = self.realize(Plan(meaning.steps))
+                return self._say("rules", "way", action=things, steps=steps)
             case Question():
                 return self._question(meaning)
             case KindStatement(rules):
@@ -83,10 +86,6 @@ class Realizer:
                 return self._say("replies", ack)
             case _:
                 raise UnknownNameError("sentence for", meaning.kind, SECTIONS)
-
-    def _way(self, meaning: ActionDefinition) -> Mapping[str, str]:
-        things = self.answers.act_on(meaning.action, *meaning.parameters, links=meaning.all_links)
-        return {"action": things, "steps": self.realize(Plan(meaning.steps))}
 
     def _kind(self, rule: KindRelation) -> str:
         text = self.answers.kind_phrase(rule)

@@ -35,6 +35,7 @@ from ..semantics.meaning import (
     Rule,
     Statement,
     ToolCommand,
+    only_revises,
 )
 from .mentions import Mentions, Span
 
@@ -142,7 +143,7 @@ class OfferChecks:
             len(set(self._places("negative", words)) - beside),
             int(_is_negative(meaning)),
         )
-        return count == signs or (count == signs + 1 and _corrects(meaning))
+        return count == signs or (count == signs + 1 and only_revises(meaning))
 
     def _reasons(self, meaning: Meaning, mentions: Mentions) -> Iterator[Span]:
         """Yield the clauses that say why something is asked for: "I can't reach it, so pass it"."""
@@ -294,10 +295,6 @@ def _is_negative(meaning: Meaning) -> bool:
 
 def _said_of(rule: Rule) -> str:
     return rule.part if isinstance(rule, ActionRule) else rule.affordance
-
-
-def _corrects(meaning: Meaning) -> bool:
-    return isinstance(meaning, Statement) and all(rule.revises for rule in meaning.rules)
 
 
 def _acts_and_uses(meaning: Meaning) -> frozenset[str]:

@@ -118,7 +118,9 @@ def shape_of(meaning: Json, mentions: Mentions, tool_acts: Mapping[str, str]) ->
     def slot(key: str, value: str, within: Json) -> str:
         for role in _ROLES_OF_KEYS.get(key, ()):
             if value in mentions.by_role.get(role, {}):
-                return taken.setdefault((role, value), _numbered(role, taken))
+                number = sum(known == role for known, _ in taken)
+                name = f"?{role}{number + 1 if number else ''}"
+                return taken.setdefault((role, value), name)
         if value == tool_acts.get(str(meaning.get("goal"))) and key == "usedFor":
             return "?tool"
         if _is_last(mentions.last, within) and value == getattr(mentions.last, key, None):
@@ -135,11 +137,6 @@ def shape_from(template: Json) -> MeaningShape:
 
 def _is_last(last: Rule | None, within: Json) -> bool:
     return last is not None and last.as_json()["rule"] == within.get("rule")
-
-
-def _numbered(role: str, taken: Mapping[tuple[str, str], str]) -> str:
-    number = sum(known == role for known, _ in taken)
-    return f"?{role}{number + 1 if number else ''}"
 
 
 def _is_slot(value: object) -> bool:

@@ -335,7 +335,10 @@ class _Clauses:
         aside = self._condition(tokens, state) or self._reaction(tokens, state)
         if aside:
             return aside, state
-        variants = [tokens, *(tokens.part(0, end) for end in self._ends_before_order(tokens))]
+        words, ends = tokens.words, range(1, len(tokens.items))
+        # Without words of order: "pick it up first".
+        ended = [tokens.part(0, n) for n in ends if self._words.is_all("behind", words, n)]
+        variants = [tokens, *ended]
         for each in variants:
             bare = self._reader.bare(each)
             found = self._act(each, state) or (self._act(bare, state) if bare else None)
@@ -346,12 +349,6 @@ class _Clauses:
             if found:
                 return found, state
         return None
-
-    def _ends_before_order(self, tokens: Tokens) -> Iterator[int]:
-        """Where a clause ends before words of order: "pick it up first"."""
-        for start in range(1, len(tokens.items)):
-            if self._words.is_all("behind", tokens.words, start):
-                yield start
 
     def _act(self, tokens: Tokens, state: ClauseState) -> tuple[Act, ClauseState] | None:
         control = self._reader.parser.control(tokens, self._reader.controls)
@@ -366,11 +363,12 @@ class _Clauses:
             return None
         if act.goal in self._reader.frames:
             return None  # it is done with several objects, or with none
-        act = _generalised(act)
+        if isinstance(act, Command) and act.target.object == _ANYTHING:
+            act = replace(act, target=replace(act.target, object=ANY_OBJECT))
         if found.reading:
             self._new_words[act] = found.reading.new_words
         held = state.held
-        if isinstance(act, ToolCommand) or (isinstance(act, Command) and act.goal in _TAKING):
+        if isinstance(act, ToolCommand) or act.goal in _TAKING:
             held = act.tool if isinstance(act, ToolCommand) else act.target
         return act, ClauseState(found.discourse, held)
 
@@ -498,12 +496,6 @@ def _starts(words: WordLists, tokens: Tokens) -> list[int]:
         if words.end(key, tokens.words, place) > place
     }
     return sorted((breaks | opening | {count}) - {0})
-
-
-def _generalised(act: Command | ToolCommand) -> Act:
-    if isinstance(act, Command) and act.target.object == _ANYTHING:
-        return replace(act, target=replace(act.target, object=ANY_OBJECT))
-    return act
 
 
 def _is_of_same(one: Act, other: Act) -> bool:

@@ -92,16 +92,17 @@ class ReadingFilter:
             return self._may_introduce_kinds(reading)
         if isinstance(meaning, (TopicStatement, NormStatement)):
             is_thing = not any(self.features.is_abstract(word.said, word.word) for word in words)
-            is_of_use = isinstance(meaning, NormStatement) and _is_of_tool(meaning)
-            others = [word.role for word in words if not self._may_be_part_of(meaning, word)]
-            most = 2 if isinstance(meaning, NormStatement) and meaning.norms[0].before else 1
+            norms = meaning.norms if isinstance(meaning, NormStatement) else ()
+            # "You can't cut bread with a saw" is a rule on saws.
+            is_of_use = any(isinstance(norm.act, ToolCommand) for norm in norms)
+            is_strict = bool(norms) and all(norm.norm != "permitted" for norm in norms)
+            others = [w.role for w in words if not (is_strict and self._is_part(w, w.word))]
+            most = 2 if norms and norms[0].before else 1
             return is_thing and not is_of_use and {*others} <= {"object"} and len(others) <= most
         return len(words) <= MAX_NEW_NAMES and self._may_name_words(meaning, words, tokens)
 
-    def _may_be_part_of(self, meaning: Meaning, word: NewWord) -> bool:
-        norms = meaning.norms if isinstance(meaning, NormStatement) else ()
-        is_strict = bool(norms) and all(norm.norm != "permitted" for norm in norms)
-        return is_strict and word.role == "part" and self.features.is_part(word.said, word.word)
+    def _is_part(self, word: NewWord, *names: str) -> bool:
+        return word.role == "part" and self.features.is_part(word.said, *names)
 
     def _may_name_words(self, meaning: Meaning, words: Sequence[NewWord], tokens: Tokens) -> bool:
         if isinstance(meaning, (Command, ToolCommand)):
@@ -126,8 +127,7 @@ class ReadingFilter:
         )
 
     def _may_be_acted_on(self, word: NewWord) -> bool:
-        is_part = word.role == "part" and self.features.is_part(word.said)
-        return is_part or self._may_be_asked_about(word)
+        return self._is_part(word) or self._may_be_asked_about(word)
 
     def _may_be_asked_about(self, word: NewWord) -> bool:
         return word.role in _NAMES and self.known_words.is_surely_name(word.said)
@@ -178,11 +178,6 @@ class ReadingFilter:
             word in said and place in tokens.pauses and tokens.words[place - 1] in uses
             for place, word in enumerate(tokens.words)
         )
-
-
-def _is_of_tool(meaning: NormStatement) -> bool:
-    """Whether norms are about a use: "you can't cut bread with a saw" is a rule on saws."""
-    return any(isinstance(norm.act, ToolCommand) for norm in meaning.norms)
 
 
 def _is_negative(meaning: Meaning) -> bool:

@@ -80,7 +80,7 @@ def _combined(meanings: Sequence[Meaning]) -> Meaning | None:
         return None
     if first == Retraction() and isinstance(last, Statement):
         return with_rules(last, revises=True)
-    return last if _asks_for_target(first, last) or _names_object(first, last) else None
+    return last if _names_what_is_meant(first, last) else None
 
 
 def _combined_statement(rules: Sequence[Rule]) -> Statement | None:
@@ -100,18 +100,14 @@ def _self_repaired(rules: Sequence[Rule]) -> list[Rule]:
     return kept
 
 
-def _names_object(first: Meaning, last: Meaning) -> bool:
-    if not isinstance(first, TopicStatement) or not isinstance(last, Statement):
-        return False
-    return all(rule.object == first.topic for rule in last.rules)
-
-
-def _asks_for_target(first: Meaning, last: Meaning) -> bool:
-    if not isinstance(first, Question) or first.ask != "see":
-        return False
-    if isinstance(last, ToolCommand):
-        return first.object == last.patient
-    if not isinstance(last, Command):
-        return False
-    seen = (first.object, first.affordance)
-    return seen in {(last.target.object, None), (None, last.target.used_for)}
+def _names_what_is_meant(first: Meaning, last: Meaning) -> bool:
+    """Whether the one names the object of the other, or asks whether it is seen."""
+    match first, last:
+        case TopicStatement(topic=topic), Statement(rules=rules):
+            return all(rule.object == topic for rule in rules)
+        case Question(ask="see", object=seen), ToolCommand(patient=patient):
+            return seen == patient
+        case Question(ask="see", object=seen, affordance=use), Command(target=target):
+            return (seen, use) in {(target.object, None), (None, target.used_for)}
+        case _:
+            return False

@@ -33,8 +33,8 @@ from ..semantics.meaning import (
     Plan,
     Question,
     Retraction,
-    Statement,
     ToolCommand,
+    only_revises,
 )
 from ..semantics.predicates import PredicateForm, UnlearnableError
 from .chart import Chart
@@ -113,7 +113,8 @@ class _Attempt:
         tokens = self._markers.mark_boundaries(tokens)
         request = self._markers.request_before_tag(tokens)
         found = self._understand(request, context) if request else None
-        if found and (isinstance(found.meaning, (Command, ToolCommand)) or _revises(found.meaning)):
+        is_command = found and isinstance(found.meaning, (Command, ToolCommand))
+        if found and (is_command or only_revises(found.meaning)):
             return found
         untagged = self._markers.remove_tag(tokens)
         return self._understand(untagged, context)
@@ -305,7 +306,8 @@ class _Attempt:
         found = self._sentences.get(key)
         if found is None:
             found = self._parse(tokens, context)
-            if tokens in self._fronted and _has_several_rules(found):
+            content = found.reading and found.reading.intention.arguments[-1]
+            if tokens in self._fronted and content and content.name == "and":
                 # The qualifier was said of one of them; moved, it no longer shows of which.
                 found = Understanding.of(tokens, context, Misunderstanding(tokens.text))
             self._sentences[key] = found
@@ -362,15 +364,6 @@ def _is_procedure(found: Understanding) -> bool:
     meant = found.meaning
     is_about = isinstance(meant, (Question, Retraction)) and found.reading is None
     return is_about or isinstance(meant, (Plan, ActionDefinition, ActionCommand))
-
-
-def _revises(meaning: Meaning) -> bool:
-    """Whether a meaning only changes what was taught before: "make it rarely, would you?"."""
-    return isinstance(meaning, Statement) and all(rule.revises for rule in meaning.rules)
-
-
-def _has_several_rules(found: Understanding) -> bool:
-    return found.reading is not None and found.reading.intention.arguments[-1].name == "and"
 
 
 def _failed(found: Understanding) -> Understanding:

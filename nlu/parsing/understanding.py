@@ -91,9 +91,8 @@ class Understanding:
     ) -> Understanding:
         """Return what some tokens mean in a context, by a reading if they have one."""
         people, discourse = (context.speaker, context.addressee), context.discourse
-        understood = cls(
-            tokens.text, *people, meaning, reading, readings, (), tokens.words, discourse
-        )
+        found = (meaning, reading, readings)
+        understood = cls(tokens.text, *people, *found, (), tokens.words, discourse)
         return understood.chosen(meaning)
 
     def chosen(self, meaning: Meaning) -> Understanding:

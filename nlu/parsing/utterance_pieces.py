@@ -36,9 +36,7 @@ class Pause(IntEnum):
 
     INSIDE = -1  # none: within a clause
     WEAK = auto()
-    ASKING = (
-        auto()
-    )  # a weak one before a question, whose beginning is as clear as after a strong one
+    ASKING = auto()  # a weak one before a question, which begins as clearly as after a strong one
     COLON = auto()
     BUT = auto()
     SO = auto()

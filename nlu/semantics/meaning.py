@@ -555,6 +555,11 @@ def with_rules(meaning: Meaning, **changes: object) -> Meaning:
     return replace(meaning, rules=rules)  # pyright: ignore
 
 
+def only_revises(meaning: Meaning) -> bool:
+    """Return whether a meaning only changes what was taught: "make it rarely, would you?"."""
+    return isinstance(meaning, Statement) and all(rule.revises for rule in meaning.rules)
+
+
 Meaning = (
     Statement
     | NormStatement

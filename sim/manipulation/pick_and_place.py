@@ -116,7 +116,7 @@ class PickAndPlace:
 
     def release(self) -> MotionReport:
         """Open the hand where it is, and go back to the waiting posture."""
-        return self._act("release", self._release)
+        return self._act("release", self._drop)
 
     def point_at(self, percept: Percept) -> MotionReport:
         """Point at an object without touching it; a held one is put back before."""
@@ -195,13 +195,10 @@ class PickAndPlace:
         reason = self._motion.point_at(context.percept.cloud, planner)
         return MotionReport("point_at", ok=not reason, reason=reason)
 
-    def _release(self, held: HeldObject) -> MotionReport:
-        self._drop(held)
-        return self._report("release", "")
-
-    def _drop(self, held: HeldObject) -> None:
+    def _drop(self, held: HeldObject) -> MotionReport:
         self._motion.release(self._motion.path_planner(held.context))
         self.in_hand = None
+        return self._report("release", "")
 
     def _keeps(self, percept: Percept, part: str | None) -> bool:
         held = self.in_hand
