@@ -13,7 +13,6 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from types import MappingProxyType
 from typing import TypeAlias
 
 from ...ontology.confidence import distance
@@ -261,16 +260,8 @@ def load_answers(
     entries = read_yaml(path).entries(required=("answers", "phrases"), optional=())
     phrases = entries["phrases"].entries(required=PHRASES, optional=())
     answers = {key: _answer(field) for key, field in entries["answers"].entries().items()}
-    return AnswerTemplates(
-        MappingProxyType(answers),
-        {name: field.text() for name, field in phrases.items()},
-        inflection,
-        acts,
-        tool_acts,
-        adverbs,
-        mass,
-        roles,
-    )
+    said = {name: field.text() for name, field in phrases.items()}
+    return AnswerTemplates(answers, said, inflection, acts, tool_acts, adverbs, mass, roles)
 
 
 def _answer(field: YamlNode) -> str:

@@ -12,7 +12,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
-from types import MappingProxyType
 
 from ...ontology.yaml_reader import YamlNode, read_yaml
 from .categories import AtomicCategory, Category, Functor, type_of
@@ -114,42 +113,32 @@ def load_grammar(
         required=(*("categories", "unary", "roots"), *("topic", "general", "answer", "speaker")),
         optional=(),
     )
-    atoms = entries["categories"].entries()
-    types = {name: _type_of_atom(field) for name, field in atoms.items()}
+    atoms = {name: _atom(field) for name, field in entries["categories"].entries().items()}
+    types = {name: kind for name, (kind, _) in atoms.items()}
     signature: dict[str, list[Type]] = {name: [BasicType("d")] for name in degrees}
     names = read_yaml(predicates).entries(required=("types",))["types"].entries()
-    for name, field in names.items():
-        signature[name] = [read_type(item) for item in field.items()]
+    signature |= {name: list(map(read_type, field.items())) for name, field in names.items()}
+    named = {key: entries[key].text(choices=types) for key in ("topic", "general", "answer")}
     grammar = Grammar(
-        types=MappingProxyType(types),
-        descriptions=MappingProxyType({name: _means(field) for name, field in atoms.items()}),
-        signature=MappingProxyType(signature),
+        types=types,
+        descriptions={name: said for name, (_, said) in atoms.items()},
+        signature=signature,
         unary=(),
         roots=_roots(entries["roots"], types),
-        topic=AtomicCategory(entries["topic"].text(choices=tuple(types))),
-        general=AtomicCategory(entries["general"].text(choices=tuple(types))),
-        answer=AtomicCategory(entries["answer"].text(choices=tuple(types))),
         speaker=frozenset(map(AtomicCategory, entries["speaker"].texts(choices=types))),
+        **{key: AtomicCategory(name) for key, name in named.items()},
     )
     unary = tuple(_unary(field, grammar) for field in entries["unary"].items())
     _refuse_cycles(unary, entries["unary"])
     return replace(grammar, unary=unary)
 
 
-def _type_of_atom(field: YamlNode) -> Type:
-    """The type of a category; one that is only described stands for a thing."""
-    return BasicType("e") if isinstance(field.value, str) else read_type(_parts(field)["type"])
-
-
-def _means(field: YamlNode) -> str:
+def _atom(field: YamlNode) -> tuple[Type, str]:
+    """The type and description of a category; one that is only described stands for a thing."""
     if isinstance(field.value, str):
-        return field.text()
-    parts = _parts(field)
-    return parts["means"].text() if "means" in parts else ""
-
-
-def _parts(field: YamlNode) -> dict[str, YamlNode]:
-    return field.entries(required=("type",), optional=("means",))
+        return BasicType("e"), field.text()
+    parts = field.entries(required=("type",), optional=("means",))
+    return read_type(parts["type"]), parts["means"].text() if "means" in parts else ""
 
 
 def _roots(field: YamlNode, types: Mapping[str, Type]) -> Mapping[Category, str]:
@@ -158,7 +147,7 @@ def _roots(field: YamlNode, types: Mapping[str, Type]) -> Mapping[Category, str]
         if types.get(name) != BasicType("t"):
             raise act.fail(f'expected a category of type t, found "{name}".')
         roots[AtomicCategory(name)] = act.text(choices=SPEECH_ACTS)
-    return MappingProxyType(roots)
+    return roots
 
 
 def _unary(field: YamlNode, grammar: Grammar) -> UnaryRule:

@@ -261,33 +261,23 @@ def _entries(
     roles: frozenset[str],
 ) -> tuple[Entry, ...]:
     """The entries of a new word in some roles; kept, since they take as long as all else."""
-    senses = _senses(builder, inflection, word, is_capital=is_capital, roles=roles)
-    return tuple(each.entry() for each in senses if each.says == word)
-
-
-def _senses(
-    builder: LexiconBuilder,
-    inflection: Inflection,
-    word: str,
-    *,
-    is_capital: bool,
-    roles: frozenset[str],
-) -> Iterator[LazyEntry]:
+    senses: list[LazyEntry] = []
     singulars = inflection.origins(word, "plural")
     for role in sorted(roles & NOUN_TEMPLATES.keys()):
-        yield from builder.noun(role, word, role=role, cost=_SINGULAR_COST if singulars else 0.0)
+        senses += builder.noun(role, word, role=role, cost=_SINGULAR_COST if singulars else 0.0)
         for name in singulars[:1]:
-            yield from builder.noun(role, name, role=role)
+            senses += builder.noun(role, name, role=role)
     if is_capital:
-        yield from builder.noun("person", word, role="person", cost=_PERSON_COST)
+        senses += builder.noun("person", word, role="person", cost=_PERSON_COST)
     for bare in _bare_forms(inflection, word):
         looks_inflected = bare == word and inflection.origins(word, "ing")
         cost = _SINGULAR_COST if looks_inflected else 0.0
         act, use = Verb(bare, ("new_act",), bare), Verb(bare, ("new_affordance",), None)
         if "context" in roles:
-            yield from builder.verb_forms(act, "context", _VERB_COST + cost)
+            senses += builder.verb_forms(act, "context", _VERB_COST + cost)
         if "affordance" in roles:
-            yield from builder.verb_forms(use, "affordance", cost)
+            senses += builder.verb_forms(use, "affordance", cost)
+    return tuple(each.entry() for each in senses if each.says == word)
 
 
 def _bare_forms(inflection: Inflection, word: str) -> Iterator[str]:

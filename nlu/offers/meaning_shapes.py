@@ -87,6 +87,11 @@ class MeaningShape:
         """What the shape has in common with others: the kind, the sign, the act, the degree."""
         return tuple(dict.fromkeys((self.text, *_traits(self.template))))
 
+    def values_in(self, meaning: Json) -> dict[str, object]:
+        """The values that the slots have in a meaning of this shape."""
+        pairs = zip(_leaves(self.template), _leaves(meaning), strict=True)
+        return {str(slot): value for (_, slot), (_, value) in pairs if _is_slot(slot)}
+
     def filled(self, values: Mapping[str, object]) -> Json:
         """The JSON object with the slots filled."""
         return _changed(

@@ -81,7 +81,7 @@ def phrase_from(
     shape = shape_of(meaning, mentions, tool_acts)
     if shape.constants - {ANY_OBJECT}:
         return None  # a name that was not said
-    values = {slot: _at(slot, shape.template, meaning) for slot in shape.slots}
+    values = shape.values_in(meaning)
     fixed_values = {slot: v if _role(slot) in _FIXED else slot for slot, v in values.items()}
     shape = shape_from(shape.filled(fixed_values))
     gaps = dict(_gaps(mentions))
@@ -121,14 +121,3 @@ def _value(mentions: Mentions, place: int, role: str) -> object:
         return next(list(each) for start, _, each in mentions.degrees if start == place)
     found = (each.name for each in mentions.names if (each.start, each.role) == (place, role))
     return next(found, None)
-
-
-def _at(slot: str, template: object, meaning: object) -> object:
-    if template == slot:
-        return meaning
-    pairs: Iterable[tuple[object, object]] = ()
-    if isinstance(template, dict) and isinstance(meaning, dict):
-        pairs = ((each, meaning[key]) for key, each in template.items())
-    elif isinstance(template, list) and isinstance(meaning, list):
-        pairs = zip(template, meaning, strict=True)
-    return next(filter(None, (_at(slot, *pair) for pair in pairs)), None)

@@ -11,10 +11,12 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache, partial
 from itertools import pairwise
 
 from ..lexicon.tokenizer import BREAK
 from .candidates import Asides, CandidateMeaning
+from .meaning_shapes import MeaningShape
 from .mentions import Mentions
 
 NONE = "none"  # the trait of the choice that no candidate was meant
@@ -32,19 +34,16 @@ class Ranker:
         self, mentions: Mentions, candidates: Sequence[CandidateMeaning]
     ) -> tuple[float, ...]:
         """Return the probability of each candidate, in [0, 1]; the rest is that of "none"."""
-        said = {
-            asides: self._said(mentions, asides) for asides in {mentions.asides(mentions.known)}
-        }
-        scores = [said[mentions.asides(mentions.known)].get(NONE, 0.0)]
-        of_shape: dict[tuple[str, Asides], float] = {}
+        said = cache(partial(self._said, mentions))
+
+        @cache
+        def of_shape(shape: MeaningShape, asides: Asides) -> float:
+            return sum(said(asides).get(trait, 0.0) for trait in shape.traits)
+
+        scores = [said(mentions.asides(mentions.known)).get(NONE, 0.0)]
         for each in candidates:
-            shape, asides = each.shape, each.asides(mentions)
-            if asides not in said:
-                said[asides] = self._said(mentions, asides)
-            if (shape.text, asides) not in of_shape:
-                weights = said[asides]
-                of_shape[shape.text, asides] = sum(weights.get(t, 0.0) for t in shape.traits)
-            scores.append(of_shape[shape.text, asides] + self._of_filling(each, mentions))
+            of_traits = of_shape(each.shape, each.asides(mentions))
+            scores.append(of_traits + self._of_filling(each, mentions))
         greatest = max(scores)
         powers = [math.exp(score - greatest) for score in scores]
         total = sum(powers)

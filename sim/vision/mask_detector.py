@@ -49,13 +49,11 @@ class MaskDetector(ObjectDetector):
         """Return the objects that images of one moment show with at least `MIN_PIXELS`."""
         surfaces = [_surfaces(image, self.world.kinds) for image in images]
         for name, kind in self.world.kinds.items():
-            own = [{link: each[link] for link in each if link[0] == name} for each in surfaces]
-            areas = [sum(area for _, area in each.values()) for each in own]
-            clouds = {
-                part: np.vstack([each[name, part][0] for each in own if (name, part) in each])
-                for part in kind.parts
-                if any((name, part) in each for each in own)
-            }
+            own = [(name, part) for part in kind.parts]
+            seen = [{link[1]: each[link] for link in own if link in each} for each in surfaces]
+            areas = [sum(area for _, area in each.values()) for each in seen]
+            shown = [part for part in kind.parts if any(part in each for each in seen)]
+            clouds = {p: np.vstack([each[p][0] for each in seen if p in each]) for p in shown}
             if sum(map(len, clouds.values())) >= MIN_PIXELS:
                 share = max(areas) / self.world.models[kind.name].silhouette
                 confidence = FULL_CONFIDENCE * min(1.0, share / FULL_SIGHT)
