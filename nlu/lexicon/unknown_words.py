@@ -121,17 +121,14 @@ class KnownWords:
 
     def guesses(self, tokens: Tokens, unknown: Sequence[Token]) -> Mapping[int, Sequence[Entry]]:
         """The entries of new words, and of names of two words, by their places."""
-        found = {
-            place: [
-                *self._guesses(
-                    self._capitalized(tokens, place) if token in unknown else token,
-                    0.0 if token in unknown else _NAMEABLE_COST,
-                ),
-                *self._recipients(tokens, place),
-            ]
-            for place, token in enumerate(tokens.items)
-            if token in unknown or self._may_be_taught(tokens, place)
-        }
+        found: dict[int, list[Entry]] = {}
+        for place, token in enumerate(tokens.items):
+            if token in unknown:
+                found[place] = self._guesses(self._capitalized(tokens, place), 0.0)
+            elif self._may_be_taught(tokens, place):
+                found[place] = self._guesses(token, _NAMEABLE_COST)
+        for place, entries in found.items():
+            entries.extend(self._recipients(tokens, place))
         for place, (first, second) in enumerate(pairwise(tokens.words)):
             is_cut = place + 1 in tokens.pauses or first in self.builder.closed
             if is_cut or self._may_be_clause(tokens, place):

@@ -59,6 +59,7 @@ class PeripheryRow:
 
 _KINDS = frozenset({REQUEST, QUESTION, HOLDING, USE})
 _THINGS = ("N", "MS")
+_TELLING = frozenset({Pause.BUT, Pause.SO, Pause.TOLD})
 
 
 @dataclass(frozen=True)
@@ -167,33 +168,22 @@ class PeripheryReader:
         self, tokens: Tokens, span: tuple[int, int], pieces: Sequence[UtterancePiece]
     ) -> Core | None:
         start, end = span
-        within = [each for each in pieces if start < each.start and each.end < end]
+        inner = (each for each in pieces if start < each.start and each.end < end)
+        within = [each for each in inner if self.table.permitted(each, Pause.WITHIN)]
         placed = [*self._before(tokens, span, pieces)]
-        after = [each for each in pieces if each.start >= end]
-        placed += [
-            (e, Pause.TOLD if self.table.announces(e) and "pointing" in e.signs else Pause.AFTER)
-            for e in after
-        ]
-        placed += [
-            (each, Pause.WITHIN) for each in within if self.table.permitted(each, Pause.WITHIN)
-        ]
+        for each in filter(lambda each: each.start >= end, pieces):
+            is_told = self.table.announces(each) and "pointing" in each.signs
+            placed.append((each, Pause.TOLD if is_told else Pause.AFTER))
+        placed += [(each, Pause.WITHIN) for each in within]
         kinds = _KINDS.intersection(*(self.table.permitted(*each) for each in placed))
         if not placed or not kinds:
             return None
         said = [(each, pause) for each, pause in placed if each.form != MARKER]
         phrases = [tokens.words[each.start : each.end] for each, _ in said]
-        limiting = (
-            phrase
-            for (each, pause), phrase in zip(said, phrases, strict=True)
-            if each.form not in {REASON, PURPOSE} and pause not in {Pause.BUT, Pause.SO, Pause.TOLD}
-        )
-        left_out = {
-            place
-            for each, pause in placed
-            if pause == Pause.WITHIN
-            for place in range(each.start, each.end)
-        }
+        apart = [e.form in {REASON, PURPOSE} or p in _TELLING for e, p in said]
+        left_out = {place for each in within for place in range(each.start, each.end)}
         kept = [place for place in range(start, end) if place not in left_out]
+        limiting = (phrase for phrase, is_apart in zip(phrases, apart, strict=True) if not is_apart)
         removed = (*tokens.removed, *limiting)
         return Core(
             replace(tokens.part(0, end).only(kept), removed=removed),

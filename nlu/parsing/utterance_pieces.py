@@ -228,20 +228,17 @@ class PieceReader:
         is_memory = is_past and self.words.end("temporal", words) > 0
         yield from (k for k in self._dependence(words) if k != "condition" or not is_memory)
         yield from self._speech(words, form)
-        if _QUOTED.search(tokens.text):
-            yield "quoted"
-        if self._calls(tokens):
-            yield "called"
-        if form == IMPERSONAL and self.words.has("wanting", words[-1]):
-            yield "held"
-        if words and self.words.end(IMPERSONAL, words[-1:]):
-            yield "pointing"
-        if len(words) < LEAST_WORDS:
-            yield "short"
-        if any(self.known.names(word, role) for word in words for role in _PLACED_NAMES):
-            yield "named"
-        if words and self._is_act(words[0]):
-            yield "act"
+        named = (self.known.names(word, role) for word in words for role in _PLACED_NAMES)
+        shown = {
+            "quoted": _QUOTED.search(tokens.text),
+            "called": self._calls(tokens),
+            "held": form == IMPERSONAL and self.words.has("wanting", words[-1]),
+            "pointing": words and self.words.end(IMPERSONAL, words[-1:]),
+            "short": len(words) < LEAST_WORDS,
+            "named": any(named),
+            "act": words and self._is_act(words[0]),
+        }
+        yield from (sign for sign, is_shown in shown.items() if is_shown)
 
     def _dependence(self, words: Phrase) -> Iterator[str]:
         for place, word in enumerate(words):
@@ -275,11 +272,8 @@ class PieceReader:
     def _operators(self) -> Mapping[str, Sequence[tuple[Phrase, str]]]:
         """The phrases on which a meaning may depend, with their kinds, by their first word."""
         found: dict[str, list[tuple[Phrase, str]]] = {}
-        unreal = {
-            **{key: self.words.phrases[key] for key in ("unreal", "unwanted")},
-            "degree": self.degrees,
-        }
-        for kind, phrases in {**self.operators, **unreal}.items():
+        unreal = {key: self.words.phrases[key] for key in ("unreal", "unwanted")}
+        for kind, phrases in {**self.operators, **unreal, "degree": self.degrees}.items():
             for phrase in phrases:
                 found.setdefault(phrase[0], []).append((phrase, kind))
         return found

@@ -11,10 +11,7 @@ from .pybullet_client import PhysicsClient
 
 @dataclass(frozen=True)
 class Contact:
-    """What the body touches that was asked for.
-
-    The force is along the normal [N].
-    """
+    """What the body touches that was asked for, and with which force along the normal [N]."""
 
     other: str
     other_link: str

@@ -15,6 +15,7 @@ from ..poses import Array
 from .bodies import Bodies
 from .pybullet_client import PhysicsClient
 
+TINT_SHARE = 0.6  # of the tint in the colour that is drawn
 LINK_SHIFT = 24  # the mask packs body + ((link + 1) << 24) into one number
 
 
@@ -77,17 +78,12 @@ class Rendering:
         return colour, depth, labels, names
 
     @contextmanager
-    def tinted(
-        self, body: str, link: str, colour: Sequence[float], *, share: float = 0.6
-    ) -> Generator[None]:
-        """Tint a link inside this block.
-
-        The colour (red, green, blue) and its share in the colour that is drawn are in [0, 1].
-        """
+    def tinted(self, body: str, link: str, colour: Sequence[float]) -> Generator[None]:
+        """Tint a link inside this block; red, green and blue of the colour are in [0, 1]."""
         link_id = self._bodies.link_id(body, link)
         shapes = [shape for shape in self._shapes(body) if shape[:2] == link_id]
-        tint = share * np.array([*colour[:3], 1.0])
-        with self._painted(shapes, lambda own: ((1 - share) * np.array(own) + tint).tolist()):
+        tint = TINT_SHARE * np.array([*colour[:3], 1.0])
+        with self._painted(shapes, lambda own: ((1 - TINT_SHARE) * np.array(own) + tint).tolist()):
             yield
 
     @contextmanager

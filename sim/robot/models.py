@@ -8,13 +8,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from functools import cache, cached_property
-from math import radians
 from pathlib import Path
 from types import MappingProxyType
 
 import numpy as np
 
 from ...ontology.errors import UnknownNameError
+from ...ontology.part_shapes import read_point, read_turn
 from ...ontology.plugins import call_plugin, plugin_names
 from ...ontology.yaml_reader import YamlNode, read_yaml
 from .. import poses
@@ -183,11 +183,9 @@ def _read_robot(name: str, field: YamlNode) -> RobotType:
 
 def _read_attachment(field: YamlNode) -> HandFile:
     entries = field.entries(required=("urdf", "link", "carrier", "at"), optional=("turn_deg",))
-    x, y, z = entries["at"].numbers(count=3, low=-1.0, high=1.0)
-    angles = entries["turn_deg"].numbers(count=3) if "turn_deg" in entries else (0.0, 0.0, 0.0)
-    roll, pitch, yaw = map(radians, angles)
+    turn = read_turn(entries["turn_deg"]) if "turn_deg" in entries else (0.0, 0.0, 0.0)
     link, carrier = entries["link"].text(), entries["carrier"].text()
-    return HandFile(_find_urdf(entries["urdf"]), link, carrier, (x, y, z), (roll, pitch, yaw))
+    return HandFile(_find_urdf(entries["urdf"]), link, carrier, read_point(entries["at"]), turn)
 
 
 def _find_urdf(field: YamlNode) -> Path:

@@ -127,10 +127,10 @@ class World(AbstractContextManager["World"]):
             self.engine.step()
             self.watcher()
 
-    def settle(self, limit: float = SETTLE_LIMIT) -> bool:
-        """Step until all objects are still, for at most `limit` [s]; return whether they are."""
+    def settle(self) -> bool:
+        """Step until all objects are still, at most `SETTLE_LIMIT`; return whether they are."""
         before = self._poses()
-        for _ in range(round(limit / TIME_STEP / STILL_STEPS)):
+        for _ in range(round(SETTLE_LIMIT / TIME_STEP / STILL_STEPS)):
             self.step(STILL_STEPS)
             after = self._poses()
             shifts = np.linalg.norm(after[:, :3, 3] - before[:, :3, 3], axis=1)
