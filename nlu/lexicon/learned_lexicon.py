@@ -7,7 +7,7 @@ entries of a word are made when it is heard.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cached_property, lru_cache
 
 from .immutable_index import ImmutableIndex
@@ -40,9 +40,7 @@ class LearnedLexicon(Lexicon):
         # Of names of several words: their lengths by the first word, their roles by each word.
         self._lengths: ImmutableIndex[str, int] = ImmutableIndex()
         self._within: ImmutableIndex[str, str] = ImmutableIndex()
-        self._lexicon_of: Callable[[str, tuple[Name, ...]], Lexicon] = lru_cache(_CACHED_FORMS)(
-            self._made
-        )
+        self._lexicon_of = lru_cache(_CACHED_FORMS)(self._made)
 
     def with_words(self, words: Iterable[NewWord]) -> LearnedLexicon:
         """Return this lexicon with further words, itself when it has learned all of them."""

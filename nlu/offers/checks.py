@@ -27,6 +27,7 @@ from ..semantics.clause_features import (
 )
 from ..semantics.licence_table import ACCEPT, LicenceTable
 from ..semantics.meaning import (
+    LIKELY,
     ActionRule,
     Command,
     Meaning,
@@ -51,7 +52,6 @@ _WORD_LISTS = (
 _QUOTES = frozenset('"“”„«»')
 _HEARER = frozenset({"addressee"})
 _ASKED = 3  # words after the beginning of a phrase that asks for something
-_UNLIKELY = 0.5  # a rule whose upper bound is below states that something is not so
 
 
 @dataclass(frozen=True)
@@ -207,7 +207,7 @@ class OfferChecks:
             return not said or (
                 len(said) == 1 and all(rule.confidence in said for rule in meaning.rules)
             )
-        return all(_is_negative(meaning) and upper < _UNLIKELY for _, upper in said)
+        return all(_is_negative(meaning) and upper < LIKELY for _, upper in said)
 
     def _keeps_condition(self, meaning: Meaning, mentions: Mentions) -> bool:
         if self.spoken("exception", mentions) or self.spoken("doubtful", mentions):

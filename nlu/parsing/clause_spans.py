@@ -7,7 +7,7 @@ a part of what it is said of, or something that can be handled at all.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from ..grammar.categories import AtomicCategory
@@ -34,19 +34,15 @@ from ..semantics.meaning import (
 )
 from .chart import Derivation
 from .derivation_views import lexical_entries
+from .understanding import Reading
 
 
-def features_of(
-    reader: FeatureReader,
-    derivation: Derivation,
-    tokens: Tokens,
-    meaning: Meaning,
-    new_words: Sequence[NewWord],
-) -> UtteranceFeatures:
+def features_of(reader: FeatureReader, reading: Reading, tokens: Tokens) -> UtteranceFeatures:
     """Return the features of a sentence, with those of the new nouns in its meaning."""
+    derivation, meaning = reading.derivation, reading.meaning
     words = list(_words(reader, derivation, tokens.words, MAIN))
     found = reader.features(words, tokens.removed)
-    named = dict(features_of_names(reader, tokens.words, meaning, new_words))
+    named = dict(features_of_names(reader, tokens.words, meaning, reading.new_words))
     source = meaning.source if isinstance(meaning, (Statement, KindStatement)) else None
     if source and not _is_person(reader, derivation, tokens.words, source):
         named["source"] = frozenset({"other"})
@@ -88,7 +84,7 @@ def features_of_names(
         said_of = {word.word: word.said for word in new_words if word.role == "part"}
         parts = {rule.part for rule in meaning.rules if isinstance(rule, ActionRule)}
         is_known = "object" not in new
-        found = {_part(reader, words, p, said_of, is_known=is_known) for p in parts} - {""}
+        found = {_part(reader, words, p, said_of.get(p), is_known=is_known) for p in parts} - {""}
         if found:
             yield "part", frozenset(found)
         objects = {rule.object for rule in meaning.rules}
@@ -129,19 +125,14 @@ def _is_subject(reader: FeatureReader, words: Sequence[str], said: str) -> bool:
 
 
 def _part(
-    reader: FeatureReader,
-    words: Sequence[str],
-    part: str,
-    new: Mapping[str, str],
-    *,
-    is_known: bool,
+    reader: FeatureReader, words: Sequence[str], part: str, new: str | None, *, is_known: bool
 ) -> str:
     """Whether a part is a person's `own`, `new`, `unsure` (of an unknown object), or known: ""."""
-    said = new.get(part, part)
+    said = new or part
     before = _before(words, said, 3)
     if before and before[-1] in reader.words["owners"]:
         return "own"
-    if part not in new or reader.is_part(said, part):
+    if new is None or reader.is_part(said, part):
         return ""
     if reader.is_abstract(said, part) or reader.is_elsewhere(said, part):
         return "new"

@@ -77,8 +77,7 @@ class SentenceParser:
 
     def with_features(self, reading: Reading, tokens: Tokens) -> Reading:
         """Return a reading of some tokens with the features of its clauses."""
-        found = (reading.derivation, tokens, reading.meaning, reading.new_words)
-        return replace(reading, features=features_of(self.features, *found))
+        return replace(reading, features=features_of(self.features, reading, tokens))
 
     def topic(self, chart: Chart, context: UtteranceContext) -> PredicateForm | None:
         """Return the object that an utterance consists of, None when it is more than a name."""
@@ -159,15 +158,9 @@ class SentenceParser:
         meaning = meaning_of(intention.form, interpreter, context.discourse)
         if isinstance(meaning, NormStatement) and self._is_for_now(derivation):
             raise UninterpretableError("not_a_rule")
-        return Reading(
-            speech_act,
-            intention.form,
-            intention.interval,
-            meaning,
-            derivation.cost + _WORD_COST * len(entries),
-            derivation,
-            words,
-        )
+        cost = derivation.cost + _WORD_COST * len(entries)
+        meant = (intention.form, intention.interval, meaning)
+        return Reading(speech_act, *meant, cost, derivation, words)
 
     def _is_for_now(self, derivation: Derivation) -> bool:
         """Whether what must not be done is to give the speaker a certain thing: "the knife"."""

@@ -124,22 +124,13 @@ class _Attempt:
     ) -> Understanding:
         """The first result with a meaning, else the first question, else the first failure."""
         problem = self._tools.clarification.of_too_many_unknown_words(tokens)
-        if problem is not None:
+        if problem is None:
+            result = self._as_sentence(tokens, context)
+            strategies = self._strategies_after(result, is_core=is_core)
+        else:
+            result = Understanding.of(tokens, context, problem)
             others = (self._by_definition, self._by_name, self._by_core, self._by_plan)
-            answer = Understanding.of(tokens, context, problem)
-            return self._first_of(() if is_core else others, answer, tokens, context)
-        result = self._as_sentence(tokens, context)
-        strategies = self._strategies_after(result, is_core=is_core)
-        return self._first_of(strategies, result, tokens, context)
-
-    def _first_of(
-        self,
-        strategies: Sequence[Strategy],
-        result: Understanding,
-        tokens: Tokens,
-        context: UtteranceContext,
-    ) -> Understanding:
-        """The first result of some strategies with a meaning, else the first that is no failure."""
+            strategies = () if is_core else others
         for strategy in strategies:
             found = strategy(tokens, context)
             if found is not None and (found.reading is not None or _is_procedure(found)):

@@ -17,6 +17,7 @@ from typing import TypeVar
 from ...ontology.yaml_reader import YamlNode, read_yaml
 from .clause_features import ASIDE, CONDITION, MAIN, UtteranceFeatures, Values
 from .meaning import (
+    LIKELY,
     ActionRule,
     Command,
     Confidence,
@@ -40,7 +41,6 @@ KINDS = ("use", "holding", "correction", "retraction", "command", "norm")
 AnyRule = TypeVar("AnyRule", Rule, KindRelation)
 
 _CLAUSES = (MAIN, CONDITION, ASIDE)
-_LIKELY = 0.5  # a rule whose upper bound is below states that something is not so
 
 
 @dataclass(frozen=True)
@@ -103,7 +103,7 @@ def bounded(interval: Confidence, bound: Confidence) -> Confidence:
     interval that contains that of a stronger one.
     """
     lower, upper = interval
-    if upper < _LIKELY:
+    if upper < LIKELY:
         return lower, max(upper, round(1 - bound[0], 4))
     return min(lower, bound[0]), upper
 

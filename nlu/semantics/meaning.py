@@ -16,7 +16,7 @@ Confidence = tuple[float, float]
 
 ANY_OBJECT = "*"
 
-_LIKELY = 0.5  # a rule whose upper bound is below states that something is not so
+LIKELY = 0.5  # a rule whose upper bound is below states that something is not so
 
 
 class _Record:
@@ -47,7 +47,7 @@ class _Rule(_Record):
     @property
     def denies(self) -> bool:
         """Whether it states that something is not so."""
-        return self.confidence[1] < _LIKELY
+        return self.confidence[1] < LIKELY
 
     def as_json(self) -> Json:
         return {"rule": self.rule} | super().as_json()

@@ -133,11 +133,8 @@ class _NormReader:
             if not isinstance(rule, ActionRule) or not (rule.denies or rule.confidence == usual):
                 raise UninterpretableError("not_a_rule")
             target = ObjectReference(rule.object, props=rule.props)
-            yield Norm(
-                "forbidden" if rule.denies else "obliged",
-                Command(rule.context, target, part=rule.part),
-                usual,
-            )
+            act = Command(rule.context, target, part=rule.part)
+            yield Norm("forbidden" if rule.denies else "obliged", act, usual)
 
     def _act(self, form: PredicateForm, name: str) -> Command | ToolCommand:
         if form.name == "not":
