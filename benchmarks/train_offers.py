@@ -9,10 +9,12 @@ written together are on one side. `--write` trains on all and writes `ontology/e
 from __future__ import annotations
 
 import argparse
+import base64
 import contextlib
 import json
 import sys
 import time
+import zlib
 from array import array
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -30,7 +32,7 @@ from hilt.nlu.lexicon.tokenizer import tokenize
 from hilt.nlu.offers.candidates import Asides, CandidateMeaning, candidates
 from hilt.nlu.offers.meaning_shapes import MeaningShape, meaning_from_json, shape_of
 from hilt.nlu.offers.mentions import Mentions
-from hilt.nlu.offers.offers import DIGITS, LEAST, MORE, OfferModel
+from hilt.nlu.offers.offers import LEAST, OfferModel
 from hilt.nlu.offers.ranker import NONE, Ranker, filling_features, utterance_features
 from hilt.nlu.parsing.understanding import UtteranceContext
 from hilt.nlu.semantics.discourse import Discourse
@@ -412,32 +414,19 @@ def _print_row(
 
 
 def as_json(model: OfferModel, seed: int) -> str:
-    """The file of a model: shapes, traits, and the traits and weights of each feature as digits."""
-    shapes, ranker = model.shapes, model.ranker
-    count = Counter(t for weights in ranker.weights.values() for t in weights)
-    traits = [trait for trait, _ in count.most_common()]
-    number = {trait: n for n, trait in enumerate(traits)}
-    shape_numbers = {shape.text: n for n, shape in enumerate(shapes)}
+    """The file of a model: the shapes, and compressed the weights by feature and trait."""
     weights = {
-        feature: "".join(_packed(number[t], round(w * 10)) for t, w in each.items())
-        for feature, each in sorted(ranker.weights.items())
+        feature: {trait: round(weight, 1) for trait, weight in each.items()}
+        for feature, each in sorted(model.ranker.weights.items())
     }
+    packed = base64.b64encode(zlib.compress(_compact(weights).encode(), 9)).decode()
     made_by = f"python benchmarks/train_offers.py --write --seed {seed}"
     lines = [
         f'{{"made_by":{json.dumps(made_by)},',
-        '"shapes":[\n' + ",\n".join(shape.text for shape in shapes) + "],",
-        '"traits":' + _compact([shape_numbers.get(trait, trait) for trait in traits]) + ",",
-        '"weights":' + _compact(weights) + "}\n",
+        '"shapes":[\n' + ",\n".join(shape.text for shape in model.shapes) + "],",
+        f'"weights":"{packed}"}}\n',
     ]
     return "\n".join(lines)
-
-
-def _packed(trait: int, weight: int) -> str:
-    """A trait, by its number, and its weight in tenths: a digit each, more for a great number."""
-    more, digit = divmod(trait, len(DIGITS) - MORE)
-    bound = len(DIGITS) // 2
-    prefix = DIGITS[len(DIGITS) - MORE + more - 1] if more else ""
-    return prefix + DIGITS[digit] + DIGITS[max(-bound, min(bound - 1, weight)) + bound]
 
 
 def _compact(value: object) -> str:

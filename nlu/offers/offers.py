@@ -7,8 +7,10 @@ or acted on before its speaker has chosen it.
 
 from __future__ import annotations
 
+import base64
 import json
-from collections.abc import Callable, Iterator, Mapping, Sequence
+import zlib
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 from itertools import islice
@@ -52,11 +54,6 @@ LEAST_OTHER = 0.03  # the least probability of a further offer
 MAX_TRIED = 6  # how many of the likeliest candidates are checked
 MAX_UNKNOWN = 5  # how many unknown words an utterance may have
 MAX_SEGMENTS = 30  # how many segments are parsed
-
-DIGITS = "".join(each for each in map(chr, range(32, 127)) if each not in '"\\')
-"""The digits of the numbers in the file of a model, from zero on."""
-
-MORE = 5  # how many of the last digits add the number of the others, once to so many times
 
 
 @dataclass(frozen=True)
@@ -270,17 +267,5 @@ _uncorrecting = partial(with_rules, revises=False)
 def load_model(path: Path) -> OfferModel:
     """Return the model in a file, which `benchmarks/train_offers.py` writes."""
     data = json.loads(path.read_text(encoding="utf-8"))
-    shapes = tuple(map(shape_from, data["shapes"]))
-    traits = [each if isinstance(each, str) else shapes[each].text for each in data["traits"]]
-    weights = {feature: dict(_unpacked(said, traits)) for feature, said in data["weights"].items()}
-    return OfferModel(shapes, Ranker(weights))
-
-
-def _unpacked(said: str, traits: Sequence[str]) -> Iterator[tuple[str, float]]:
-    """Yield the traits and weights in the digits of a feature."""
-    values = map(DIGITS.index, said)
-    width = len(DIGITS) - MORE
-    for value in values:
-        more = max(0, value - width + 1)
-        trait = width * more + (next(values) if more else value)
-        yield traits[trait], (next(values) - len(DIGITS) // 2) / 10
+    weights = json.loads(zlib.decompress(base64.b64decode(data["weights"])))
+    return OfferModel(tuple(map(shape_from, data["shapes"])), Ranker(weights))
