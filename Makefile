@@ -7,10 +7,12 @@ PIP := $(BIN)/python -m pip -qq --disable-pip-version-check
 # The installed tree links to each file, so it is laid anew when files come or go.
 READY := .venv/.ready-$(shell find agent inference kb nlu ontology sim -type f ! -name '*.pyc' | LC_ALL=C sort | cksum | cut -d' ' -f1)
 
-.PHONY: demo test test-extras test-install coverage lint format bench docs linkcheck lock dist sbom clean
+.PHONY: demo setup test test-extras test-install coverage lint format bench docs linkcheck lock dist sbom clean
 
 demo: $(READY)  ## the paper's running example: three sentences, a command, a knife passed by the blade
 	@$(BIN)/hilt demo
+
+setup: $(READY)  ## make or renew .venv; every other target does this first
 
 test: $(READY)  ## the whole test suite
 	@$(BIN)/pytest -n auto --dist loadfile

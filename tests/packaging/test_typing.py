@@ -59,11 +59,13 @@ def test_program_has_no_type_errors(checker: str, project: Path):
 
 
 def test_program_runs(project: Path):
-    """It prints what it decided."""
+    """It prints what it decided, and the package runs as a module."""
     variables = fresh_variables(project / "home", project / ".venv" / "bin")
 
     printed = run(["python", "program.py"], project, variables)
 
+    version = run(["python", "-m", "hilt", "--version"], project, variables)
+    assert printed.startswith(f"{version.strip().title()}: ")
     assert "2 lessons, 2 rules\nknife\nI would pass the knife by the blade.\n" in printed
 
 
