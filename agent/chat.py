@@ -61,6 +61,7 @@ def run(agent: Agent, out: Console, source: TextIO, speaker: str | None = None) 
     try:
         speaker = _first_speaker(agent, speaker, out if is_interactive else None)
     except (EOFError, KeyboardInterrupt):
+        out.print()
         return  # who it is, was not told
     chat = Chat(agent, out, speaker, is_interactive)
     said = read_lines(chat.prompt, chat.completable, chat.interrupt) if is_interactive else source
@@ -150,7 +151,9 @@ class Chat:
 
     def _run(self, command: SlashCommand, argument: str) -> None:
         try:
-            self.out.print(command.run(self, argument))
+            found = command.run(self, argument)
+            if found:
+                self.out.print(found)
         except HiltError as error:
             self.out.print(Text(str(error)))
 
@@ -297,6 +300,7 @@ def _set_speaker(chat: Chat, name: str) -> RenderableType:
     if name:
         check_speaker(name)
         chat.speaker = chat.agent.base.match_speaker(name)
+        chat.agent.dialogue.conversation.people.leave(chat.speaker)
     if chat.agent.dialogue.conversation.trusts(chat.speaker):
         return Text(f"{chat.speaker} is speaking.")
     doubt = f"{chat.speaker} is speaking, whom I do not trust yet."
@@ -308,7 +312,7 @@ def _picture(chat: Chat, name: str) -> RenderableType:
         return Text(_NO_ROBOT)
     path = Path(name) if name else _new_file("picture", ".png")
     chat.show_file("picture", chat.agent.body.picture(path))
-    return Text("", end="")
+    return ""
 
 
 def _film(chat: Chat, name: str) -> RenderableType:

@@ -220,13 +220,14 @@ class Language:
                 to be sure what is wanted, the meaning is a question back.
         """
         context = UtteranceContext(speaker, addressee, discourse or Discourse(), (heard, 1.0))
-        control = self.control(text)
-        if control and (control.is_halt or self.parser.pragmatics.is_enough(context.recognition)):
+        tokens = self._tokens(text)
+        is_heard = self.parser.pragmatics.is_enough(context.recognition)
+        control = self._control(tokens)
+        if not (control and control.is_halt):
+            control = (control or self._trust(tokens)) if is_heard else None
+        if control:
             return Understanding(text, speaker, addressee, control, discourse=context.discourse)
-        trust = self._trust(text)
-        if trust:
-            return Understanding(text, speaker, addressee, trust, discourse=context.discourse)
-        introduction = self.introduction(text)
+        introduction = self._introduction(tokens)
         if introduction and not introduction.rest:
             greeting = Acknowledgement("greeting", introduction.name)
             return Understanding(text, speaker, addressee, greeting, discourse=context.discourse)
@@ -345,7 +346,9 @@ class Language:
 
     def control(self, text: str) -> Control | None:
         """Return the control that a text is ("stop", "put it down"), None for any other text."""
-        tokens = self._tokens(text)
+        return self._control(self._tokens(text))
+
+    def _control(self, tokens: Tokens) -> Control | None:
         if len(tokens.items) > MAX_CONTROL_WORDS:
             return None
         found = self.parser.control(tokens, self.controls)
@@ -353,10 +356,12 @@ class Language:
 
     def introduction(self, text: str) -> Courtesy | None:
         """Return who a speaker claims to be in a text and what else it says, None for nobody."""
-        return self._courtesies.introduction(self._tokens(text), self.utterance_parser.known_words)
+        return self._introduction(self._tokens(text))
 
-    def _trust(self, text: str) -> TrustStatement | None:
-        tokens = self._tokens(text)
+    def _introduction(self, tokens: Tokens) -> Courtesy | None:
+        return self._courtesies.introduction(tokens, self.utterance_parser.known_words)
+
+    def _trust(self, tokens: Tokens) -> TrustStatement | None:
         start = self.controls.after_polite(tokens.words)
         return self._courtesies.trust(tokens, start, self.utterance_parser.known_words)
 

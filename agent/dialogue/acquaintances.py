@@ -23,6 +23,10 @@ class Acquaintances:
         """Return the known person who is heard under a name."""
         return self._speakers.get(heard, heard)
 
+    def leave(self, heard: str) -> None:
+        """Forget who was introduced under a name: its bearer speaks again."""
+        self._speakers.pop(heard, None)
+
     def called(self, speaker: str) -> str:
         """Return the name that a speaker goes by."""
         return self._called.get(speaker, speaker)

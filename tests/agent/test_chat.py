@@ -195,6 +195,20 @@ def test_owner_lets_others_teach():
     assert "is not an interval" in shown
 
 
+def test_slash_command_ends_an_introduction():
+    """Who was introduced speaks no longer."""
+    lines = [
+        "You can trust Anna",
+        "My name is Anna",
+        "/speaker sam",
+        "A mug is used for containing",
+    ]
+
+    shown = piped([*lines, "/rules"])
+
+    assert "A mug is used for containing.  Sam" in shown
+
+
 def test_examples_of_the_help_are_understood(agent: Agent):
     """What it offers can be said."""
     for _, *texts in EXAMPLES:

@@ -100,3 +100,10 @@ def test_people_are_trusted_or_not(
 def test_what_is_no_name_is_not_trusted(language: Language, text: str) -> None:
     """Nor is what somebody asks."""
     assert not isinstance(language.understand(text).meaning, TrustStatement)
+
+
+def test_nobody_is_trusted_who_was_hardly_heard(language: Language) -> None:
+    """A recogniser may have heard another name."""
+    meaning = language.understand("You can trust Anna", heard=0.4).meaning
+
+    assert not isinstance(meaning, TrustStatement)
