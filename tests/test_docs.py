@@ -47,6 +47,7 @@ BLOCKS = Sybil(
     [
         PythonCodeBlockParser(),
         CodeBlockParser("console", run_session),
+        CodeBlockParser("sparql", write_file),
         CodeBlockParser("yaml", write_file),
     ]
 )
