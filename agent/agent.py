@@ -9,7 +9,6 @@ The simulated body is made at the first command: teaching and asking need no rob
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Callable, Generator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
@@ -50,8 +49,6 @@ if TYPE_CHECKING:
     from ..sim.body import Body
     from ..sim.scene.scene import Scene
     from .presentation.video import Film
-
-_logger = logging.getLogger(__name__)
 
 
 class Agent:
@@ -267,7 +264,7 @@ class Agent:
         Raises:
             MissingExtraError: the simulator is not installed.
         """
-        with timed(_logger, "build the simulated scene and robot"):
+        with timed(__name__, "build the simulated scene and robot"):
             return self.embodiment.open_body(self.interruption)
 
     @cached_property

@@ -8,9 +8,8 @@ says where a command looks for the values of options that it is not given.
 
 from __future__ import annotations
 
-import logging
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field, fields, replace
 from functools import cache
 from pathlib import Path
@@ -19,7 +18,6 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from ..ontology.errors import DataError, HiltError
 from ..ontology.logs import timed
 from ..ontology.plugins import plugin_names
-from ..ontology.toml_reader import read_toml
 from ..ontology.yaml_reader import YamlNode, read_yaml
 
 if TYPE_CHECKING:  # at run time only where they are needed, so that `hilt --help` is fast
@@ -32,7 +30,6 @@ if TYPE_CHECKING:  # at run time only where they are needed, so that `hilt --hel
     from ..ontology.objects import Household
 
 T = TypeVar("T")
-_logger = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
@@ -166,9 +163,18 @@ OPTIONS: Mapping[str, ConfigOption] = {
 }
 
 
+def read_nodes(path: Path, known: Collection[str]) -> Mapping[str, YamlNode]:
+    """Return the entries of a YAML or TOML file with known keys; errors as of `from_yaml`."""
+    if path.suffix != ".toml":
+        return read_yaml(path).entries(optional=known)
+    from ..ontology.toml_reader import read_toml
+
+    return read_toml(path).entries(optional=known)
+
+
 def read_values(path: Path) -> dict[str, Any]:
     """Return the values of the options in a YAML or TOML file; errors as of `from_yaml`."""
-    nodes = (read_toml if path.suffix == ".toml" else read_yaml)(path).entries(optional=OPTIONS)
+    nodes = read_nodes(path, OPTIONS)
     return {name: read_value(node, OPTIONS[name], path.parent) for name, node in nodes.items()}
 
 
@@ -187,7 +193,7 @@ def _read_language(kinds: Household, lexicon: Path | None) -> Language:
     from ..nlu.lexicon.vocabulary import household_vocabulary
 
     vocabulary = household_vocabulary(kinds.objects)
-    with timed(_logger, "load the language"):
+    with timed(__name__, "load the language"):
         return Language.load(vocabulary=vocabulary, extra_lexicon=lexicon)
 
 
@@ -250,7 +256,7 @@ def open_base(
     from ..kb.knowledge_base import KnowledgeBase
 
     location = location or str(default_location())
-    with timed(_logger, "open the knowledge base %s", location):
+    with timed(__name__, "open the knowledge base %s", location):
         base = KnowledgeBase.open(location)
         base.load_domain((kinds or household()).objects, actions or actions_with(None))
     return base

@@ -14,9 +14,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from ..ontology.toml_reader import read_toml
 from ..ontology.yaml_reader import YamlNode
-from .config import OPTIONS, ConfigOption, read_value
+from .config import OPTIONS, ConfigOption, read_nodes, read_value
 
 FILE = "hilt.toml"
 _VARIABLES = {"base": "HILT_KB"}  # whose names are others
@@ -49,7 +48,7 @@ def configured() -> dict[str, Configured]:
     """
     found = {name: Configured(option.default) for name, option in KEYS.items()}
     for origin, path in (("user", user_file()), ("project", project_file())):
-        nodes = read_toml(path).entries(optional=KEYS) if path and path.is_file() else {}
+        nodes = read_nodes(path, KEYS) if path and path.is_file() else {}
         for name, node in nodes.items():
             value = read_value(node, KEYS[name], Path(node.source).parent)
             found[name] = Configured(value, origin, f"{node.source}:{node.line}")

@@ -7,20 +7,23 @@ are of level DEBUG, so that nothing is printed unless a handler is attached to `
 from __future__ import annotations
 
 import re
+import sys
 from collections.abc import Generator
 from contextlib import contextmanager
-from logging import DEBUG, Logger
 from time import perf_counter
 
+DEBUG = 10  # that of `logging`
 MOST_CHARACTERS = 500  # of a message
 _CREDENTIALS = re.compile(r"//[^\s<>\"]*@")  # of an address: //name:password@
 _COMMENTS = re.compile(r"^\s*#.*$", re.MULTILINE)  # of SPARQL
 
 
 @contextmanager
-def timed(log: Logger, doing: str, *details: object) -> Generator[None]:
-    """Log what the block does, with its details, when it ends, and how long it took [ms]."""
-    if not log.isEnabledFor(DEBUG):
+def timed(module: str, doing: str, *details: object) -> Generator[None]:
+    """Log for a module what the block does, when it ends, and how long it took [ms]."""
+    logging = sys.modules.get("logging")  # who listens has imported it
+    log = logging.getLogger(module) if logging else None
+    if log is None or not log.isEnabledFor(DEBUG):
         yield
         return
     started = perf_counter()

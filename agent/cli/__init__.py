@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import atexit
 import gc
-import logging
 import sys
 import traceback
 from collections.abc import Generator, Sequence
@@ -64,16 +63,17 @@ def main(arguments: Sequence[str] | None = None) -> None:
         sys.stdout.reconfigure(errors="backslashreplace")
     atexit.register(gc.freeze)  # else the interpreter looks for cycles in all of it when it ends
     words = [word for word in given if word not in ANYWHERE]
-    group = _command(words)
+    command = typer.main.get_command(app)
+    group = _command(command, words)
     is_group = hasattr(group, "commands") and not group.invoke_without_command
     with _logged("--verbose" in given):
-        code = _run([*words, "--help"] if is_group else words, debug="--debug" in given)
+        words = [*words, "--help"] if is_group else words
+        code = _run(command, words, debug="--debug" in given)
     sys.exit(WRONG_USAGE if is_group else code)
 
 
-def _command(words: Sequence[str]) -> Any:
+def _command(found: Any, words: Sequence[str]) -> Any:
     """The command, or the group of commands, that some words are; None where they are more."""
-    found: Any = typer.main.get_command(app)
     for word in words:
         found = getattr(found, "commands", {}).get(word)
     return found
@@ -85,6 +85,8 @@ def _logged(wanted: bool) -> Generator[None]:
     if not wanted:
         yield
         return
+    import logging
+
     handler, logger = logging.StreamHandler(), logging.getLogger("hilt")
     handler.setFormatter(logging.Formatter("%(relativeCreated)6.0f ms  %(name)s: %(message)s"))
     logger.addHandler(handler)
@@ -96,8 +98,7 @@ def _logged(wanted: bool) -> Generator[None]:
         logger.setLevel(logging.NOTSET)
 
 
-def _run(arguments: Sequence[str], *, debug: bool) -> int:
-    command = typer.main.get_command(app)
+def _run(command: Any, arguments: Sequence[str], *, debug: bool) -> int:
     try:
         return command.main(_reordered(arguments), prog_name="hilt", standalone_mode=False) or 0
     except typer.Abort:

@@ -8,10 +8,8 @@ from typing import Annotated
 
 import typer
 
-from ...ontology.disk_cache import write_atomically
 from ...ontology.errors import UnknownNameError
 from ...ontology.logs import shown
-from ...ontology.toml_reader import with_value
 from ...ontology.yaml_reader import read_text
 from ..config import (
     OPTIONS,
@@ -70,6 +68,9 @@ def set_value(
     as_json: AsJson = False,
 ) -> None:
     """Keep a value for all commands to come."""
+    from ...ontology.disk_cache import write_atomically
+    from ...ontology.toml_reader import with_value
+
     if key not in KEYS:
         raise UnknownNameError("key", key, KEYS)
     path = _file(project=project)

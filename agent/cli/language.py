@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import random
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, cast
@@ -119,6 +118,8 @@ def grammar(
     lexicon: UserLexicon = None,
 ) -> None:
     """Print a grammar for a speech recogniser: whatever it allows is understood."""
+    import random
+
     from ...nlu.jsgf import grammar_of, sentences
 
     language = _session(lexicon).language

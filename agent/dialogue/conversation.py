@@ -5,7 +5,6 @@ The parts of the dialogue manager share one `Conversation`, and change its state
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass, replace
 from typing import Any, Literal
@@ -33,8 +32,6 @@ from .teaching import (
     word_to_keep,
 )
 from .translation import meaning_from_rule, norm_from_rule, relation_from_rule
-
-_logger = logging.getLogger(__name__)
 
 Answered = tuple[AnswerContent, tuple[Rule, ...]]  # an answer, and the rules that it rests on
 
@@ -128,7 +125,7 @@ class Conversation:
         said = self._other.understand(text, speaker=speaker) if self._other else None
         if said is not None:
             return Understanding(text, speaker, "self", said, discourse=self.discourse)
-        with timed(_logger, "understand %r", text):
+        with timed(__name__, "understand %r", text):
             return self.language.understand(
                 text, speaker=speaker, discourse=self.discourse, accepted=accepted, heard=heard
             )

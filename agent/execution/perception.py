@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -12,10 +11,8 @@ from ...kb.rule import Atom
 from ...ontology.logs import timed
 from ...ontology.objects import ObjectTypes
 from ...sim.scene.scene import Scene
-from ...sim.vision.percept import Percept
+from ...sim.vision.percept import Percept, UnmeasuredParts
 from ..protocols import Vision
-
-_logger = logging.getLogger(__name__)
 
 
 def percept_as_observation(
@@ -51,14 +48,12 @@ class PerfectVision:
     """Vision that reports everything in a scene with certainty (paper, section 4.1)."""
 
     def __init__(self, scene: Scene, objects: ObjectTypes) -> None:
-        import numpy as np  # here: who only teaches or asks saves its import time
-
         self._percepts = tuple(
             Percept(
                 name=placement.name,
                 object=placement.object,
                 confidence=1.0,
-                parts={name: np.zeros((0, 3)) for name in objects[placement.object].parts},
+                parts=UnmeasuredParts(tuple(objects[placement.object].parts)),
                 properties=objects[placement.object].properties,
             )
             for placement in scene.placements
@@ -78,7 +73,7 @@ class LoggedVision:
 
     def search(self, features: Sequence[str]) -> Sequence[Percept]:
         """Return what the vision finds."""
-        with timed(_logger, "look for %s", ", ".join(features)):
-            found = self.vision.search(features)
-        _logger.debug("found %s", found)
+        found: list[Percept] = []
+        with timed(__name__, "look for %s: %s", ", ".join(features), found):
+            found += self.vision.search(features)
         return found

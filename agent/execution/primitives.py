@@ -6,7 +6,6 @@ robot. A report of a failure becomes an answer.
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 
@@ -18,8 +17,6 @@ from . import outcome_answer
 from .grasp_log import GraspLog
 from .outcome import AnswerContent, Constraint, Failure, WorldOutcome
 from .request import Arguments, named
-
-_logger = logging.getLogger(__name__)
 
 DRIVEN = "driven"  # what the robot senses when something is in all the way
 LOST = ("dropped", "nothing_held")
@@ -91,7 +88,7 @@ class PrimitiveExecutor:
 
     def perform(self, task: PrimitiveTask) -> Failure:
         """Perform a primitive; return the failure, if any."""
-        with timed(_logger, "perform %s", task.action):
+        with timed(__name__, "perform %s", task.action):
             return self._primitives.get(task.action, self._skill)(task)
 
     def not_sensed(self, event: str) -> AnswerContent:

@@ -16,7 +16,6 @@ server is busy. Redirects are not followed, so that no other server receives the
 
 from __future__ import annotations
 
-import logging
 import os
 import re
 import time
@@ -44,7 +43,6 @@ NO_PERMISSION = re.compile(r"\bSR186\b|permission|not authori[sz]ed", re.IGNOREC
 OUT_OF_TIME = "S1TAT"  # Virtuoso's state of an incomplete answer
 MAX_MESSAGE = 300  # characters of a server's message that are shown
 
-_logger = logging.getLogger(__name__)
 
 Form = Mapping[str, "str | Sequence[str]"]
 
@@ -196,7 +194,7 @@ class EndpointTransport:
         for attempt in range(TRIES):
             is_last = attempt == TRIES - 1
             try:
-                with timed(_logger, "request %s %s", url, _asked(form)):
+                with timed(__name__, "request %s %s", url, _asked(form)):
                     status, response, wait = self._once(request, limits)
             except httpx.TransportError as error:
                 self._raise_unless_retried(error, is_last, may_repeat, limits)

@@ -11,7 +11,6 @@ one with limits runs in another process (`query_subprocess`).
 from __future__ import annotations
 
 import contextlib
-import logging
 import os
 import shutil
 import tempfile
@@ -44,7 +43,6 @@ from .query_subprocess import WorkerProcess
 from .term_conversion import from_engine, named_node, quad_from_engine, quad_to_engine, to_engine
 
 _PREFIXES = dict(PREFIXES)
-_logger = logging.getLogger(__name__)
 _BUFFER = 2**18  # bytes that are split into rows at once
 
 
@@ -87,7 +85,7 @@ class OxigraphStore:
         """The result of any query; with limits evaluated in another process over a snapshot."""
         if limits is None:
             return self._evaluate(query)
-        with timed(_logger, "query with limits %s", query):
+        with timed(__name__, "query with limits %s", query):
             with self._lock:
                 snapshot = self._snapshot = self._snapshot or self._take_snapshot()
             return self._worker.request(limits, source=snapshot.path, query=query)
@@ -219,7 +217,7 @@ class OxigraphStore:
         self._log.reset()
 
     def _run(self, query: str) -> object:
-        with timed(_logger, "query %s", query), translated_errors(self.location, query):
+        with timed(__name__, "query %s", query), translated_errors(self.location, query):
             # As a union, pyoxigraph ignores the graphs that a query itself chooses (FROM).
             is_union = "from" not in query.lower() or "FROM" not in keywords(query)
             return self._engine().query(
@@ -238,7 +236,7 @@ class OxigraphStore:
 
     @contextmanager
     def _changing(self, update: str = "") -> Generator[engine.Store]:
-        doing = timed(_logger, "write %s", update or "statements")
+        doing = timed(__name__, "write %s", update or "statements")
         with doing, self._lock, translated_errors(self.location, update):
             store = self._engine()
             if self.read_only:

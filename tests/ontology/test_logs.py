@@ -8,16 +8,14 @@ from hypothesis import strategies as st
 
 from hilt.ontology.logs import MOST_CHARACTERS, shown, timed
 
-LOGGER = logging.getLogger("hilt.test")
-
 
 def test_time_of_a_block_is_logged_when_somebody_listens(caplog: pytest.LogCaptureFixture):
     """The message says what was done, with which details, and how long it took."""
-    with timed(LOGGER, "unheard"):
+    with timed("hilt.test", "unheard"):
         pass
     caplog.set_level(logging.DEBUG, logger="hilt")
 
-    with timed(LOGGER, "look for %s", "a knife"):
+    with timed("hilt.test", "look for %s", "a knife"):
         pass
 
     (message,) = caplog.messages
@@ -29,7 +27,7 @@ def test_block_that_fails_is_logged_too(caplog: pytest.LogCaptureFixture):
     """The error goes on to the caller."""
     caplog.set_level(logging.DEBUG, logger="hilt")
 
-    with pytest.raises(ValueError, match="no"), timed(LOGGER, "try"):
+    with pytest.raises(ValueError, match="no"), timed("hilt.test", "try"):
         raise ValueError("no")
 
     assert caplog.messages[0].startswith("try [")

@@ -78,7 +78,10 @@ def test_log_is_written_to_stderr_only_when_it_is_wanted(taught: Hilt):
 
     assert loud.document["said"] == "I would pass the knife by the blade."
     assert "hilt.kb.stores.oxigraph: query SELECT" in loud.err
-    assert "hilt.agent.execution.perception: look for object:knife [" in loud.err
+    assert (
+        "hilt.agent.execution.perception: look for object:knife: [<Percept knife, knife 1.00>] ["
+        in loud.err
+    )
     assert re.search(r"hilt\.agent\.config: open the knowledge base .* \[[\d.]+ ms\]", loud.err)
     assert not logging.getLogger("hilt").handlers
 
