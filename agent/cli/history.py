@@ -197,6 +197,8 @@ def replay(
     with open_for_reading(kb) as base:
         with spinner(f"Running {which} again"):
             found = run(base, which, gui=gui, film=record)
+        if record:
+            typer.echo(f"Film written to {record}.", err=True)
         show(
             found,
             lambda one: presentation.console.replay_result(one, lambda n: base.utterance(n).text),

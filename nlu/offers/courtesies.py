@@ -9,6 +9,7 @@ trusted is found here too, by phrases: no grammar knows the names of strangers.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import takewhile
 from pathlib import Path
 
 from ..grammar.word_lists import Phrase, WordLists, load_word_lists
@@ -123,12 +124,10 @@ class CourtesyPhrases:
         """The name by which its speaker is introduced in a part, empty when there is none."""
         words = part.words
         for start in range(min(len(words), _LONGEST_ADDRESS)):
-            end = self.words.end("introducing", words, start)
-            token = part.items[end] if start < end < len(words) else None
-            if token is None or not self._ends_with(words, end + 1):
-                continue
-            if _is_person(token, known):
-                return token.word
+            first = self.words.end("introducing", words, start)
+            name = [*takewhile(lambda token: _is_person(token, known), part.items[first:])]
+            if first > start and name and self._ends_with(words, first + len(name)):
+                return " ".join(token.word for token in name)
         return ""
 
     def _ends_with(self, words: Phrase, start: int) -> bool:

@@ -138,17 +138,17 @@ def typed(agent: Agent, lines: list[str], monkeypatch: pytest.MonkeyPatch) -> st
     return shown.getvalue()
 
 
-@pytest.mark.parametrize("answer", ["Tessa", "my name is Tessa", " Tessa "])
+@pytest.mark.parametrize("answer", ["Tessa Ünal", "my name is Tessa Ünal", " Tessa Ünal "])
 def test_first_conversation_asks_for_the_name(
     agent: Agent, answer: str, monkeypatch: pytest.MonkeyPatch
 ):
     """Who answers is the owner from then on, is believed, and is not asked again."""
     shown = typed(agent, [answer, "A knife is used for cutting"], monkeypatch)
 
-    assert "Hello Tessa. I will believe what you tell me." in shown
-    assert [rule.speaker for rule in agent.base.rules()] == ["Tessa"]
+    assert "Hello Tessa Ünal. I will believe what you tell me." in shown
+    assert [rule.speaker for rule in agent.base.rules()] == ["Tessa Ünal"]
     assert "What is your name?" not in typed(agent, ["A mug is used for containing"], monkeypatch)
-    assert {rule.speaker for rule in agent.base.rules()} == {"Tessa"}
+    assert {rule.speaker for rule in agent.base.rules()} == {"Tessa Ünal"}
 
 
 def test_account_names_who_only_presses_enter(agent: Agent, monkeypatch: pytest.MonkeyPatch):

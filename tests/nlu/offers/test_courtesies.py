@@ -107,3 +107,17 @@ def test_nobody_is_trusted_who_was_hardly_heard(language: Language) -> None:
     meaning = language.understand("You can trust Anna", heard=0.4).meaning
 
     assert not isinstance(meaning, TrustStatement)
+
+
+@pytest.mark.parametrize(
+    ("text", "name"),
+    [("My name is Zoë Ünal", "zoë ünal"), ("I'm Ottokar from next door", "ottokar")],
+)
+def test_speakers_are_introduced_by_their_whole_names(
+    language: Language, text: str, name: str
+) -> None:
+    """What follows the name in small letters is none of it."""
+    introduced = language.introduction(text)
+
+    assert introduced is not None
+    assert introduced.name == name
