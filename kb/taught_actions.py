@@ -9,7 +9,6 @@ status, as a rule does; of several with one name that which was told last holds.
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from hashlib import sha256
 
@@ -67,12 +66,6 @@ def _action_iri(action: TaughtAction) -> Iri:
     return iri("taught", sha256(key.encode()).hexdigest()[:16])
 
 
-def _tree_quads(action: TaughtAction) -> Iterator[Quad]:
-    for path in action.nodes:
-        for subject, predicate, value in node_statements(path):
-            yield Quad(subject, predicate, value, ACTIONS)
-
-
 _FIELDS = {
     "action": FieldProperty(term("denotes"), Iri, atom_iri, atom_from_iri),
     "meaning": FieldProperty(term("meaning"), str),
@@ -80,5 +73,6 @@ _FIELDS = {
 }
 TAUGHT_ACTIONS = LearnedMapping(
     *(TaughtAction, "A taught action", term("TaughtAction"), ACTIONS, _FIELDS),
-    *(_action_iri, _tree_quads),
+    _action_iri,
+    lambda action: (Quad(*s, ACTIONS) for path in action.nodes for s in node_statements(path)),
 )

@@ -270,18 +270,14 @@ def _reported(report: Any) -> Iterator[ValidationFinding]:
     from rdflib import RDF, SH, URIRef
 
     for result in report.subjects(RDF.type, SH.ValidationResult):
-        found = report.value(result, SH.value)
-        text = "" if found is None else f" Found {_brief(found)}."
-        message = str(report.value(result, SH.resultMessage))
+        message, found = report.value(result, SH.resultMessage), report.value(result, SH.value)
+        brief = shortened(str(found)) if ":" in str(found)[:8] else f'"{str(found)[:60]}"'
+        text = "" if found is None else f" Found {brief}."
         path = report.value(result, SH.resultPath)
         key = shortened(str(path)) if isinstance(path, URIRef) else ""
         yield ValidationFinding(
             shortened(str(report.value(result, SH.focusNode))), f"{message}{text}", key
         )
-
-
-def _brief(node: Any) -> str:
-    return shortened(str(node)) if ":" in str(node)[:8] else f'"{str(node)[:60]}"'
 
 
 def _sort(staging: Store) -> None:

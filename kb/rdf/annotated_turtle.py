@@ -77,8 +77,8 @@ def write_annotated(quads: Iterable[Quad]) -> Iterator[str]:
         edges = _edges(node, found)
         if edges:
             yield from _annotation(node, found, edges)
-        else:
-            yield from _plain(node, [one for one in found if one[0] not in _PLAIN_EDGES])
+        elif plain := [one for one in found if one[0] not in _PLAIN_EDGES]:
+            yield f"{_short(node)} {_pairs(plain)} .\n"
 
 
 _PLAIN_EDGES = frozenset((*_FUNCTORS, term("affords")))
@@ -144,11 +144,6 @@ def _annotation(
     first, *others = [f"{' '.join(map(_short, edge[:3]))} ~ {name}" for edge in edges]
     yield f"\n{first} {{|\n    {said} |}} .\n"
     yield from (f"{edge} .\n" for edge in others)
-
-
-def _plain(node: Iri, found: Sequence[tuple[Iri, Term]]) -> Iterator[str]:
-    if found:
-        yield f"{_short(node)} {_pairs(found)} .\n"
 
 
 def _pairs(found: Iterable[tuple[Iri, Term]]) -> str:

@@ -32,7 +32,9 @@ def refuse_external_access(text: str) -> None:
     """Raise a QueryError for a text that would read from the network or from files."""
     # Some engines read escaped characters before anything else.
     for version in {text, _CODE_POINT.sub(_decoded, text)}:
-        found = _forbidden_word(version, EXTERNAL_ACCESS) or _virtuoso_function(version)
+        said = (token.group().lstrip("<").lower()[:60] for token in tokens(version))
+        function = next((one for one in said if one.startswith(VIRTUOSO_FUNCTIONS)), None)
+        found = _forbidden_word(version, EXTERNAL_ACCESS) or function
         if found:
             raise QueryError(
                 f"{found} is refused: a query reads this knowledge base and nothing else. "
@@ -108,11 +110,6 @@ def _is_ambiguous(token: re.Match[str], before: str, bracket: str) -> bool:
             return said == "<<" or (said == "<" and may_be_iri is not None)
         case _:
             return False
-
-
-def _virtuoso_function(text: str) -> str | None:
-    said = (token.group().lstrip("<").lower() for token in tokens(text))
-    return next((one[:60] for one in said if one.startswith(VIRTUOSO_FUNCTIONS)), None)
 
 
 def _decoded(match: re.Match[str]) -> str:

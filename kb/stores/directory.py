@@ -28,7 +28,6 @@ from ...ontology.errors import StoreError
 MARKER_FILE = "CURRENT"  # the engine writes it into every folder that it makes
 SNAPSHOTS = "snapshots"
 MAX_LOGGED_CHANGES = 1_000  # after which the tables are written and the log begins anew
-_LOG_SUFFIX = ".log"
 # Elsewhere fdatasync does not promise what it does on Linux, so the engine's flush is used.
 _CAN_SYNC_LOG = sys.platform == "linux"
 _TRIES, _PAUSE_S = 100, 0.02
@@ -82,7 +81,8 @@ class WriteAheadLogSync:
         if self._folder is None:
             return True
         self.changes += 1
-        sizes = _log_sizes(self._folder) if _CAN_SYNC_LOG else {}
+        logs = self._folder.glob("*.log") if _CAN_SYNC_LOG else ()
+        sizes = {file.name: file.stat().st_size for file in logs}
         if not sizes or self.changes >= MAX_LOGGED_CHANGES:
             return False
         for name, size in sizes.items():
@@ -200,11 +200,6 @@ def _is_alive(process: str) -> bool:
     except (ValueError, OverflowError, PermissionError):
         return True
     return True
-
-
-def _log_sizes(folder: Path) -> dict[str, int]:
-    with os.scandir(folder) as entries:
-        return {one.name: one.stat().st_size for one in entries if one.name.endswith(_LOG_SUFFIX)}
 
 
 def sync(path: Path) -> None:

@@ -94,17 +94,18 @@ class RunJournal(AbstractContextManager["RunJournal"]):
 
     def _resume_or_start(self, header: Json, *, resume: bool) -> None:
         self._file.seek(0)
-        whole, incomplete = _whole_lines(self._file.read())
+        content = self._file.read()
+        *lines, incomplete = content.split(b"\n")
         if incomplete:
-            self._file.truncate(sum(map(len, whole)))
-        if not whole:
+            self._file.truncate(len(content) - len(incomplete))
+        if not lines:
             self._write(header)
             return
         if not resume:
             problem = "contains a run already. Continue it with --resume, or name another folder."
             raise DataError(problem, source=str(self.folder))
-        self._check(_parsed(self._path, 1, whole[0]), header)
-        for number, line in enumerate(whole[1:], start=2):
+        self._check(_parsed(self._path, 1, lines[0]), header)
+        for number, line in enumerate(lines[1:], start=2):
             run = _read_run(self._path, number, line)
             if run.result.kind != "lost":  # lost cases are run again
                 self.runs[run.result.key] = run
@@ -140,11 +141,6 @@ def _header(experiment: Experiment, cases: Sequence[Case]) -> Json:
         "cases": len(cases),
         "digest": digest.hexdigest(),
     }
-
-
-def _whole_lines(content: bytes) -> tuple[list[bytes], bytes]:
-    *lines, last = content.splitlines(keepends=True) or [b""]
-    return ([*lines, last], b"") if last.endswith(b"\n") else (lines, last)
 
 
 def _parsed(source: str, number: int, line: bytes) -> Json:

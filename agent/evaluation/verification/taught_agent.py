@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from contextlib import AbstractContextManager
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, fields
 from typing import TypeAlias
 
 from ....inference.affordance import Affordances, RuleSource
@@ -40,32 +40,24 @@ PROVENANCE = (DERIVED_FROM, GENERATED_AT)
 STATED = frozenset({"interval", "speaker", "utterance", "time", "status", "trust", "id", "support"})
 
 
-@dataclass(frozen=True)
-class Trace:
-    """The cells of the rules that were met, and of those whose content was read."""
-
-    listed: set[RuleKey] = field(default_factory=set[RuleKey])
-    read: set[RuleKey] = field(default_factory=set[RuleKey])
-
-
 class TracingRule(Rule):
     """A rule that records that it was met, and when its content is read."""
 
     def __getattribute__(self, name: str) -> object:
         state = object.__getattribute__(self, "__dict__")
-        if "trace" in state and not name.startswith("__"):  # absent during construction
-            state["trace"].listed.add(state["key"])
+        if "source" in state and not name.startswith("__"):  # absent during construction
+            state["source"].listed.add(state["key"])
             if name in STATED:
-                state["trace"].read.add(state["key"])
+                state["source"].read.add(state["key"])
         return object.__getattribute__(self, name)
 
 
 class TracingSource:
-    """A source of rules that records in `trace` which rules are met and read."""
+    """A source of rules that records the cells of those that are met, and that are read."""
 
     def __init__(self, source: RuleSource) -> None:
         self.source = source
-        self.trace = Trace()
+        self.listed, self.read = set[RuleKey](), set[RuleKey]()
 
     @property
     def sequence(self) -> int:
@@ -79,7 +71,7 @@ class TracingSource:
             found.append(
                 TracingRule(**{each.name: getattr(rule, each.name) for each in fields(Rule)})
             )
-            found[-1].__dict__.update(key=RuleKey.from_rule(rule), trace=self.trace)
+            found[-1].__dict__.update(key=RuleKey.from_rule(rule), source=self)
         return found
 
 
@@ -116,13 +108,13 @@ class TaughtAgent(AbstractContextManager["TaughtAgent"]):
         things = Scene(tuple(Placement(name, name) for name in scene), seed=0)
         vision = PerfectVision(things, household().objects)
         manager = GoalManager(actions_with(None), self._affordances, vision, None, self._norms)
-        trace = self._source.trace
-        trace.listed.clear()
-        trace.read.clear()
+        source = self._source
+        source.listed.clear()
+        source.read.clear()
         result = manager.achieve(Request(action, {"object": target}, DEFAULT_SPEAKER))
         found: Decision | None = result.decision
         chosen = (found.object, found.part) if found else (None, None)
-        return TracedDecision(*chosen, frozenset(trace.listed), frozenset(trace.read))
+        return TracedDecision(*chosen, frozenset(source.listed), frozenset(source.read))
 
     def __exit__(self, *_: object) -> None:
         self.base.close()

@@ -367,12 +367,12 @@ def test_trace_notes_what_is_read_of_a_rule():
         base.believe("", "", "sam", [functional("mug", "containing", interval=Interval(0.5, 1))])
         traced = TracingSource(base)
         (rule,) = traced.rules_at_nodes(["findObject.containing"])
-        assert (rule.object, rule.affordance, traced.trace.read) == ("mug", "containing", set())
-        assert traced.trace.listed == {RuleKey("mug", "containing")}
+        assert (rule.object, rule.affordance, traced.read) == ("mug", "containing", set())
+        assert traced.listed == {RuleKey("mug", "containing")}
 
         assert rule.support == Interval(0.5, 1)
 
-    assert traced.trace.read == {RuleKey("mug", "containing")}
+    assert traced.read == {RuleKey("mug", "containing")}
 
 
 def test_decision_reads_only_what_is_on_the_table():
