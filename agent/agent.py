@@ -35,8 +35,7 @@ from .dialogue.conversation import Conversation
 from .dialogue.manager import DialogueManager
 from .dialogue.reply import Reply
 from .dialogue.translation import action_words
-from .episodes.recorder import EpisodeRecorder
-from .episodes.serialization import embodiment_as_json, file_as_json, settings_as_choices
+from .episodes import EpisodeRecorder, embodiment_as_json, file_as_json, settings_as_choices
 from .execution.embodiment import Embodiment
 from .execution.goal_manager import GoalManager
 from .execution.norm_guard import NormGuard

@@ -7,7 +7,7 @@ import pytest
 
 from hilt.agent.agent import Agent
 from hilt.agent.config import AgentConfig
-from hilt.agent.episodes.serialization import embodiment_as_json, embodiment_from_json
+from hilt.agent.episodes import embodiment_as_json, embodiment_from_json
 from hilt.agent.execution.embodiment import Embodiment
 from hilt.ontology.errors import DataError, UnknownNameError
 

@@ -11,7 +11,7 @@ import pytest
 from hilt.agent.agent import Agent
 from hilt.agent.cli import main
 from hilt.agent.config import AgentConfig
-from hilt.agent.episodes.serialization import as_json, from_json, settings_as_choices
+from hilt.agent.episodes import as_json, from_json, settings_as_choices
 from hilt.agent.execution.perception import PerfectVision
 from hilt.agent.execution.request import Request
 from hilt.agent.replay import find_episode, replay

@@ -11,7 +11,8 @@ order of the scores alone, then the program is right everywhere if it is right o
 
 2,189,146 cases, which are run with the code under test. The hypotheses are tested too
 (`hypotheses`), and choices are made among scores that can only be compared (H3). The certificate
-contains all results in one file that others can check.
+contains all results in one file that others can check: `examples/check_certificate.py` computes it
+again from the definition, without Hilt, and compares number by number.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from collections import defaultdict
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from math import comb
 from typing import ClassVar, cast
 
 from ....inference.interval_operators import EPSILON
@@ -27,8 +29,7 @@ from ....inference.settings import Settings
 from ...execution.outcome import Json
 from ..case import Case, CaseResult
 from ..experiment import Experiment
-from ..learning_scenarios import ACTIONS
-from ..verification.certificate import count_totals, make_certificate
+from ..learning_scenarios import ACTIONS, CONTEXTS, LEVELS
 from ..verification.finite_cases import (
     CheckResult,
     VerbalizedSpace,
@@ -37,8 +38,12 @@ from ..verification.finite_cases import (
     check_words,
 )
 from ..verification.hypotheses import COMMANDS, check_growth, check_situations, check_teaching
+from ..verification.scenario_space import ScenarioSpace
 from ..verification.weak_orders import WeakOrderClass, weak_order_blocks
 
+FORMAT = 2  # of the certificate
+OUTCOMES = ("none", "unique", "ties")
+Facts = Mapping[str, Sequence[Json]]
 FIXED: Mapping[str, Callable[..., CheckResult]] = {
     "words": check_words,
     "scores": check_scores,
@@ -146,3 +151,49 @@ class RandomScenariosExperiment(AllScenariosExperiment):
     def files(self, results: Sequence[CaseResult]) -> Mapping[str, Json]:
         """Return no certificate: `AllScenariosExperiment` makes it."""
         return {}
+
+
+def make_certificate(space: ScenarioSpace, facts: Facts, pinned: Json) -> Json:
+    """Return the certificate of a run over a space, with the settings that were used (`pinned`).
+
+    `facts` maps each kind of cases to their facts, in the order of the cases.
+    """
+    return {
+        "format": FORMAT,
+        "objects": list(space.objects),
+        "affordances": list(space.affordances),
+        "parts": {name: list(space.parts[name]) for name in space.objects},
+        "contexts": list(CONTEXTS),
+        "actions": list(ACTIONS),
+        "levels": list(LEVELS),
+        **pinned,
+        **(facts["words"][0] if "words" in facts else {}),
+        "scores": [each["rows"] for each in facts.get("scores", ())],
+        "choices": list(facts.get("choices", ())),
+        "grasps": [each["rows"] for each in facts.get("grasps", ())],
+        **{name: list(facts.get(name, ())) for name in ("teaching", "situations", "growth")},
+    }
+
+
+def count_totals(space: ScenarioSpace, facts: Facts) -> Json:
+    """Return the numbers of cases, and of rule states over the whole space by outcome.
+
+    A rule state is a way to teach the cells of one affordance, with a scene; its outcome is that
+    there is no right choice, a unique one, or ties.
+    """
+    choices = cast("Sequence[dict[str, int]]", facts.get("choices", ()))
+    counted = {
+        "words": len(space.cells) * len(LEVELS) + len(space.commands()) + 2 ** len(space.objects),
+        "scores": len(space.cells) * (space.full + 1),
+        "choices": sum(block[outcome] for block in choices for outcome in OUTCOMES),
+        "grasps": len(space.objects) * len(CONTEXTS) * (space.full + 1) ** 2,
+    }
+    return {
+        "cases": counted | {"all": sum(counted.values())},
+        "situations": 2 ** len(space.objects) * len(space.commands()),
+        "rules": len(space.cells) * len(LEVELS),
+        "rule_states": {  # m levels can be any m non-zero codes
+            outcome: sum(block[outcome] * comb(space.full, block["levels"]) for block in choices)
+            for outcome in OUTCOMES
+        },
+    }

@@ -1,4 +1,3 @@
-from .certificate import count_totals, make_certificate
 from .finite_cases import VerbalizedSpace
 from .scenario_space import RuleKey, ScenarioSpace
 from .taught_agent import TaughtAgent, TracedDecision
@@ -11,6 +10,4 @@ __all__ = [
     "TracedDecision",
     "VerbalizedSpace",
     "WeakOrderClass",
-    "count_totals",
-    "make_certificate",
 ]

@@ -17,8 +17,7 @@ from hilt.agent.evaluation.case import Case, CaseResult, TimedResult
 from hilt.agent.evaluation.experiments.noise_robustness import NoiseExperiment
 from hilt.agent.evaluation.experiments.paper import PaperExperiment
 from hilt.agent.evaluation.reports.export import write_report
-from hilt.agent.evaluation.reports.html import EmbeddedPicture, render_page
-from hilt.agent.evaluation.reports.plots import COLOURS, plot_curve
+from hilt.agent.evaluation.reports.html import COLOURS, EmbeddedPicture, plot_curve, render_page
 from hilt.agent.evaluation.reports.summary import EvaluationReport
 from hilt.agent.evaluation.runners.experiment_run import run_experiment
 
