@@ -31,8 +31,7 @@ from typing import ClassVar, cast
 from hilt.agent.agent import Agent
 from hilt.agent.config import AgentConfig, household, load_language, open_base
 from hilt.agent.dialogue.reply import Reply
-from hilt.agent.evaluation.case import Case, CaseResult
-from hilt.agent.evaluation.experiment import Experiment
+from hilt.agent.evaluation.experiment import Case, CaseResult, Experiment
 from hilt.agent.evaluation.experiments.noise_curves import Z
 from hilt.agent.evaluation.learning_scenarios import grasp_sentence
 from hilt.agent.execution.embodiment import Embodiment

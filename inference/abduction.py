@@ -26,10 +26,7 @@ _FUNCTORS = {"affordance": USED_FOR, "part": GRASP_OBJECT}
 
 @dataclass(frozen=True)
 class Hypothesis:
-    """An antecedent (features and contexts) that would entail the conclusion.
-
-    The interval of the conclusion in that case is based on the rules.
-    """
+    """An antecedent that would entail the conclusion, and the interval of that by the rules."""
 
     features: frozenset[Atom]
     contexts: frozenset[Atom]

@@ -37,10 +37,7 @@ def _conflict_mass(one: Interval, other: Interval) -> float:
 
 
 def find_conflicts(rules: Iterable[Rule]) -> list[Conflict]:
-    """Return all pairs of rules that contradict each other, in descending order of weight.
-
-    Rules are discounted by the trust in their speakers.
-    """
+    """Return the pairs of rules that contradict each other, weighted by trust, heaviest first."""
     groups: dict[tuple[frozenset[Atom], str, Atom | None], list[Rule]] = defaultdict(list)
     for rule in rules:
         groups[rule.features | rule.contexts, rule.functor, rule.argument].append(rule)

@@ -122,10 +122,7 @@ class RuleWriter(RuleReader):
         answer: str = "",
         heard: float = 1.0,
     ) -> Utterance:
-        """Add an utterance that changes no rule: a command, a question, a refused statement.
-
-        The arguments are those of `Utterance`.
-        """
+        """Add an utterance that changes no rule, as a command; arguments as for `Utterance`."""
         said = self._said(text, predicate, speaker, kind)
         with self.store.writing():
             return self._write(replace(said, accepted=accepted, answer=answer, heard=heard), [])
@@ -175,10 +172,7 @@ class RuleWriter(RuleReader):
         """Retract a learned phrase, whose node stays.
 
         `pattern` is its pattern, or an utterance from which it was learned; `text` is the utterance
-        that retracts it, for the history.
-
-        Raises:
-            NotFoundError: there is no such phrase.
+        that retracts it, for the history. A NotFoundError says that there is no such phrase.
         """
         said = self._said(text, "", speaker, "correction")
         return self._forget(
@@ -191,10 +185,7 @@ class RuleWriter(RuleReader):
         """Let grasp trials no longer count as experience, and return how many they were.
 
         They are those `of` a kind of object by this part; None for any. `text` is the utterance
-        that forgets them, for the history.
-
-        Raises:
-            NotFoundError: there are no such trials.
+        that forgets them, for the history. A NotFoundError says that there are none.
         """
         with self.store.writing():
             found = list(trial_nodes(self.store, of, part))

@@ -104,11 +104,7 @@ def import_file(
 
 
 def read_file(file: str | Path, *, format: str | None = None) -> Store:
-    """Read a file into a store of its own, unchecked; `validation.findings` checks it.
-
-    Raises:
-        DataError: the file cannot be read or parsed; says where.
-    """
+    """Read a file into a store, unchecked (see `findings`); a DataError says where it is wrong."""
     chosen = format_of(str(file), format, "trig")
     with open_input(str(file), chosen) as source:
         if chosen.name in RULE_FORMATS:

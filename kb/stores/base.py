@@ -44,12 +44,7 @@ class Store(Protocol):
         ...
 
     def select(self, query: str) -> SelectResult:
-        """The rows of a SELECT query.
-
-        Raises:
-            QueryError: the query is wrong or not a SELECT.
-            StoreError: the store cannot be read.
-        """
+        """The rows of a SELECT query; QueryError if that is wrong, StoreError if unreadable."""
         ...
 
     def run(self, query: str, limits: QueryLimits | None = None) -> QueryResult:

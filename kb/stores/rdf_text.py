@@ -38,10 +38,7 @@ _NOT_IN_XML = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\ufffe\uffff]")
 def read_line(
     line: str, *, format: str, source: str, default: Iri, number: int
 ) -> list[Quad | ReifyingTriple]:
-    """The statements of the `number`th line of N-Quads or N-Triples.
-
-    Statements that name no graph are in `default`. A DataError says where it is wrong.
-    """
+    """The statements of a line, in the graph `default` if they name none; DataError if wrong."""
     try:
         return [
             _statement(quad, default) for quad in engine.parse(line, format=RDF_FORMATS[format])
@@ -58,10 +55,7 @@ def line_format(format: str) -> str:
 
 
 def read_lines(stream: BinaryIO, *, format: str, source: str) -> Iterator[bytes]:
-    """Chunks of an RDF text in one of `RDF_FORMATS`, made UTF-8 lines in its `line_format`.
-
-    A DataError says where it is wrong.
-    """
+    """Chunks of an RDF text, in its `line_format`; a DataError says where it is wrong."""
     chosen = RDF_FORMATS[format]
     if format in _LINE_FORMATS:
         while chunk := stream.read(_CHUNK):

@@ -229,10 +229,7 @@ class RemoteStore:
 
 
 def open_remote(location: str | EndpointConfig, *, read_only: bool = False) -> RemoteStore:
-    """A store behind an endpoint; StoreError if that does not answer, or refuses.
-
-    `hilt.kb.stores.http` documents the location.
-    """
+    """A store behind an endpoint (see `http`); StoreError if that does not answer, or refuses."""
     address = location if isinstance(location, EndpointConfig) else parse_address(location)
     store = RemoteStore(EndpointTransport(address), read_only=read_only)
     try:

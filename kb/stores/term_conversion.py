@@ -14,10 +14,7 @@ from ..sparql.results import RDF_12_UNSUPPORTED
 
 
 def from_engine(term: Any) -> Term:
-    """The term of a pyoxigraph term; a blank node becomes an IRI that starts with `_:`.
-
-    A triple term (RDF 1.2) raises a QueryError.
-    """
+    """The term of a pyoxigraph term, a blank node as IRI with `_:`; QueryError for a triple."""
     kind = type(term)
     if kind is engine.NamedNode:
         return Iri(term.value)

@@ -27,8 +27,7 @@ from typing import ClassVar, cast
 from ....inference.interval_operators import EPSILON
 from ....inference.settings import Settings
 from ...execution.outcome import Json
-from ..case import Case, CaseResult
-from ..experiment import Experiment
+from ..experiment import Case, CaseResult, Experiment
 from ..learning_scenarios import ACTIONS, CONTEXTS, LEVELS
 from ..verification.finite_cases import (
     CheckResult,

@@ -31,7 +31,7 @@ from ....sim.scene.scene import graspable, scene_with
 from ...agent import Agent
 from ...config import household, load_language, open_base
 from ...execution.embodiment import Embodiment
-from ..case import Case
+from ..experiment import Case
 from ..learning_scenarios import (
     ACTIONS,
     CONTEXTS,
@@ -93,11 +93,7 @@ class CustomSpec:
 
 
 def load_custom(path: Path, *, seed: int = 0) -> CustomSpec:
-    """Read the file of an experiment, whose random scenes are drawn from the seed.
-
-    Raises:
-        DataError: the file is invalid; gives the position and what was expected.
-    """
+    """Read a file, drawing random scenes from the seed; a DataError says where it is wrong."""
     top = read_yaml(path).entries(
         required={"affordances", "scenes"},
         optional={"household", "levels", "grasps", "mirrored", "actions"},

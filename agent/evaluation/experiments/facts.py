@@ -29,8 +29,7 @@ from ...agent import Agent
 from ...config import household, load_language, open_base
 from ...execution.embodiment import Embodiment
 from ...execution.outcome import Json
-from ..case import Case, CaseResult
-from ..experiment import Experiment
+from ..experiment import Case, CaseResult, Experiment
 from ..learning_scenarios import command, functional_sentence
 from .ground_truth import CorrectChoices
 

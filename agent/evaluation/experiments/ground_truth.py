@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from ....inference.types import Candidate
 from ...dialogue.reply import Reply
 from ...execution.outcome import GoalResult, Json, WorldOutcome
-from ..case import Case, CaseResult, Kind
+from ..experiment import Case, CaseResult, Kind
 from ..learning_scenarios import LearningScenario
 
 HELD_S = 1.0  # how long a grasped object must be held [s]

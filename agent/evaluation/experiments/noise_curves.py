@@ -16,7 +16,7 @@ from typing import cast
 
 from ....ontology.yaml_reader import YamlNode, read_yaml
 from ...execution.outcome import Json
-from ..case import CaseResult
+from ..experiment import CaseResult
 
 CURVES_FILE = Path(__file__).parents[1] / "noise_curves.yaml"
 OUTCOMES = ("right", "wrong", "declined")

@@ -22,8 +22,7 @@ from ...agent import Agent
 from ...config import AgentConfig
 from ...dialogue.reply import Reply
 from ...execution.outcome import Json
-from ..case import Case, CaseResult
-from ..experiment import Experiment
+from ..experiment import Case, CaseResult, Experiment
 from ..learning_scenarios import ACTIONS, LearningScenario, command, load_scenarios
 from .ground_truth import CorrectChoices
 from .noise_curves import CURVES, OUTCOMES, AccuracyCurve, curve_points

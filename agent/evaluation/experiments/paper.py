@@ -2,7 +2,7 @@
 
 The paper evaluates 2 scenarios x 10 scenes x 15 commands. Its scenes are drawn at random: the first
 has all objects, they are distinct, and together they test all four principles. All 256 scenes make
-7,680 cases.
+7,680 cases. Its 16 grasp rules are each taught by sentence and executed in simulation.
 """
 
 from __future__ import annotations
@@ -11,11 +11,14 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations, cycle
 from random import Random
-from typing import ClassVar
+from typing import ClassVar, cast
 
-from ..case import Case
+from ...agent import Agent
+from ...config import AgentConfig
+from ..experiment import Case, CaseResult, Experiment
+from ..learning_scenarios import ACTIONS, grasp_sentence, load_scenarios
 from .command_experiment import DecisionExperiment
-from .ground_truth import CorrectChoices
+from .ground_truth import CorrectChoices, judge_grasp
 
 PRINCIPLES = {1, 2, 3, 4}
 MAX_SCENES = 255  # the non-empty subsets of eight objects
@@ -72,3 +75,44 @@ class SituationsExperiment(DecisionExperiment):
             for scene in combinations(sorted(scenario.objects), size)
             for case in self.commands(scenario, "+".join(scene) or "empty", scene, self.seed)
         ]
+
+
+@dataclass(frozen=True)
+class GraspExperiment(Experiment):
+    """Grasps of a single object on the table.
+
+    Attributes:
+        seed: the seed of the first pose; the next poses have the next seeds.
+        poses: number of random poses for each object and context.
+    """
+
+    name: ClassVar[str] = "grasps"
+    poses: int = 3
+
+    @property
+    def simulates(self) -> bool:
+        """Always."""
+        return True
+
+    def cases(self) -> Sequence[Case]:
+        """Return the cases by object, context and pose."""
+        return [
+            Case(
+                self.name,
+                f"{name}/{context}/{seed}",
+                {"object": name, "context": context, "part": part, "seed": seed},
+            )
+            for name, parts in load_scenarios()[0].grasps.items()
+            for context, part in parts.items()
+            for seed in range(self.seed, self.seed + self.poses)
+        ]
+
+    def run(self, case: Case) -> CaseResult:
+        """Teach one grasp rule, command the action, and judge what the robot did."""
+        spec = cast("dict[str, str]", case.spec)
+        name, context, part = spec["object"], spec["context"], spec["part"]
+        seed = cast("int", case.spec["seed"])
+        with Agent.open("memory:", AgentConfig(scene=f"objects:{name}", seed=seed)) as agent:
+            agent.hear(grasp_sentence(name, context, part), only="tell")
+            reply = agent.hear(f"{ACTIONS[context]} the {name}", only="do")
+        return judge_grasp(case, name, part, reply)

@@ -13,7 +13,7 @@ from ..experiment import Experiment
 EXPERIMENTS: Mapping[str, str] = {
     "paper": ".paper:PaperExperiment",
     "situations": ".paper:SituationsExperiment",
-    "grasps": ".grasps:GraspExperiment",
+    "grasps": ".paper:GraspExperiment",
     "all-scenarios": ".all_scenarios:AllScenariosExperiment",
     "random": ".all_scenarios:RandomScenariosExperiment",
     "noise": ".noise_robustness:NoiseExperiment",

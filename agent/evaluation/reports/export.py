@@ -13,8 +13,7 @@ from pathlib import Path
 from typing import cast
 
 from ....ontology.errors import DataError, MissingExtraError, StoreError
-from ..case import Case
-from ..experiment import Experiment
+from ..experiment import Case, Experiment
 from ..experiments.command_experiment import DecisionExperiment
 from .html import EmbeddedPicture, render_page
 from .summary import EvaluationReport

@@ -18,8 +18,7 @@ from typing import cast
 
 from ....ontology.errors import extra_required
 from ...execution.outcome import Json
-from ..case import Case
-from ..experiment import Experiment
+from ..experiment import Case, Experiment
 from .summary import EvaluationReport, as_text
 
 TEMPLATE = Path(__file__).with_name("page.html")

@@ -8,8 +8,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, cast
 
 from ...execution.outcome import Json
-from ..case import CaseResult, TimedResult
-from ..experiment import Experiment
+from ..experiment import CaseResult, Experiment, TimedResult
 
 if TYPE_CHECKING:
     from rich.table import Table

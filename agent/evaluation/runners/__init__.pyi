@@ -1,7 +1,6 @@
-from .base import Runner
+from .base import ProcessRunner, Runner, SerialRunner
 from .experiment_run import make_runner, run_experiment
 from .journal import RunJournal
-from .local import ProcessRunner, SerialRunner
 from .ray import RayRunner
 
 __all__ = [

@@ -1,4 +1,4 @@
-"""The protocol of a runner, and running cases in this process or in others that may die or hang.
+"""Runners of cases on this machine: in this process, or in others that may die or hang.
 
 A worker process gets the name and options of an experiment and constructs it again; cases and
 results are transferred as lines of JSON.
@@ -9,18 +9,21 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import islice
+from multiprocessing import get_context
 from queue import Empty, SimpleQueue
 from time import process_time
 from typing import Protocol
 
+from pebble import ProcessExpired, ProcessPool
+
 from ....ontology.errors import WorkersUnavailableError
-from ..case import Case, CaseResult, TimedResult, to_json_line
-from ..experiment import Experiment
+from ..experiment import Case, CaseResult, Experiment, TimedResult, to_json_line
 from ..experiments.registry import make_experiment
 
+START_S = 120.0  # how long the worker processes may take to start a case [s]
 TIMEOUT_S = 600.0  # [s]; ten times as long as any case of ours takes
 ATTEMPTS = 3  # how often a case is started whose worker dies or times out
 
@@ -116,3 +119,44 @@ def run_in_pool(
             yield TimedResult(lost, 0.0, attempt)
         for each in islice(waiting, 1):
             begin(each, 1)
+
+
+class SerialRunner:
+    """Runs cases in this process, one after the other; cases that hang are not stopped."""
+
+    def run(self, experiment: Experiment, cases: Sequence[Case]) -> Iterator[TimedResult]:
+        """Run the cases in their order."""
+        return (run_case(experiment, case) for case in cases)
+
+
+@dataclass(frozen=True)
+class ProcessRunner:
+    """Runs cases in a pool of processes (started by "spawn" on every platform).
+
+    A process is killed when its case takes longer than `timeout_s` [s]. A case whose process dies
+    or times out is started `attempts` times.
+    """
+
+    workers: int
+    timeout_s: float = TIMEOUT_S
+    attempts: int = ATTEMPTS
+
+    def run(self, experiment: Experiment, cases: Sequence[Case]) -> Iterator[TimedResult]:
+        """Run the cases, each in one of the processes; WorkersError if none can be started."""
+        if not cases:
+            return
+        pool = ProcessPool(min(self.workers, len(cases)), context=get_context("spawn"))
+        name, options = experiment.name, to_json_line(experiment.options)
+        try:
+            yield from run_in_pool(
+                cases,
+                lambda case: pool.schedule(
+                    run_in_worker, args=(name, options, case), timeout=self.timeout_s
+                ),
+                (ProcessExpired, TimeoutError),
+                attempts=self.attempts,
+                patience_s=START_S,
+            )
+        finally:
+            pool.stop()
+            pool.join()

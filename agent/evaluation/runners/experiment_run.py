@@ -17,11 +17,9 @@ from rich.progress import (
 )
 from rich.text import Text
 
-from ..case import Case, TimedResult
-from ..experiment import Experiment
-from .base import TIMEOUT_S, Runner
+from ..experiment import Case, Experiment, TimedResult
+from .base import TIMEOUT_S, ProcessRunner, Runner, SerialRunner
 from .journal import RunJournal
-from .local import ProcessRunner, SerialRunner
 from .ray import RayRunner
 
 

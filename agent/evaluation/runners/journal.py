@@ -24,8 +24,7 @@ from typing import cast
 
 from ....ontology.errors import DataError, StoreError
 from ...execution.outcome import Json
-from ..case import Case, TimedResult, to_json_line
-from ..experiment import Experiment
+from ..experiment import Case, Experiment, TimedResult, to_json_line
 
 JOURNAL, RESULTS, TIMES = "journal.jsonl", "results.jsonl", "times.csv"
 FORMAT = 1

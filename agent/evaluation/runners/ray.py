@@ -13,8 +13,7 @@ from contextlib import contextmanager
 from typing import Any
 
 from ....ontology.errors import WorkersUnavailableError, extra_required
-from ..case import Case, TimedResult, to_json_line
-from ..experiment import Experiment
+from ..experiment import Case, Experiment, TimedResult, to_json_line
 from .base import ATTEMPTS, TIMEOUT_S, run_in_pool, run_in_worker
 
 LOCAL = "local"

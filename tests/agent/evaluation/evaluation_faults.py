@@ -8,8 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar, cast
 
-from hilt.agent.evaluation.case import Case, CaseResult
-from hilt.agent.evaluation.experiment import Experiment
+from hilt.agent.evaluation.experiment import Case, CaseResult, Experiment
 
 
 def notes(folder: Path) -> list[list[str]]:

@@ -7,7 +7,7 @@ from experience import ExperienceExperiment, is_contradicted
 
 from hilt.agent.evaluation.reports.html import render_page
 from hilt.agent.evaluation.reports.summary import EvaluationReport
-from hilt.agent.evaluation.runners.local import SerialRunner
+from hilt.agent.evaluation.runners.base import SerialRunner
 from hilt.inference.experience import contradiction, credible_interval
 from hilt.kb.interval import Interval
 

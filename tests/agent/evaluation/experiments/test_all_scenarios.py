@@ -13,7 +13,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hilt.agent.evaluation.case import Case, CaseResult, to_json_line
+from hilt.agent.evaluation.experiment import Case, CaseResult, to_json_line
 from hilt.agent.evaluation.experiments.all_scenarios import (
     AllScenariosExperiment,
     RandomScenariosExperiment,

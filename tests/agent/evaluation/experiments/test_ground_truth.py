@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import pytest
 
 from hilt.agent.agent import Agent
-from hilt.agent.evaluation.case import Case, CaseResult
+from hilt.agent.evaluation.experiment import Case, CaseResult
 from hilt.agent.evaluation.experiments.ground_truth import (
     CorrectChoices,
     judge_command,

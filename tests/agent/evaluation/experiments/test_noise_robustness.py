@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hilt.agent.evaluation.case import Case, CaseResult
+from hilt.agent.evaluation.experiment import Case, CaseResult
 from hilt.agent.evaluation.experiments.noise_curves import (
     CURVES,
     clustered_interval,

@@ -7,7 +7,7 @@ from typing import cast
 import pytest
 
 from hilt.agent.cli import main
-from hilt.agent.evaluation.case import Case, CaseResult, TimedResult, to_json_line
+from hilt.agent.evaluation.experiment import Case, CaseResult, TimedResult, to_json_line
 from hilt.agent.evaluation.experiments.ground_truth import CorrectChoices
 from hilt.agent.evaluation.experiments.paper import PaperExperiment, SituationsExperiment
 from hilt.agent.evaluation.experiments.registry import make_experiment

@@ -13,7 +13,7 @@ from xml.etree import ElementTree as ET
 import pytest
 
 from hilt.agent.cli import main
-from hilt.agent.evaluation.case import Case, CaseResult, TimedResult
+from hilt.agent.evaluation.experiment import Case, CaseResult, TimedResult
 from hilt.agent.evaluation.experiments.noise_robustness import NoiseExperiment
 from hilt.agent.evaluation.experiments.paper import PaperExperiment
 from hilt.agent.evaluation.reports.export import write_report

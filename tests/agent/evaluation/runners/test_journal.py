@@ -18,7 +18,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hilt.agent.cli import main
-from hilt.agent.evaluation.case import TimedResult
+from hilt.agent.evaluation.experiment import TimedResult
 from hilt.agent.evaluation.runners.experiment_run import run_experiment
 from hilt.agent.evaluation.runners.journal import JOURNAL, RESULTS, TIMES, RunJournal
 from hilt.ontology.errors import DataError, StoreError

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from hilt.agent.execution.grasp_log import GraspLog
+from hilt.agent.execution.primitives import GraspLog
 from hilt.sim.manipulation.motion_report import MotionReport
 
 OK = MotionReport("grasp", ok=True, touched=("handle",))

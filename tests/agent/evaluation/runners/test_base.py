@@ -6,12 +6,10 @@ from pathlib import Path
 import pytest
 from evaluation_faults import Squares
 
-from hilt.agent.evaluation.case import CaseResult
-from hilt.agent.evaluation.experiment import Experiment
+from hilt.agent.evaluation.experiment import CaseResult, Experiment
 from hilt.agent.evaluation.experiments.registry import make_experiment
-from hilt.agent.evaluation.runners.base import Runner
+from hilt.agent.evaluation.runners.base import ProcessRunner, Runner, SerialRunner
 from hilt.agent.evaluation.runners.experiment_run import make_runner, run_experiment
-from hilt.agent.evaluation.runners.local import ProcessRunner, SerialRunner
 from hilt.ontology.errors import DataError, UnknownNameError, WorkersUnavailableError
 
 
