@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 from itertools import chain, pairwise
 from pathlib import Path
 
@@ -294,22 +295,19 @@ class ProcedureReader:
 
 
 class _Clauses:
-    """The clauses of one utterance; what is tried again is read once."""
+    """The clauses of one utterance; what is tried again is read once.
+
+    `read` returns the clauses of some tokens after a state, each with the state after it, or None
+    if one of them is none.
+    """
 
     def __init__(
         self, reader: ProcedureReader, context: UtteranceContext, sentence: Sentence
     ) -> None:
         self._reader, self._words = reader, reader.words
         self._context, self._sentence = context, sentence
-        self._found: dict[tuple[Tokens, ClauseState], list[tuple[Clause, ClauseState]] | None] = {}
+        self.read = cache(self._read)
         self._new_words: dict[Act, tuple[NewWord, ...]] = {}
-
-    def read(self, tokens: Tokens, state: ClauseState) -> list[tuple[Clause, ClauseState]] | None:
-        """Return the clauses of an utterance with the state after each; None if one is none."""
-        key = (tokens, state)
-        if key not in self._found:
-            self._found[key] = self._read(tokens, state)
-        return self._found[key]
 
     def new_words_of(self, act: Act) -> tuple[NewWord, ...]:
         """Return the words in a step that were not known."""

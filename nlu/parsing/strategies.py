@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cache, partial
 from itertools import islice
 
 from ..lexicon.discourse_markers import move_to_front
@@ -101,7 +101,7 @@ class _Attempt:
         self._tools, self._accepted = tools, accepted
         self._markers = tools.builder.discourse_markers
         self._charts: dict[object, Chart] = {}
-        self._sentences: dict[tuple[Tokens, UtteranceContext], Understanding] = {}
+        self._sentence = cache(self._read_sentence)
         self._fronted: set[Tokens] = set()  # those with a qualifier moved to the front
         reader = tools.procedures
         self._by_definition = partial(reader.definition, sentence=self._sentence)
@@ -292,16 +292,12 @@ class _Attempt:
             context = replace(context, discourse=each.discourse)
         return found if topic is None else []
 
-    def _sentence(self, tokens: Tokens, context: UtteranceContext) -> Understanding:
-        key = (tokens, context)
-        found = self._sentences.get(key)
-        if found is None:
-            found = self._parse(tokens, context)
-            content = found.reading and found.reading.intention.arguments[-1]
-            if tokens in self._fronted and content and content.name == "and":
-                # The qualifier was said of one of them; moved, it no longer shows of which.
-                found = Understanding.of(tokens, context, Misunderstanding(tokens.text))
-            self._sentences[key] = found
+    def _read_sentence(self, tokens: Tokens, context: UtteranceContext) -> Understanding:
+        found = self._parse(tokens, context)
+        content = found.reading and found.reading.intention.arguments[-1]
+        if tokens in self._fronted and content and content.name == "and":
+            # The qualifier was said of one of them; moved, it no longer shows of which.
+            return Understanding.of(tokens, context, Misunderstanding(tokens.text))
         return found
 
     def _parse(self, tokens: Tokens, context: UtteranceContext) -> Understanding:
