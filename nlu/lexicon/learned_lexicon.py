@@ -7,7 +7,7 @@ entries of a word are made when it is heard.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from functools import cached_property, lru_cache
 
 from .immutable_index import ImmutableIndex
@@ -78,11 +78,6 @@ class LearnedLexicon(Lexicon):
         for role, word in self.learned:
             yield from self._builder.name(role, word)
         yield from self._static.senses()
-
-    @cached_property
-    def names(self) -> Mapping[str, frozenset[str]]:
-        """All names of things, acts and uses, in all their forms, by category."""
-        return Lexicon((each for each in self.senses() if each.name), self._static).names
 
     def name_categories(self, words: str) -> frozenset[str]:
         """The categories of the names of which some words are a form."""

@@ -178,27 +178,17 @@ class Lexicon:
         if self._base is not None:
             yield from self._base.senses()
 
-    @cached_property
-    def names(self) -> Mapping[str, frozenset[str]]:
-        """All names of things, acts and uses, in all their forms, by category."""
-        found: dict[str, set[str]] = defaultdict(set)
-        for category, words in self._base.names.items() if self._base is not None else ():
-            found[category] |= words
-        for sense in self._senses:
-            if sense.name:
-                found[str(sense.category)].add(sense.says)
-        return {category: frozenset(words) for category, words in found.items()}
-
     def name_categories(self, words: str) -> frozenset[str]:
         """The categories of the names of which some words are a form."""
         return self._categories_of_names.get(words, frozenset())
 
     @cached_property
     def _categories_of_names(self) -> Mapping[str, frozenset[str]]:
+        """The categories of all names of things, acts and uses, by each of their forms."""
         found: dict[str, set[str]] = defaultdict(set)
-        for category, names in self.names.items():
-            for each in names:
-                found[each].add(category)
+        for sense in self.senses():
+            if sense.name:
+                found[sense.says].add(str(sense.category))
         return {words: frozenset(categories) for words, categories in found.items()}
 
     def is_name(self, words: str, categories: Iterable[str]) -> bool:
@@ -207,7 +197,7 @@ class Lexicon:
 
     def is_in_name(self, word: str, categories: Iterable[str]) -> bool:
         """Whether a word occurs in a name that has one of some categories."""
-        return any(word in self._words_in_names.get(each, ()) for each in categories)
+        return not self._categories_of_words.get(word, frozenset()).isdisjoint(categories)
 
     def nodes(self, tokens: Sequence[str], start: int) -> Iterator[tuple[int, LexiconNode]]:
         """The nodes of all spans that begin at a token and have entries, with their ends."""
@@ -245,11 +235,13 @@ class Lexicon:
         return frozenset(chain.from_iterable(map(letter_clusters, self.words())))
 
     @cached_property
-    def _words_in_names(self) -> Mapping[str, frozenset[str]]:
-        return {
-            category: frozenset(word for name in names for word in name.split(" "))
-            for category, names in self.names.items()
-        }
+    def _categories_of_words(self) -> Mapping[str, set[str]]:
+        """The categories of all names, by each word that occurs in them."""
+        found: dict[str, set[str]] = defaultdict(set)
+        for name, categories in self._categories_of_names.items():
+            for word in name.split(" "):
+                found[word] |= categories
+        return dict(found)
 
     @cached_property
     def _root(self) -> LexiconNode:
