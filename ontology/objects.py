@@ -286,16 +286,14 @@ def _read_material(name: str, spec: YamlNode) -> Material:
 
 
 def _read_rests(spec: YamlNode) -> tuple[RestingPose, ...]:
-    rests = tuple(_read_rest(name, item) for name, item in spec.entries().items())
+    rests: list[RestingPose] = []
+    for name, item in spec.entries().items():
+        keys = item.entries(required={"turn_deg"}, optional={"usual"})
+        usual = keys["usual"].truth() if "usual" in keys else True
+        rests.append(RestingPose(name, read_turn(keys["turn_deg"]), usual))
     if not any(rest.usual for rest in rests):
         raise spec.fail("expected at least one rest that is usual.")
-    return rests
-
-
-def _read_rest(name: str, spec: YamlNode) -> RestingPose:
-    keys = spec.entries(required={"turn_deg"}, optional={"usual"})
-    usual = keys["usual"].truth() if "usual" in keys else True
-    return RestingPose(name, read_turn(keys["turn_deg"]), usual)
+    return tuple(rests)
 
 
 def _read_mount(spec: YamlNode, supports: set[str]) -> Fixture:

@@ -134,29 +134,22 @@ def _named_person(meaning: Meaning) -> PredicateForm | None:
 
 
 def _named_objects(meaning: Meaning) -> Iterator[PredicateForm]:
+    named: Sequence[tuple[str | None, tuple[str, ...]]] = ()
     match meaning:
         case Statement(rules=rules):
-            for rule in rules:
-                yield from _object_form(rule.object, rule.props)
+            named = [(rule.object, rule.props) for rule in rules]
         case Command(target=ObjectReference(used_for=str(use)) as target):
-            act = use_form(use, target.material)
-            yield _with_props(
-                PredicateForm("usedFor", (PredicateForm("something"), act)), target.props
-            )
+            uses = (PredicateForm("something"), use_form(use, target.material))
+            yield _with_props(PredicateForm("usedFor", uses), target.props)
         case Command(target=ObjectReference(object=name, props=props)):
-            yield from _object_form(name, props)
-        case ToolCommand(patient=name):
-            yield from _object_form(name, ())
-        case Question(object=name):
-            yield from _object_form(name, ())
+            named = [(name, props)]
+        case ToolCommand(patient=name) | Question(object=name):
+            named = [(name, ())]
         case _:
-            return
-
-
-def _object_form(name: str | None, props: tuple[str, ...]) -> Iterator[PredicateForm]:
-    if name is None or name == ANY_OBJECT:
-        return
-    yield _with_props(PredicateForm(name.replace(" ", "_")), props)
+            pass
+    for name, props in named:
+        if name and name != ANY_OBJECT:
+            yield _with_props(PredicateForm(name.replace(" ", "_")), props)
 
 
 def _with_props(form: PredicateForm, props: tuple[str, ...]) -> PredicateForm:

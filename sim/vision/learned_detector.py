@@ -55,9 +55,10 @@ class Recogniser:
         """Read a recogniser from a file; a `DataError` when it cannot be read."""
         try:
             with np.load(path, allow_pickle=False) as arrays:
+                pairs = (str(text).partition("/") for text in arrays["parts"])
                 return cls(
                     tuple(str(kind) for kind in arrays["kinds"]),
-                    tuple(_pair(str(text)) for text in arrays["parts"]),
+                    tuple((kind, part) for kind, _, part in pairs),
                     read_arrays(Classifier, arrays, "things"),
                     read_arrays(Classifier, arrays, "points"),
                     read_arrays(NoveltyDetector, arrays, "usual"),
@@ -89,11 +90,6 @@ class Recogniser:
         logits = self.points.logits(point_inputs(segment, self.kinds.index(kind), len(self.kinds)))
         columns = [self.parts.index(pair) for pair in candidates]
         return np.argmax(_voxel_means(segment.points, logits[:, columns]), axis=1)
-
-
-def _pair(text: str) -> tuple[str, str]:
-    kind, _, part = text.partition("/")
-    return kind, part
 
 
 def point_inputs(segment: Segment, kind: int, count: int) -> Array:

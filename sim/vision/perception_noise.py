@@ -105,22 +105,17 @@ class NoisyDetector:
             searched = [f"object:{name}" for name in self.objects]
         noisy = (self._misperceived(percept) for percept in self.detector.search(searched))
         wanted = frozenset(features)
-        percepts = [
-            percept
-            for percept in noisy
-            if percept and wanted & visible_features(self.objects[percept.object])
-        ]
-        return tuple(sorted(percepts, key=lambda percept: -percept.confidence))
+        found = (p for p in noisy if p and wanted & visible_features(self.objects[p.object]))
+        return tuple(sorted(found, key=lambda percept: -percept.confidence))
 
     def _misperceived(self, percept: Percept) -> Percept | None:
         """A percept with noise; None when the object is missed."""
         miss, confuse, loss, which = self.noise.generator(percept.name).random(4)
         if miss < self.noise.missed:
             return None
-        others = [name for name, kind in self.objects.items() if kind.graspable]
-        others = [name for name in others if name != percept.object]
+        others = [k for k in self.objects.values() if k.graspable and k.name != percept.object]
         if confuse < self.noise.confused and others:
-            percept = relabelled(percept, self.objects[others[int(which * len(others))]])
+            percept = relabelled(percept, others[int(which * len(others))])
         return replace(percept, confidence=percept.confidence * (1 - loss * self.noise.confidence))
 
 

@@ -77,7 +77,7 @@ def segment_images(
 
 def _above_table(images: Sequence[CameraImage], margin: float) -> Segment:
     low, high = np.array(REGION).T
-    pieces: list[Segment] = []
+    pieces = [Segment(np.empty((0, 3)), np.empty((0, 3)), np.empty((0, 2), dtype=np.int64))]
     for number, image in enumerate(images):
         heights = image.camera.eye[2] + image.depth * _height_per_depth(image.camera)
         mask = (heights > margin) & (heights < MAX_CONSIDERED_HEIGHT)
@@ -86,11 +86,8 @@ def _above_table(images: Sequence[CameraImage], margin: float) -> Segment:
         sources = np.column_stack([np.full(len(pixels), number), pixels])
         piece = Segment(points, image.colour[mask] / 255.0, sources)
         pieces.append(piece[((points[:, :2] > low) & (points[:, :2] < high)).all(axis=1)])
-    return Segment(
-        np.vstack([np.empty((0, 3)), *(piece.points for piece in pieces)]),
-        np.vstack([np.empty((0, 3)), *(piece.colours for piece in pieces)]),
-        np.vstack([np.empty((0, 2), dtype=np.int64), *(piece.sources for piece in pieces)]),
-    )
+    arrays = zip(*(vars(piece).values() for piece in pieces), strict=True)
+    return Segment(*map(np.vstack, arrays))
 
 
 @lru_cache(maxsize=8)
