@@ -101,6 +101,7 @@ class _Attempt:
         self._tools, self._accepted = tools, accepted
         self._markers = tools.builder.discourse_markers
         self._charts: dict[object, Chart] = {}
+        self._plain_chart = cache(partial(tools.parser.chart, guesses={}))
         self._sentence = cache(self._read_sentence)
         self._fronted: set[Tokens] = set()  # those with a qualifier moved to the front
         reader = tools.procedures
@@ -330,12 +331,6 @@ class _Attempt:
 
     def _topic(self, tokens: Tokens, context: UtteranceContext) -> PredicateForm | None:
         return self._tools.parser.topic(self._plain_chart(tokens), context)
-
-    def _plain_chart(self, tokens: Tokens) -> Chart:
-        chart = self._charts.get(tokens.words)
-        if chart is None:
-            chart = self._charts[tokens.words] = self._tools.parser.chart(tokens, {})
-        return chart
 
     def _chart(self, tokens: Tokens, unknown: list[Token]) -> Chart:
         # No name goes over a pause, so the guesses depend on the pauses, too.
