@@ -59,15 +59,22 @@ def check_type(
     head, arguments = spine(term)
     failures: list[TypeMismatchError] = []
     for candidate in _types_of(head, signature, context):
+        found = candidate
         try:
-            found = _type_of_call(head, candidate, arguments, signature, context)
-            if found == expected:
-                return
-            failures.append(
-                TypeMismatchError(f"expected {expected}, but {_shown(head)} gives {found}")
-            )
+            for argument in arguments:
+                if not isinstance(found, FunctionType):
+                    raise TypeMismatchError(
+                        f"{_shown(head)} takes fewer arguments than it is given"
+                    )
+                check_type(argument, found.source, signature, context)
+                found = found.target
         except TypeMismatchError as error:
             failures.append(error)
+            continue
+        if found == expected:
+            return
+        problem = f"expected {expected}, but {_shown(head)} gives {found}"
+        failures.append(TypeMismatchError(problem))
     raise failures[0]
 
 
@@ -81,21 +88,6 @@ def _types_of(head: Term, signature: Signature, context: tuple[Type, ...]) -> Se
             raise TypeMismatchError(f'the name "{name}" is neither bound nor declared')
         case _:
             raise TypeMismatchError(f"{show(head)} cannot stand before arguments")
-
-
-def _type_of_call(
-    head: Term,
-    found: Type,
-    arguments: Sequence[Term],
-    signature: Signature,
-    context: tuple[Type, ...],
-) -> Type:
-    for argument in arguments:
-        if not isinstance(found, FunctionType):
-            raise TypeMismatchError(f"{_shown(head)} takes fewer arguments than it is given")
-        check_type(argument, found.source, signature, context)
-        found = found.target
-    return found
 
 
 def _shown(head: Term) -> str:

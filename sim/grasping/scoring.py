@@ -165,7 +165,12 @@ class HandPointPairs:
         axes = np.swapaxes(world_from_grip[:, :3, :3], 1, 2)
         origins = axes @ (world_from_grip[:, :3, 3] - middle)[..., None]
         hands = zip(axes.astype(np.float32), origins.astype(np.float32), strict=True)
-        found = [_points_near(rotation, origin, points, aside, ahead) for rotation, origin in hands]
+        found: list[tuple[np.ndarray, NDArray[np.float32]]] = []
+        for rotation, origin in hands:
+            local = rotation @ points
+            local -= origin
+            index = np.flatnonzero((np.abs(local[0]) <= aside) & (local[2] <= ahead))
+            found.append((index, local[:, index]))
         point = np.concatenate([np.zeros(0, dtype=int), *(index for index, _ in found)])
         nothing = np.zeros((3, 0), dtype=np.float32)
         x, y, z = np.concatenate([nothing, *(local for _, local in found)], axis=1)
@@ -187,20 +192,6 @@ class HandPointPairs:
         across = np.abs(self.x) <= gripper.pad_width / 2
         along = np.abs(self.z) <= gripper.pad_length / 2
         return across & along & (self.label == PointLabel.TARGET)
-
-
-def _points_near(
-    rotation: NDArray[np.float32],
-    origin: NDArray[np.float32],
-    points: NDArray[np.float32],
-    aside: float,
-    ahead: float,
-) -> tuple[np.ndarray, NDArray[np.float32]]:
-    """Indices of the points (3, n) near one hand, and those points in its frame (3, p) [m]."""
-    local = rotation @ points
-    local -= origin
-    index = np.flatnonzero((np.abs(local[0]) <= aside) & (local[2] <= ahead))
-    return index, local[:, index]
 
 
 def _openings(width: Array, least: Array, gripper: Gripper) -> tuple[Array, Array]:
