@@ -154,7 +154,7 @@ def test_commands_list_and_replay(tmp_path: Path, capfd: pytest.CaptureFixture[s
     assert (episode["outcome"], episode["decision"]["part"]) == ("done", "blade")
     assert (again["episode"], again["same"]) == (episode["id"], True)
     assert missing[0] == 1
-    assert 'no episode "x"' in missing[1]
+    assert "There is no episode" in missing[1]
 
 
 @pytest.mark.sim
