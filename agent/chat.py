@@ -19,7 +19,6 @@ from typing import NamedTuple, TextIO
 from rich.console import Console, Group, RenderableType
 from rich.control import Control
 from rich.segment import ControlType
-from rich.table import Table
 from rich.text import Text
 
 from ..kb.rule import DEFAULT_SPEAKER, check_speaker
@@ -46,7 +45,7 @@ EXAMPLES = (  # what it is for, and what is said
     ("introduce somebody", "My name is Anna", "You can trust Anna"),
 )
 _CLEAR_LINE = Control(ControlType.CARRIAGE_RETURN, (ControlType.ERASE_IN_LINE, 2))
-_NO_ROBOT = "There is no robot to be seen: this chat was started with --no-sim."
+_NO_ROBOT = Text("There is no robot to be seen: this chat was started with --no-sim.")
 _TRUST = re.compile(r"(.+?)((?: +\d*\.?\d+){0,2})")
 
 
@@ -151,7 +150,8 @@ class Chat:
 
     def _run(self, command: SlashCommand, argument: str) -> None:
         try:
-            found = command.run(self, argument)
+            is_lacking = command.needs_robot and not self.agent.simulate
+            found = _NO_ROBOT if is_lacking else command.run(self, argument)
             if found:
                 self.out.print(found)
         except HiltError as error:
@@ -258,16 +258,16 @@ class SlashCommand(NamedTuple):
     run: Callable[[Chat, str], RenderableType]
     usage: str
     purpose: str
+    needs_robot: bool = False
 
 
 def _help(*_: object) -> RenderableType:
-    grid = Table.grid(padding=(0, 2))
-    for purpose, *examples in EXAMPLES:
-        grid.add_row(f"To {purpose}, say", "\n".join(f'"{each}"' for each in examples))
-    for name, command in _COMMANDS.items():
-        grid.add_row(f"{name} {command.usage}".strip().replace("[", r"\["), command.purpose)
-    grid.add_row(QUIT, "end the conversation")
-    return grid
+    said = [
+        (f"To {purpose}, say", "\n".join(f'"{each}"' for each in examples))
+        for purpose, *examples in EXAMPLES
+    ]
+    commands = [(f"{name} {each.usage}", each.purpose) for name, each in _COMMANDS.items()]
+    return shown.grid([*said, *commands, (QUIT, "end the conversation")])
 
 
 def _rules(chat: Chat, _: str) -> RenderableType:
@@ -308,16 +308,12 @@ def _set_speaker(chat: Chat, name: str) -> RenderableType:
 
 
 def _picture(chat: Chat, name: str) -> RenderableType:
-    if not chat.agent.simulate:
-        return Text(_NO_ROBOT)
     path = Path(name) if name else _new_file("picture", ".png")
     chat.show_file("picture", chat.agent.body.picture(path))
     return ""
 
 
 def _film(chat: Chat, name: str) -> RenderableType:
-    if not chat.agent.simulate:
-        return Text(_NO_ROBOT)
     chat.film = Path(name) if name else _new_file("film", ".gif")
     return Text("I will film what I do next.")
 
@@ -331,8 +327,8 @@ _COMMANDS: Mapping[str, SlashCommand] = {
     "/rules": SlashCommand(_rules, "", "show what I was told"),
     "/why": SlashCommand(_why, "", "show why I did what I did last"),
     "/scene": SlashCommand(_scene, "", "show what is on the table"),
-    "/picture": SlashCommand(_picture, "[FILE]", "take a picture of the table"),
-    "/film": SlashCommand(_film, "[FILE]", "film what I do next"),
+    "/picture": SlashCommand(_picture, "[FILE]", "take a picture of the table", needs_robot=True),
+    "/film": SlashCommand(_film, "[FILE]", "film what I do next", needs_robot=True),
     "/speaker": SlashCommand(_set_speaker, "[NAME]", "let somebody else speak"),
     "/trust": SlashCommand(
         _trust, "[NAME [LOWER [UPPER]]]", "trust somebody, to a degree in [0, 1]"

@@ -81,8 +81,11 @@ class RecordTable(Table):
             yield Text(str(self.caption))
 
 
-def wrap_cells(table: Table) -> Table:
-    """Return the table with cells that wrap, so that nothing is cut off."""
+def grid(rows: Iterable[Iterable[Text | str]]) -> Table:
+    """Return rows of plain texts in columns without borders, of which nothing is cut off."""
+    table = Table.grid(padding=(0, 2))
+    for row in rows:
+        table.add_row(*(Text(cell) if isinstance(cell, str) else cell for cell in row))
     for column in table.columns:
         column.overflow = "fold"
     return table
@@ -106,12 +109,10 @@ def _time(moment: datetime) -> str:
 
 def turn(reply: Reply) -> RenderableType:
     """Return one turn of a dialogue: the utterance, its predicate form, and the answer."""
-    grid = Table.grid(padding=(0, 2))
-    grid.add_row(Text(proper_name(reply.speaker), "bold cyan"), Text(printable(reply.text)))
-    if reply.understanding.pragmatics:
-        grid.add_row("", Text(reply.understanding.pragmatics, "dim"))
-    grid.add_row(Text("Hilt", "bold green"), Text(printable(reply.said)))
-    return wrap_cells(grid)
+    said = (Text(proper_name(reply.speaker), "bold cyan"), printable(reply.text))
+    meant = ("", Text(reply.understanding.pragmatics, "dim"))
+    answer = (Text("Hilt", "bold green"), printable(reply.said))
+    return grid((said, meant, answer) if meant[1] else (said, answer))
 
 
 def understanding(found: Understanding) -> RenderableType:
@@ -142,11 +143,9 @@ def rules(found: Iterable[Rule]) -> Table:
 
 def sentences(found: Iterable[Rule], describe: Callable[[Rule], str]) -> RenderableType:
     """Return rules as sentences with who told them; `describe` puts a rule in words."""
-    grid = Table.grid(padding=(0, 2))
-    for rule in found:
-        said = describe(rule)
-        grid.add_row(Text(f"{said[:1].upper()}{said[1:]}."), Text(proper_name(rule.speaker), "dim"))
-    return wrap_cells(grid) if grid.row_count else Text("Nobody has told me anything yet.")
+    told = [(describe(rule), Text(proper_name(rule.speaker), "dim")) for rule in found]
+    rows = ((f"{said[:1].upper()}{said[1:]}.", speaker) for said, speaker in told)
+    return grid(rows) if told else Text("Nobody has told me anything yet.")
 
 
 def rule_text(rule: Rule) -> str:
@@ -209,14 +208,16 @@ def _add_candidate(table: Table, candidate: Candidate, name: str, quote: Quote) 
 
 def reasons(made: Decision, quote: Quote) -> Table:
     """Return why each candidate was chosen, or was not, in words without figures."""
-    grid = Table.grid(padding=(0, 2))
+    return grid(_reasons(made, quote))
+
+
+def _reasons(made: Decision, quote: Quote) -> Iterator[tuple[str, str]]:
     for node, wording in zip(made.inferences, ("the {}", "by the {}"), strict=False):
         for each in node.candidates:
             name = each.argument.name if node is made.part and each.argument else each.name
             mark = "" if each is node.best else "not "
             told = _told_by(each, quote) or [_reason(node, each)]
-            grid.add_row(escape(mark + wording.format(name)), escape("\n".join(told)))
-    return wrap_cells(grid)
+            yield mark + wording.format(name), "\n".join(told)
 
 
 def _reason(node: Inference, candidate: Candidate) -> str:
