@@ -10,7 +10,7 @@ import io
 import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from datetime import UTC, datetime
+from datetime import datetime, timezone
 from importlib.metadata import version
 from pathlib import Path
 from platform import python_version
@@ -65,7 +65,7 @@ def render_page(
     summary = {name: value for name, value in report.summary.items() if name != "curves"}
     return environment.from_string(TEMPLATE.read_text(encoding="utf-8")).render(
         name=report.name,
-        made=f"{datetime.now(UTC):%d %B %Y %H:%M} UTC, Hilt {version('hilt')}, "
+        made=f"{datetime.now(timezone.utc):%d %B %Y %H:%M} UTC, Hilt {version('hilt')}, "
         f"Python {python_version()}",
         options=", ".join(f"{name} {json.dumps(value)}" for name, value in report.options.items()),
         counts={n: counts[n] for n in COUNTS if counts[n] or n in {"runs", "right"}},
