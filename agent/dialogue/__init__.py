@@ -3,7 +3,3 @@
 Statements become rules (teaching), commands become requests (translation), questions are answered
 from the knowledge base (questions); every utterance ends in a reply.
 """
-
-import lazy_loader
-
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,5 +1,1 @@
 """Imports and exports of any size: rules and statements as streams of text."""
-
-import lazy_loader
-
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

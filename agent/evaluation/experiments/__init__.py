@@ -1,5 +1,1 @@
 """Experiments: what is taught and asked, and which answers are right."""
-
-import lazy_loader
-
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,5 +1,1 @@
 """Verification of all learning scenarios by finitely many cases."""
-
-import lazy_loader
-
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
