@@ -69,7 +69,6 @@ class _Findings:
     kept: list[Rule] = field(default_factory=list[Rule])
 
     def add_new(self, rule: Rule, believed: Sequence[Rule]) -> None:
-        """Keep a new rule, weighted by the trust in its speaker, and its conflicts."""
         trust = self.trust.get(rule.speaker)
         weighted = replace(rule, trust=trust.lower if trust else 0.0)
         self.new.append(weighted)

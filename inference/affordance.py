@@ -142,7 +142,6 @@ class Affordances:
     def _argument_candidates(
         self, here: NodeRules, seen: Observation, decision: DecisionRule
     ) -> Iterator[Candidate]:
-        """Yield the parts (or other arguments) that the most specific rules name."""
         shown = implied_atoms(seen.atoms, self._taxonomy)
         for applied in here.binding(seen, shown).by_argument():
             proof = self._conclude(applied.rules, here, seen, shown)
@@ -161,7 +160,6 @@ class Affordances:
     def _absent_candidates(
         self, here: NodeRules, observations: Sequence[Observation], decision: DecisionRule
     ) -> Iterator[Candidate]:
-        """Yield candidates for objects that rules name but that are not in view."""
         shown = [implied_atoms(seen.atoms, self._taxonomy) for seen in observations]
         for conclusion, is_negated in here.goal.target.wanted:
             groups: dict[str, list[Rule]] = defaultdict(list)
@@ -180,7 +178,6 @@ class Affordances:
     def _conclude(
         self, rules: Sequence[Rule], here: NodeRules, seen: Observation, shown: ImpliedAtoms
     ) -> Proof:
-        """Return the proof of one conclusion from its rules; unknown if there are none."""
         if not rules:
             return unknown_proof(seen.name)
         operators = self.settings.operators

@@ -59,10 +59,6 @@ def _lower_bound(held: int, trials: int) -> float:
 
 
 def _upper_tail(least: int, trials: int, share: float) -> float:
-    """Return the probability of `least` or more successes in some trials.
-
-    The share is at most `least / trials`, so that each term of the sum is less than the one before.
-    """
     ways = lgamma(trials + 1) - lgamma(least + 1) - lgamma(trials - least + 1)
     term = exp(ways + least * log(share) + (trials - least) * log1p(-share))
     total, odds = 0.0, share / (1 - share)
@@ -111,7 +107,6 @@ class OutcomeCounts:
         return credible_interval(self.held, self.trials)
 
     def __add__(self, other: OutcomeCounts) -> OutcomeCounts:
-        """Return the counts of both."""
         return OutcomeCounts.of(Counter(dict(self.outcomes)) + Counter(dict(other.outcomes)))
 
     def since(self, earlier: OutcomeCounts) -> OutcomeCounts:

@@ -97,8 +97,6 @@ def counterfactuals(inference: Inference, settings: Settings) -> list[Counterfac
 
 
 class _CounterfactualSearch:
-    """Repeats a decision with other evidence."""
-
     def __init__(self, inference: Inference, settings: Settings) -> None:
         self.candidates = (*inference.candidates, *inference.absent)
         self.leaves = [frozenset(each.proof.leaves) for each in self.candidates]
@@ -108,7 +106,6 @@ class _CounterfactualSearch:
         self.decided = self.decision.best_index(self.intervals)
 
     def smallest_changes(self, leaf: Proof) -> Iterator[Counterfactual]:
-        """Yield the smallest increase and decrease of a leaf that change the decision."""
         about = [i for i, leaves in enumerate(self.leaves) if leaf in leaves]
         for paths in _paths(leaf.interval):
             changes = [each for path in paths if (each := self._turning_point(leaf, path, about))]
@@ -117,8 +114,6 @@ class _CounterfactualSearch:
     def _turning_point(
         self, leaf: Proof, path: Sequence[Interval], about: Sequence[int]
     ) -> Counterfactual | None:
-        """Return the first point of a path at which the decision changes; None if there is none."""
-
         def is_changed(share: float) -> bool:
             return self._chosen(leaf, _along(path, share), about) != self.decided
 
@@ -153,7 +148,6 @@ def _paths(now: Interval) -> tuple[Sequence[Sequence[Interval]], ...]:
 
 
 def _along(path: Sequence[Interval], share: float) -> Interval:
-    """Return the point at a share of a path's length, in [0, 1]."""
     lengths = [_distance(*pair) for pair in pairwise(path)]
     left = share * sum(lengths)
     for (start, end), length in zip(pairwise(path), lengths, strict=True):

@@ -204,7 +204,6 @@ def _covers(general: Rule, induced: Rule, kind: ObjectType) -> bool:
 def _transferred(
     rule: Rule, name: str, objects: ObjectTypes, graph: nx.DiGraph[str], needed: frozenset[str]
 ) -> InducedRule | None:
-    """Return a rule transferred to another object; None if the two are not similar enough."""
     if rule.object is None or rule.object == name or rule.object not in objects:
         return None
     is_of_object = rule.kind == "norm" or rule.functor == KIND_OF  # not of what is like it
@@ -239,11 +238,6 @@ def _transferred(
 def _corresponding_part(
     rule: Rule, name: str, objects: ObjectTypes, graph: nx.DiGraph[str]
 ) -> tuple[str | None, float, tuple[str, ...]]:
-    """Return the part of another object that corresponds to the part of a rule, with similarity.
-
-    The parts of both objects are matched so that the total similarity is largest: a grip
-    corresponds to a grip, even if a metal grip is also somewhat similar to a metal blade.
-    """
     import networkx as nx
 
     source = objects[rule.object or ""]

@@ -172,7 +172,6 @@ class NodeRules:
 
     @cached_property
     def _held(self) -> frozenset[Atom]:
-        """The contexts that hold: the actions, and those of the goal."""
         return frozenset((*self.contexts, *self.given))
 
     @cached_property

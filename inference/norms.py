@@ -156,12 +156,10 @@ class _JudgedAct:
 
     @cached_property
     def applying(self) -> list[Rule]:
-        """The norms under which the act falls, as far as that can be seen."""
         return [rule for rule in self.norms if self._applies(rule)]
 
     @cached_property
     def _evidence(self) -> Mapping[Atom, Interval]:
-        """What is known of the act: its object and properties are certain."""
         seen = [Atom("property", name) for name in self.act.properties]
         if self.act.object:
             seen.append(Atom("object", self.act.object))

@@ -55,7 +55,6 @@ class Proof:
     overruled: tuple[Rule, ...] = ()
 
     def __iter__(self) -> Iterator[Proof]:
-        """Iterate over this step and all steps below it, the conclusion first."""
         yield self
         for each in self.inputs:
             yield from each

@@ -179,7 +179,6 @@ def _read(store: Store, node: Iri) -> Episode:
 
 
 def _in_order(store: Store, nodes: Iterable[Term]) -> list[PropertyValues]:
-    """The properties of the numbered nodes of an episode, in order."""
     found = [group_properties(store.properties(cast(Iri, node), EPISODES)) for node in nodes]
     return sorted(found, key=lambda each: cast(int, each[INDEX][0]))
 

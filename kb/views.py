@@ -167,10 +167,6 @@ def _replayed(
 def _trust(
     base: RuleReader, speakers: set[str], events: list[Utterance], counted: list[Utterance]
 ) -> dict[str, float]:
-    """The trust in each speaker after the counted events.
-
-    A trust that no utterance set came with a merged base, and is taken as it is now.
-    """
     ever, then = (dict(filter(None, map(parse_trust, some))) for some in (events, counted))
     found: dict[str, float] = {}
     for name in speakers:

@@ -33,13 +33,10 @@ _TRUST = re.compile(r"trust\(([^,()]+),([0-9.e-]+),([0-9.e-]+)\)")  # as `set_tr
 
 @dataclass
 class _Change:
-    """Statements to be written as one unit."""
-
     insert: list[Quad] = field(default_factory=list[Quad])
     delete: list[Quad] = field(default_factory=list[Quad])
 
     def replace(self, old: Iterable[Quad], new: Iterable[Quad]) -> None:
-        """Replace statements by others, except those that are in both."""
         before, after = set(old), set(new)
         self.delete += sorted(before - after, key=str)
         self.insert += sorted(after - before, key=str)

@@ -150,7 +150,6 @@ def _filled(template: str, answers: AnswerTemplates) -> str:
 
 
 def _names(language: Language, category: str) -> list[str]:
-    """The names of a category, not inflected, in the order of the lexicon."""
     senses = (each for each in language.lexicon.senses() if str(each.category) == category)
     return list(dict.fromkeys(each.says for each in senses if each.says == each.name))
 

@@ -253,7 +253,6 @@ class Language:
     def _without_courtesies(
         self, failed: Understanding, context: UtteranceContext
     ) -> Understanding | None:
-        """An utterance understood without its courtesies; None where that does not help."""
         courtesy = self._courtesies.find(self._tokens(failed.text), self.offers.known)
         if courtesy is None or courtesy.rest == failed.text.strip():
             return None

@@ -247,8 +247,6 @@ def _parameters(spec: YamlNode) -> tuple[str, ...]:
 
 @dataclass(frozen=True)
 class _TreeReader:
-    """Reads one tree, checked against the actions that its steps may name."""
-
     name: str
     keys: Mapping[str, YamlNode]
     signatures: Mapping[str, tuple[str, ...]]

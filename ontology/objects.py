@@ -211,8 +211,6 @@ def read_household(spec: YamlNode, *, added_to: Household | None = None) -> Hous
 
 @dataclass(frozen=True)
 class _ObjectReader:
-    """Reads objects, which may use the declared words and refer to the other objects defined."""
-
     declared: Household
     defined: Collection[str]
 

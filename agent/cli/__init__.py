@@ -81,7 +81,6 @@ def _command(found: Any, words: Sequence[str]) -> Any:
 
 @contextmanager
 def _logged(wanted: bool) -> Generator[None]:
-    """Write the log to stderr: the time since the start, the module, and what it did."""
     if not wanted:
         yield
         return

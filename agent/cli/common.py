@@ -71,8 +71,6 @@ def terminal(*, stderr: bool = False) -> Console:
 
 
 class _Unpadded:
-    """A stream of text without spaces at the ends of lines."""
-
     def __init__(self, stream: TextIO) -> None:
         self._stream = stream
 

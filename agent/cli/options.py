@@ -141,7 +141,6 @@ def _given(chosen: dict[str, Any]) -> Iterable[tuple[str, Any]]:
 
 
 def _parameters(command: Callable[..., None], names: Iterable[str]) -> list[inspect.Parameter]:
-    """The parameters of a command with options in place of `config`."""
     own = inspect.signature(command, eval_str=True).parameters.values()
     options = [_parameter(OPTIONS[name]) for name in names]
     options.append(_keyword("config", ConfigFile))

@@ -131,7 +131,6 @@ class ActionLessons:
         return reply
 
     def _told(self, text: str, said: str, turn: UnderstoodTurn, unknown: Act) -> Reply | None:
-        """The reply to a text that teaches the unknown step; None for any other text."""
         understood = self._conversation.understand(text, turn.speaker, heard=turn.heard)
         meant = understood.meaning
         if not isinstance(meant, ActionDefinition) or meant.action != unknown.goal:

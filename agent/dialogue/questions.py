@@ -222,7 +222,6 @@ def _thing(hypothesis: Hypothesis, known: Conversation) -> str:
 
 
 def _which_context(question: Question, known: Conversation) -> Answered:
-    """Abduction: which context explains that a thing is held by a part?"""
     given = frozenset({Atom("object", question.object or "")})
     wanted = Conclusion(GRASP_OBJECT, Atom("part", question.part or ""))
     kinds = Taxonomy.from_base(known.base)
@@ -389,7 +388,6 @@ def _not_so(question: Question, decision: Decision | None) -> str:
 
 
 def _reason(decision: Decision | None, name: str | None) -> str | None:
-    """Why a thing was or was not taken; None when it was not looked for."""
     if decision is None:
         return None
     tried = next((each for each in decision.rejected if each.candidate.object == name), None)

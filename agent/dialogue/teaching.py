@@ -138,7 +138,6 @@ def may_end(base: KnowledgeBase, speaker: str, rule: Rule) -> bool:
 
 
 def _corrected(new: Rule, before: Sequence[Rule], topic: Sequence[Rule]) -> list[Rule]:
-    """The rules that a correction replaces; "no, I meant the knife" replaces the last one."""
     same = [old for old in before if can_replace(old, new) and old.id != new.id]
     last = topic[-1] if topic else None
     if same or last is None or last.speaker != new.speaker or last.functor != new.functor:

@@ -221,7 +221,6 @@ def _description(target: Target) -> str:
 
 
 def _teacher(decision: Decision) -> str | None:
-    """Return who taught the chosen part; None when no rule chose it."""
     best: Candidate | None = decision.part.best if decision.part else None
     if decision.named_part or best is None or not best.rules:
         return None

@@ -130,7 +130,6 @@ def _rows(store: Store) -> Iterable[str]:
 
 
 def _read_row(row: str) -> tuple[Iri, Term]:
-    """The predicate and object of a row, which is given without the subject."""
     predicate, value = row.split("\t")
     if value.startswith("<"):
         return Iri(predicate[1:-1]), Iri(value[1:-1])

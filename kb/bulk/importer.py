@@ -182,7 +182,6 @@ class _Import:
         )
 
     def read_rules(self, statements: Iterable[Statements]) -> Iterator[Rule]:
-        """The rules among statements; what belongs to none is put aside."""
         fast = FastRuleReader()
         for item in statements:
             if isinstance(item, RuleBlock):
@@ -204,7 +203,6 @@ class _Import:
                 )
 
     def _besides_rules(self, group: StatementGroup) -> Iterator[Quad]:
-        """What has to be kept of the statements about a node that is no rule."""
         node, graph, pairs = group
         kind, name = split(node)
         # Edges and labels are written again with the rules.
@@ -240,7 +238,6 @@ class _Import:
         yield from writer.taken(0)
 
     def _new_rules(self, rules: Iterable[Rule]) -> Iterator[Rule]:
-        """The rules that the base does not have; what has to be known of them is kept."""
         believed, observer = BelievedRules(self.base), self.observer
         there = _statuses(self.base.store) if self.base.sequence else dict[int, Term]()
         for rule in rules:
@@ -337,7 +334,6 @@ def _read_rule(node: Iri, properties: list[tuple[Iri, Term]]) -> Rule:
 
 
 def _write(store: Store, lines: Iterator[bytes], plan: AncillaryWrites, source: str) -> None:
-    """Write a small import as one unit; load a large one, and then delete what it replaces."""
     before = set(store.quads(BASE_NODE, SEQUENCE, None, BASE_GRAPH))
     first, size = list[bytes](), 0
     for chunk in lines:

@@ -246,7 +246,6 @@ def _feature_lines(atoms: frozenset[Atom]) -> FeatureLines:
 
 
 def _end(quad: Quad) -> str:
-    """The line of a statement without its subject."""
     return f" {as_sparql(quad.predicate)} {as_sparql(quad.object)}{_END}"
 
 

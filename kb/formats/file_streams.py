@@ -42,11 +42,6 @@ class CheckedStream(io.RawIOBase):
         progress: Progress | None = None,
         position: Callable[[], int] | None = None,
     ) -> None:
-        """Wrap a stream.
-
-        The name is for messages, the format says what is refused. `progress` is called with how
-        much of the file has been read: with `position`, or by default the number of bytes read.
-        """
         super().__init__()
         self.name = name
         self._stream, self._chosen = stream, chosen

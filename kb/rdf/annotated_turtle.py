@@ -151,7 +151,6 @@ def _pairs(found: Iterable[tuple[Iri, Term]]) -> str:
 
 
 def _short(value: Term) -> str:
-    """A term, with a prefix where no escaping is needed."""
     if isinstance(value, Iri):
         name = prefixed(value)
         if name != value and _LOCAL.fullmatch(name.partition(":")[2]):

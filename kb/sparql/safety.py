@@ -56,7 +56,6 @@ def refuse_nondeterminism(update: str) -> None:
 
 
 def _forbidden_word(text: str, refused: Iterable[str]) -> str | None:
-    """One of the words that the text has, or may have, as a keyword; None without any."""
     capitals = text.upper()
     suspects = [word for word in refused if word in capitals]
     return next(_keywords(text, suspects), None) if suspects else None
@@ -98,7 +97,6 @@ def _joined_to_name(
 
 
 def _is_ambiguous(token: re.Match[str], before: str, bracket: str) -> bool:
-    """Whether another parser may read the token differently."""
     said = token.group()
     match token.lastgroup:
         case "string":

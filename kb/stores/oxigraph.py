@@ -60,10 +60,6 @@ class OxigraphStore:
         folder: Path | None = None,
         snapshot: directory.Snapshot | None = None,
     ) -> None:
-        """Use an open store of pyoxigraph.
-
-        It owns `folder`, which is None for memory and for a snapshot, or reads `snapshot`.
-        """
         self._inner: engine.Store | None = inner
         self._lock = threading.RLock()
         self._process = os.getpid()
@@ -248,8 +244,6 @@ class OxigraphStore:
 
 
 class _ChunkReader:
-    """Chunks of bytes as a file that pyoxigraph reads."""
-
     def __init__(self, chunks: Iterable[bytes]) -> None:
         self._chunks = iter(chunks)
         self._held = memoryview(b"")

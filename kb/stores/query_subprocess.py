@@ -26,7 +26,6 @@ class WorkerProcess:
     """A process that answers requests, started when the first one comes."""
 
     def __init__(self, module: str = QUERY_WORKER) -> None:
-        """Prepare a worker that runs a module as a script."""
         self._module = module
         self._process: subprocess.Popen[bytes] | None = None
         self._megabytes = 0

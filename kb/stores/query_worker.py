@@ -42,8 +42,6 @@ def limit_memory(megabytes: int) -> None:
 
 
 class _QueryAnswers:
-    """Answers queries; the source of the last one stays open."""
-
     def __init__(self) -> None:
         self._opened = Path()
         self._store: OxigraphStore | None = None

@@ -82,7 +82,6 @@ class DiscourseMarkers:
         return replace(tokens.part(next(starts, 0), place), asks=False)
 
     def _tag(self, tokens: Tokens, tags: Collection[Phrase]) -> int | None:
-        """Where one of some tags begins, None where there is none."""
         places = tokens.beginnings[1:] if tokens.asks else ()
         return next((place for place in places if tokens.words[place:] in tags), None)
 
@@ -106,7 +105,6 @@ class DiscourseMarkers:
         return replace(_begun_once(tokens.only(kept)), removed=(*tokens.removed, *removed))
 
     def _end(self, words: Phrase, start: int, edges: Collection[int], *, has_pauses: bool) -> int:
-        """One past the longest marker from a place on; the place itself where there is none."""
         steps = chain.from_iterable(self.clauses) if words[start] in self._beginnings else ()
         ends = [end for end, _ in match_pattern(tuple(steps), words, start) if end in edges]
         for end in range(min(len(words), start + _LONGEST), start, -1):
@@ -140,7 +138,6 @@ def _begun_once(tokens: Tokens) -> Tokens:
 
 
 def _longest(words: Phrase, start: int, phrases: Collection[Phrase]) -> int:
-    """The length of the longest of some phrases from a place on, 0 where there is none."""
     longest = min(_LONGEST, len(words) - start)
     return next((n for n in range(longest, 0, -1) if words[start : start + n] in phrases), 0)
 

@@ -17,8 +17,6 @@ Item = TypeVar("Item")
 
 @dataclass
 class _Log(Generic[Key, Item]):
-    """The items of all versions by their key, each with its number."""
-
     items: dict[Key, list[tuple[int, Item]]] = field(default_factory=dict)
     size: int = 0
 

@@ -76,7 +76,6 @@ def _swapped(word: str) -> Iterator[str]:
 
 
 def _doubled(word: str) -> Iterator[str]:
-    """With a double consonant single, or a single one within the word double."""
     for place in range(1, len(word)):
         if word[place] in _VOWELS:
             continue

@@ -152,5 +152,4 @@ def _after(words: Sequence[str], said: str) -> Sequence[str]:
 
 
 def _place(words: Sequence[str], said: str) -> int | None:
-    """Where some words stand for the first time, None where they do not."""
     return next(places_of(tuple(said.split(" ")), words), None)

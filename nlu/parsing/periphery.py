@@ -197,7 +197,6 @@ class PeripheryReader:
     def _before(
         self, tokens: Tokens, span: tuple[int, int], pieces: Sequence[UtterancePiece]
     ) -> Iterator[tuple[UtterancePiece, Pause]]:
-        """The pieces before a core, each with how it is set off."""
         start, end = span
         before = [each for each in pieces if each.end <= start]
         joined = max(
@@ -216,7 +215,6 @@ class PeripheryReader:
     def _referent(
         self, pieces: Sequence[UtterancePiece], tokens: Tokens, span: tuple[int, int]
     ) -> str | None:
-        """The only thing that some pieces name and a core does not, None unless it is known."""
         words = tokens.words
         named = {
             words[place]

@@ -310,7 +310,6 @@ class _Clauses:
         self._new_words: dict[Act, tuple[NewWord, ...]] = {}
 
     def new_words_of(self, act: Act) -> tuple[NewWord, ...]:
-        """Return the words in a step that were not known."""
         return self._new_words.get(act, ())
 
     def _read(self, tokens: Tokens, state: ClauseState) -> list[tuple[Clause, ClauseState]] | None:

@@ -84,7 +84,6 @@ def _combined(meanings: Sequence[Meaning]) -> Meaning | None:
 
 
 def _combined_statement(rules: Sequence[Rule]) -> Statement | None:
-    """All rules as one statement, None when they contradict each other or only some revise."""
     distinct = tuple(dict.fromkeys(_self_repaired(rules)))
     if len({(rule.revises, rule.source) for rule in distinct}) > 1:
         return None
@@ -101,7 +100,6 @@ def _self_repaired(rules: Sequence[Rule]) -> list[Rule]:
 
 
 def _names_what_is_meant(first: Meaning, last: Meaning) -> bool:
-    """Whether the one names the object of the other, or asks whether it is seen."""
     match first, last:
         case TopicStatement(topic=topic), Statement(rules=rules):
             return all(rule.object == topic for rule in rules)

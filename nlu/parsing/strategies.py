@@ -141,7 +141,6 @@ class _Attempt:
         return result
 
     def _strategies_after(self, result: Understanding, *, is_core: bool) -> Sequence[Strategy]:
-        """The strategies to try after the one that takes the utterance as one sentence."""
         by_grammar = (self._by_segments, self._without_markers)
         whole = (*by_grammar, self._by_definition, self._by_name, self._by_core, self._by_plan)
         strategies = by_grammar if is_core else whole
@@ -240,7 +239,6 @@ class _Attempt:
         return found if found.reading is not None else None
 
     def _is_meant(self, core: Core, found: Understanding, context: UtteranceContext) -> bool:
-        """Whether a core may have its meaning, and nothing else is meant before it."""
         asked = isinstance(found.meaning, AskBack) and found.reading is not None
         kinds = kinds_of_core(found.reading.meaning if asked and found.reading else found.meaning)
         before = (self._understand(each, context, is_core=True) for each in core.preamble)
@@ -267,7 +265,6 @@ class _Attempt:
     def _segments(
         self, segments: Sequence[Tokens], context: UtteranceContext
     ) -> list[Understanding]:
-        """Each segment understood after those before it; empty when one of them is not."""
         if self._topic(segments[-1], context) is not None:
             # An object named at the end goes first: "You pass it by the blade, the knife."
             segments = (segments[-1], *segments[:-1])

@@ -279,7 +279,6 @@ class PieceReader:
         return found
 
     def _speech(self, words: Phrase, form: str) -> Iterator[str]:
-        """Whether its speaker announces a piece, or somebody else says, knows or thinks it."""
         for place, word in enumerate(words):
             is_said, is_known = (self.words.has(key, word) for key in ("speech", "knowledge"))
             if self.words.has("asking", *words[place : place + 2]):

@@ -75,7 +75,6 @@ def _without_recipient(act: PredicateForm) -> PredicateForm | None:
 
 
 def _person(part: PredicateForm, discourse: Discourse) -> PredicateForm | None:
-    """The person named last for "him", "her" or "them"; an error when there is none."""
     if part not in PERSONAL:
         return None
     if discourse.person is None:

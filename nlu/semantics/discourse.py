@@ -159,7 +159,6 @@ def _with_props(form: PredicateForm, props: tuple[str, ...]) -> PredicateForm:
 
 
 def _mentioned_object(form: PredicateForm) -> PredicateForm | None:
-    """The object that a form is about: the last one named in it."""
     if form.name == "partOf":
         return form.arguments[1]
     if form.name == "and":

@@ -61,7 +61,6 @@ def _features(
 def _mixed(
     found: Mapping[frozenset[str], Spelling],
 ) -> tuple[tuple[frozenset[str], Spelling], tuple[frozenset[str], Spelling]] | None:
-    """Two spellings of which each has a value that the other has not; None when there are none."""
     each = list(found.items())
     pairs = ((one, other) for place, one in enumerate(each) for other in each[:place])
     return next((two for two in pairs if two[0][0] - two[1][0] and two[1][0] - two[0][0]), None)

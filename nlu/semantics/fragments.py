@@ -121,7 +121,6 @@ def _how_explained(fragment: FragmentValues, discourse: Discourse) -> Question |
 def _completed(
     fragment: FragmentValues, discourse: Discourse
 ) -> Rule | Question | Command | ToolCommand | None:
-    """What a fragment completes: the last meaning, or the rule spoken of last."""
     rule, last = discourse.rule, discourse.last
     if fragment.context and fragment.part:  # how the object of the last rule is held
         return rule if rule == last and isinstance(rule, ActionRule) else None
@@ -211,7 +210,6 @@ def _question_on(rule: Rule) -> Question:
 def _as_question(  # noqa: PLR0911 - a case per slot
     fragment: FragmentValues, question: Question
 ) -> Question | AskBack:
-    """The last question about what a fragment names; a part may also answer it."""
     if fragment.recipient:
         raise _nothing()
     if fragment.confidence:

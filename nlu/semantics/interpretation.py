@@ -168,7 +168,6 @@ class Interpreter:
         return self._fragment(form, discourse)
 
     def _fragment(self, form: PredicateForm, discourse: Discourse) -> Meaning:
-        """What a fragment completes: the last rule, question or command."""
         asks = form.name == "asked"
         said = form.arguments[0] if asks else form
         is_too = said.name == "too"
@@ -421,7 +420,6 @@ def _is_of_kinds(form: PredicateForm) -> bool:
 
 
 def _use(form: PredicateForm) -> tuple[str, str | None]:
-    """The affordance that a form names, and what it is used on, None for anything."""
     material = None
     if form.name == "of":
         form, patient = form.arguments

@@ -111,7 +111,6 @@ def plan_grasps(
 def _spread_out(
     world_from_grip: Array, centre: Array, rng: np.random.Generator, count: int
 ) -> np.ndarray:
-    """Indices of `count` poses: some at each place, those near the centre of mass first."""
     positions = world_from_grip[:, :3, 3]
     cost = np.linalg.norm(positions - centre, axis=1) + TILT_COST * (1 + world_from_grip[:, 2, 2])
     order = np.argsort(cost + rng.uniform(0.0, SHUFFLE, len(cost)))
@@ -150,7 +149,6 @@ def _corrections(scores: GraspScores) -> Array:
 
 
 def _distinct(scores: GraspScores, count: int, *, above: float = 0.0) -> np.ndarray:
-    """Indices of poses that score above a limit, best first, without near repetitions."""
     chosen: list[int] = []
     for index in np.argsort(-scores.score, kind="stable"):
         if len(chosen) == count or scores.score[index] <= above:

@@ -274,7 +274,6 @@ def _contact_height(near: HandPointPairs, width: Array, gripper: Gripper) -> Arr
 
 
 def _filled(touched: np.ndarray) -> np.ndarray:
-    """The touched cells and those between them: a pad on a hollow rests on its edges."""
     for axis in (2, 3):
         before = np.logical_or.accumulate(touched, axis=axis)
         after = np.flip(np.logical_or.accumulate(np.flip(touched, axis), axis=axis), axis)

@@ -140,7 +140,6 @@ class PickAndPlace:
     def _report(
         self, action: str, reason: str, *, held_s: float = 0.0, touched: tuple[str, ...] = ()
     ) -> MotionReport:
-        """Report on an action in the present state; it succeeded when `reason` is empty."""
         held = self.in_hand
         slip_m, slip_rad = self._motion.slip(held) if held else (0.0, 0.0)
         return MotionReport(
@@ -210,7 +209,6 @@ class PickAndPlace:
         return True
 
     def _observe(self, name: str, part: str | None) -> GraspContext | None:
-        """How an object and its surroundings are seen now; None when it is not visible."""
         percept = self._vision.find(name)
         if percept is None:
             return None
@@ -247,7 +245,6 @@ class PickAndPlace:
         return reason, path
 
     def _close_on(self, path: GraspPath, context: GraspContext) -> tuple[str, FingerContacts]:
-        """Close the gripper once; the reason of failure, and what the fingers touch."""
         name = self._task.name
         before = self.world.pose(name)
         try:
@@ -316,7 +313,6 @@ class PickAndPlace:
         return replace(report, at=at) if report.ok else report
 
     def _bumped(self) -> tuple[str, ...]:
-        """The neighbours that have moved since the task was set."""
         moved = {
             name: float(np.linalg.norm(self.world.pose(name)[:3, 3] - before[:3, 3]))
             for name, before in self._before.items()

@@ -93,11 +93,6 @@ class Striking(PickAndPlace):
     def _struck(
         self, action: str, held: HeldObject, act: Callable[[HeldObject, Array], str]
     ) -> MotionReport:
-        """The report of an action on the target.
-
-        `act` takes where the face that strikes is before a blow (3,) [m], and returns the reason of
-        failure, or "".
-        """
         if self._target is None:
             return MotionReport(action, ok=False, reason="nothing_held")
         name, top = self._target
@@ -108,7 +103,6 @@ class Striking(PickAndPlace):
         return replace(report, depth_m=depth, driven=driven)
 
     def _carry_above(self, held: HeldObject, start: Array) -> str:
-        """Bring a face level above the target; return the reason of failure, or ""."""
         planner = self._motion.path_planner(held.context)
         for strike in self._strike_poses(held):
             path = self._plan_strike(held, strike.world_from_grip(start), planner)
@@ -117,7 +111,6 @@ class Striking(PickAndPlace):
         return "unreachable"
 
     def _raise(self, held: HeldObject, start: Array) -> str:
-        """Bring the face that struck level above the target; return the reason of failure."""
         planner = self._motion.path_planner(held.context)
         now = self.robot.world_from_grip[:3, :3]
         same_face = [

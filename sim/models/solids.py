@@ -105,7 +105,6 @@ def _segments(rings: Sequence[Array]) -> list[Array]:
 
 
 def _curve(points: Array, steps: int, *, closed: bool = False) -> Array:
-    """Return a curve through points (n, d), with `steps` segments between two of them."""
     through = np.vstack([points, points[:1]]) if closed else points
     lengths = np.linalg.norm(np.diff(through, axis=0), axis=1)
     knots = np.concatenate([[0.0], np.cumsum(lengths)])
@@ -171,7 +170,6 @@ def _vessel_pieces(lathe: Lathe) -> list[Array]:
 
 
 def _plate_outline(plate: Extrusion, steps: int) -> Array:
-    """Return the rim of a plate: rows of x, y and half the thickness."""
     corners = np.column_stack([plate.outline, np.array(plate.thickness) / 2])
     return _curve(corners, steps, closed=True) if plate.smooth else corners
 
@@ -224,7 +222,6 @@ def _dome(row: tuple[Array, Array, Array], angle: float) -> tuple[Array, Array, 
 
 
 def _section(sweep: Sweep, corners: int, centre: Array, size: Array, ahead: Array) -> Array:
-    """Return one superellipse (corners, 3) across the direction `ahead`."""
     side = np.array(sweep.side) - np.dot(sweep.side, ahead) * ahead
     side /= np.linalg.norm(side)
     angles = np.arange(corners) * 2 * np.pi / corners

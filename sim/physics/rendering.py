@@ -119,7 +119,6 @@ class Rendering:
         return tuple(dict.fromkeys(self._bodies.link_name(*shape[:2])[1] for shape in shapes))
 
     def _shapes(self, body: str) -> Iterator[_Shape]:
-        """The visual shapes of a body: its number, the link, index of the shape there, colour."""
         count = Counter[int]()
         for shape in self._client.call("getVisualShapeData", self._bodies.number(body)):
             yield shape[0], shape[1], count[shape[1]], shape[7]

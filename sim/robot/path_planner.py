@@ -178,7 +178,6 @@ class PathPlanner:
         return self.robot.chain.track(self.robot.base_from_hand(path), joints)
 
     def _raised(self, joints: Array) -> Array:
-        """The posture with the hand raised to `VIA_HEIGHT` above the table, where possible."""
         chain = self.robot.chain
         base_from_hand = chain.forward(joints[None])
         grip = self.robot.hand_from_grip[2, 3]

@@ -89,8 +89,6 @@ def _mount(placement: Placement, mount: Fixture, support: DropPose) -> DropPose:
 
 @dataclass(frozen=True)
 class _Laid:
-    """An object in its resting orientation, before its turn and position are chosen."""
-
     placement: Placement
     rotation: Array  # (3, 3)
     height: float  # of its frame above the table [m]

@@ -145,7 +145,6 @@ def _read_number(text: str, *, low: int, high: int, after: str) -> int:
 
 
 def _drawn(names: Sequence[str], count: int, rng: np.random.Generator) -> list[str]:
-    """Return `count` names, each once before any is repeated, in the order given."""
     drawn: Counter[str] = Counter()
     while drawn.total() < count:
         share = min(count - drawn.total(), len(names))
@@ -178,7 +177,6 @@ def _read_scene(spec: str, seed: int, objects: Mapping[str, ObjectType]) -> Scen
 def _clutter(
     placements: Sequence[Placement], count: int, seed: int, objects: Mapping[str, ObjectType]
 ) -> list[Placement]:
-    """Return further objects, of types that are not there yet as long as there are any."""
     import numpy as np
 
     there = {placement.object for placement in placements}
@@ -229,11 +227,6 @@ def _with_unique_names(placements: Sequence[Placement]) -> tuple[Placement, ...]
 def _mounted(
     placements: Sequence[Placement], objects: Mapping[str, ObjectType]
 ) -> tuple[Placement, ...]:
-    """Return the placements with each object that stands in another one assigned to a support.
-
-    A support that the scene does not name is added, at the position given for the object in it.
-    An object whose rest is given lies loose.
-    """
     result = list(placements)
     for placement in placements:
         mount = objects[placement.object].mount

@@ -39,7 +39,6 @@ def capture_objects(
 
 
 def _occluders(image: CameraImage, boxes: Array) -> np.ndarray:
-    """The indices of boxes (m, 8, 3) that may lie before what an image shows."""
     shown = np.nonzero(image.labels >= 0)
     if not len(shown[0]):
         return np.zeros(0, dtype=int)

@@ -109,7 +109,6 @@ class NoisyDetector:
         return tuple(sorted(found, key=lambda percept: -percept.confidence))
 
     def _misperceived(self, percept: Percept) -> Percept | None:
-        """A percept with noise; None when the object is missed."""
         miss, confuse, loss, which = self.noise.generator(percept.name).random(4)
         if miss < self.noise.missed:
             return None

@@ -130,7 +130,6 @@ def clustered_interval(successes: Sequence[int], per_trial: int) -> ConfidenceIn
 
 
 def _design_effect(successes: Sequence[int], per_trial: int, share: float) -> float:
-    """Return the design effect, in [1, per_trial]."""
     if len(successes) < 2 or share in {0.0, 1.0}:
         return 1.0
     spread = sum((each / per_trial - share) ** 2 for each in successes) / (len(successes) - 1)

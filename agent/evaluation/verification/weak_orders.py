@@ -117,7 +117,6 @@ class WeakOrderClass:
         }, wrong
 
     def _highest(self, standing: Sequence[int], ranking: Sequence[int]) -> int:
-        """Return the objects on the highest level, from the order alone; no level is empty."""
         ranked = (1 << i for i, how in enumerate(standing) if how == RANKED)
         pairs = zip(ranked, ranking, strict=True)
         return sum(bit for bit, level in pairs if level == self.levels - 1)
