@@ -155,14 +155,15 @@ def test_fault_in_a_sheet_is_told_with_line_and_column(validate: Run):
 
 
 def test_every_mistake_of_a_table_is_told(validate: Run):
-    """A line each, and as JSON on stdout; the code is the same."""
+    """With --json the findings are JSON on stdout, and the errors JSON on stderr."""
     rows = ("a,usedFor,b,2", "knife,usedFor,cutting,1", "knife,usedFor,x", "a,usedFor,b,high")
     text = "\n".join(("features,functor,argument,lower", *rows))
 
     code, out, error = validate("rules.csv", text, "--json")
 
     assert (code, [one["line"] for one in json.loads(out)]) == (2, [2, 4, 5])
-    assert [line.partition("rules.csv:")[2] for line in error.splitlines()] == [
+    messages = [one["message"] for one in json.loads(error)["errors"]]
+    assert [message.partition("rules.csv:")[2] for message in messages] == [
         "2: [2.0, 1.0] is not an interval: expected 0 <= lower <= upper <= 1.",
         "4: expected 4 cells, one for each column, found 3.",
         '5: expected a number as lower, found "high".',
