@@ -134,7 +134,8 @@ class Agent:
         embodiment = Embodiment.from_config(config)
         actions = actions_with(config.actions)
         if vision is None:
-            vision, motion = embodiment.open_plugins(config.motion)
+            vision, plugged_in = embodiment.open_plugins(config.motion)
+            motion = motion or plugged_in
         base = open_base(location, embodiment.household, actions)
         language = load_language(embodiment.household, config.lexicon)
         parts = (base, language, actions, embodiment, config)
