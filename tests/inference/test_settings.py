@@ -98,3 +98,8 @@ def test_mistake_on_the_command_line_is_reported(choice: str, message: str):
     """The message has the possible values."""
     with pytest.raises(DataError, match=message):
         Settings().with_choices([choice])
+
+
+def test_shipped_settings_are_the_defaults():
+    """Settings without a file, and those of the file that is shipped."""
+    assert Settings.load() == Settings()
