@@ -123,6 +123,18 @@ def test_second_best_object_is_chosen_when_the_best_is_absent(scene: list[str], 
     assert (best.name if best else None) == chosen
 
 
+def test_only_objects_with_the_wanted_use_are_named_as_absent():
+    """A knife cuts, and is not there; that a hammer is not there does not matter."""
+    rules = (
+        functional("knife", "cutting", interval=G),
+        functional("hammer", "pounding", interval=G),
+    )
+
+    inference = found(*rules, scene=["mug"])
+
+    assert [absent.object for absent in inference.absent] == ["knife"]
+
+
 def test_equally_ranked_objects_keep_the_order_of_the_scene():
     """Principle 3: either object may be chosen, and the order of the scene decides."""
     rules = [functional(name, "cutting", interval=C) for name in ("spoon", "spatula")]
