@@ -133,6 +133,7 @@ def test_only_objects_with_the_wanted_use_are_named_as_absent():
     inference = found(*rules, scene=["mug"])
 
     assert [absent.object for absent in inference.absent] == ["knife"]
+    assert found(*rules, scene=["knife"]).absent == ()
 
 
 def test_equally_ranked_objects_keep_the_order_of_the_scene():
