@@ -123,7 +123,7 @@ def mutated(path: Path, index: int) -> Generator[None]:
     original, code = SourceFileLoader.get_code, compile_mutant(path, index)
 
     def get_code(self: SourceFileLoader, fullname: str) -> CodeType | None:
-        return code if Path(self.path) == path else original(self, fullname)
+        return code if path.samefile(self.path) else original(self, fullname)
 
     SourceFileLoader.get_code = get_code
     yield
