@@ -12,7 +12,7 @@ import shutil
 import tempfile
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ..ontology.errors import ValidationError
 from ..ontology.vocabulary import Iri, shortened, split
@@ -28,6 +28,9 @@ from .stores.base import Store
 from .stores.query_subprocess import WorkerProcess
 from .validation import BASE_GRAPHS, check_invariants, rule_nodes
 from .writer import speaker_quads, to_milliseconds
+
+if TYPE_CHECKING:
+    from .stores.oxigraph import OxigraphStore
 
 KIND = "update"  # of the utterance that keeps it in the history
 WORKER = f"{__package__}.sparql_update"
@@ -91,23 +94,18 @@ def try_updates(store: Store, updates: Sequence[str], sequence: int, limits: Que
     return report["changed"]
 
 
-def update_and_check(store: Store, updates: Iterable[str]) -> dict[str, Any]:
+def update_and_check(store: OxigraphStore, updates: Iterable[str]) -> dict[str, Any]:
     """Update a copy and report what is wrong with it: the worker's side."""
     history, rules = set(store.quads(None, None, None, HISTORY)), set(rule_nodes(store))
     change, *others = updates
-    before = _digest(store)
+    before = store.digest()
     store.update(change)
-    is_changed = _digest(store) != before
+    is_changed = store.digest() != before
     for each in others:
         store.update(each)
     findings = {*_findings(store, rules), *_history_findings(store, history)}
     number = RuleReader(store).sequence
     return {"sequence": number, "findings": sorted(findings), "changed": is_changed}
-
-
-def _digest(store: Store) -> int:
-    """A number that differs when the quads do; it needs no memory, however many there are."""
-    return sum(map(hash, store.quads()))
 
 
 def _findings(store: Store, rules: set[Iri]) -> Iterator[str]:

@@ -166,6 +166,10 @@ class OxigraphStore:
         """The statements of a graph as pyoxigraph has them."""
         return self._engine().quads_for_pattern(None, None, None, named_node(graph))
 
+    def digest(self) -> int:
+        """A number that differs when the statements do; they are not held in memory."""
+        return sum(map(hash, self._engine().quads_for_pattern(None, None, None, None)))
+
     def rows(self, query: str) -> Iterator[list[str]]:
         """Iterate over the rows of a SELECT query, tab-separated values, many at a time."""
         with tempfile.TemporaryDirectory(prefix="hilt-") as folder:
