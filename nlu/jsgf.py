@@ -4,8 +4,6 @@ It has the sentences that Hilt itself generates, with every name in every slot t
 every text that a recogniser finds with it is understood. Hilt understands many other texts, too.
 """
 
-from __future__ import annotations
-
 import random
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -32,22 +30,15 @@ _CATEGORIES: Mapping[str, str] = {
 # What stands in a slot of `sentences.yaml`, by its name, or by name and form.
 _FILLED: Mapping[str, str] = {
     "thing": "<thing>",
-    "object": "<object>",
+    **dict.fromkeys(("object", "patient", "kind_of"), "<object>"),
     "object:a": "<an_object>",
     "object:many": "<objects>",
-    "patient": "<object>",
-    "kind_of": "<object>",
-    "affordance": "<affordance>",
-    "used_for": "<affordance>",
-    "not_used_for": "<affordance>",
+    **dict.fromkeys(("affordance", "used_for", "not_used_for"), "<affordance>"),
     "part": "<part>",
-    "act": "<act>",
-    "context:act": "<act>",
-    "context:to": "<act>",
+    **dict.fromkeys(("act", "context:act", "context:to"), "<act>"),
     "often": "[<often>]",
     "props": "[<property>]",
-    "recipient:name": "<person>",
-    "speaker:name": "<person>",
+    **dict.fromkeys(("recipient:name", "speaker:name"), "<person>"),
     "target": "<target>",
     "rule": "<rule>",
     "command": "<act> <target>",
@@ -101,13 +92,21 @@ def _rules(language: Language) -> dict[str, list[str]]:
     sections, answers = language.realizer.sentences, language.answers
     an, many = language.inflection.with_article, language.inflection.form
     form = partial(_filled, answers=answers)
-    names = {name: _names(language, category) for name, category in _CATEGORIES.items()}
+    said = [
+        (each.says, str(each.category))
+        for each in language.lexicon.senses()
+        if each.says == each.name
+    ]
+    names = {
+        name: list(dict.fromkeys(says for says, kind in said if kind == category))
+        for name, category in _CATEGORIES.items()
+    }
     objects = [  # not "scissors", which has no singular, nor "bread", which has no plural
         name
         for name in names["object"]
-        if not (language.inflection.is_plural_only(name) or name in answers.mass)
+        if not (language.inflection.is_plural_only(name) or name in answers.words.nouns["mass"])
     ]
-    tools = [answers.act(name) for name in language.builder.tool_acts()]
+    tools = [answers.act(name) for name in language.builder.tool_acts]
     # Something that has no property at all would be anything.
     targets = {
         **sections["targets"],
@@ -127,7 +126,7 @@ def _rules(language: Language) -> dict[str, list[str]]:
         "target": list(map(form, targets.values())),
         "thing": ["<an_object>", "<a_property> <object>", "the [<property>] <object>"],
         "often": [word for word in answers.adverbs.values() if word],
-        "act": [act for act in dict.fromkeys(answers.acts.values()) if act not in tools],
+        "act": [act for act in dict.fromkeys(answers.words.act_names.values()) if act not in tools],
         "giving": [answers.act(language.realizer.giving)],
         "tool_act": tools,
         "object": objects,
@@ -147,11 +146,6 @@ def _filled(template: str, answers: AnswerTemplates) -> str:
         return agrees or _FILLED.get(f"{found[1]}:{found[2]}") or _FILLED[found[1]]
 
     return " ".join(_SILENT.sub(" ", SLOT.sub(slot, template)).split())
-
-
-def _names(language: Language, category: str) -> list[str]:
-    senses = (each for each in language.lexicon.senses() if str(each.category) == category)
-    return list(dict.fromkeys(each.says for each in senses if each.says == each.name))
 
 
 def _either(choices: Iterable[str]) -> str:

@@ -12,9 +12,9 @@ doing anything.
 from __future__ import annotations
 
 import gc
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, lru_cache, partial
 from pathlib import Path
 
 from ..ontology.confidence import Degrees, load_degrees
@@ -36,10 +36,9 @@ from .lexicon.tokenizer import Tokens, tokenize
 from .lexicon.unknown_words import KnownWords
 from .lexicon.vocabulary import NewWord, Vocabulary, household_vocabulary
 from .offers.checks import OPERATORS, OfferChecks, load_check_words
-from .offers.choice_answers import choice_of
 from .offers.courtesies import Courtesy, CourtesyPhrases, answer_to, load_courtesies
 from .offers.meaning_shapes import meaning_from_json
-from .offers.offers import OfferFinder, load_model
+from .offers.offers import OfferFinder, choice_of, load_model
 from .offers.phrase_memory import NO_PHRASES, PhraseMemory, PhrasePattern, phrase_from
 from .offers.typing_slips import is_misspelled
 from .offers.utterance_segments import SegmentReader, parts
@@ -141,7 +140,7 @@ class Language:
         lexicon = LearnedLexicon(Lexicon(builder.vocabulary(names), builder.lexicon), builder)
         interpreter = Interpreter(
             degrees.intervals,
-            ImmutableIndex(builder.tool_acts().items()),
+            ImmutableIndex(builder.tool_acts.items()),
             ImmutableIndex((name, name) for name in names.contexts),
         )
         features = load_features(folder / "features.yaml")
@@ -151,17 +150,8 @@ class Language:
         )
         adverbs = {degrees.intervals[name]: each[0] for name, each in builder.qualifiers.items()}
         adverbs[degrees.intervals[degrees.default]] = ""
-        acts, tools = builder.act_names(), builder.tool_phrases()
-        answers = load_answers(
-            folder / "answers.yaml",
-            inflection,
-            acts,
-            tools,
-            adverbs,
-            mass=builder.mass,
-            roles=builder.humans,
-        )
-        realizer = load_realizer(folder / "sentences.yaml", answers, builder.tool_acts())
+        answers = load_answers(folder / "answers.yaml", builder, adverbs)
+        realizer = load_realizer(folder / "sentences.yaml", answers)
         save_cache()
         if not gc.get_freeze_count():
             # All of a language is kept: make it old at once, without a collection of the young.
@@ -222,12 +212,12 @@ class Language:
         context = UtteranceContext(speaker, addressee, discourse or Discourse(), (heard, 1.0))
         tokens = self._tokens(text)
         is_heard = self.parser.pragmatics.is_enough(context.recognition)
-        control = self._control(tokens)
+        control = self.control(text)
         if not (control and control.is_halt):
             control = (control or self._trust(tokens)) if is_heard else None
         if control:
             return Understanding(text, speaker, addressee, control, discourse=context.discourse)
-        introduction = self._introduction(tokens)
+        introduction = self.introduction(text)
         if introduction and not introduction.rest:
             greeting = Acknowledgement("greeting", introduction.name)
             return Understanding(text, speaker, addressee, greeting, discourse=context.discourse)
@@ -237,7 +227,6 @@ class Language:
     def _understand(
         self, text: str, context: UtteranceContext, accepted: Collection[str]
     ) -> Understanding:
-        """What a text means that is no control, without its courtesies where it needs that."""
         found = self.utterance_parser.understand(text, context, accepted)
         if _is_not_understood(found.meaning, text):
             aside = self._halt_within(text) or self._only_courtesy(text)
@@ -312,8 +301,9 @@ class Language:
         """Return this language with these taught actions, whose names it has as words."""
         return replace(self, frames=frames)
 
-    def _tokens(self, text: str) -> Tokens:
-        return tokenize(text, self.builder.contractions)
+    @cached_property
+    def _tokens(self) -> Callable[[str], Tokens]:
+        return lru_cache(maxsize=8)(partial(tokenize, contractions=self.builder.contractions))
 
     @cached_property
     def offers(self) -> OfferFinder:
@@ -330,9 +320,8 @@ class Language:
                 for phrase in phrases
             },
             self.tool_acts,
-            self.answers,
-            self.generate,
-            self._meaning_of,
+            self.realizer,
+            lambda text, at: self.utterance_parser.understand(text, at, ()).meaning,
             SegmentReader(self.utterance_parser.periphery, self.builder.expand_endings, words),
         )
 
@@ -340,50 +329,41 @@ class Language:
         """Return which of `count` choices a text takes, from 1; 0 for none, None for no answer."""
         return choice_of(self._tokens(text).words, count, self.folder / "choices.yaml")
 
-    def _meaning_of(self, text: str, context: UtteranceContext) -> Meaning:
-        return self.utterance_parser.understand(text, context, ()).meaning
-
     def control(self, text: str) -> Control | None:
         """Return the control that a text is ("stop", "put it down"), None for any other text."""
-        return self._control(self._tokens(text))
-
-    def _control(self, tokens: Tokens) -> Control | None:
-        if len(tokens.items) > MAX_CONTROL_WORDS:
-            return None
-        found = self.parser.control(tokens, self.controls)
+        tokens = self._tokens(text)
+        is_short = len(tokens.items) <= MAX_CONTROL_WORDS
+        found = self.parser.control(tokens, self.controls) if is_short else None
         return Control(*found) if found else None
 
     def introduction(self, text: str) -> Courtesy | None:
         """Return who a speaker claims to be in a text and what else it says, None for nobody."""
-        return self._introduction(self._tokens(text))
-
-    def _introduction(self, tokens: Tokens) -> Courtesy | None:
-        return self._courtesies.introduction(tokens, self.utterance_parser.known_words)
+        known = self.utterance_parser.known_words
+        return self._courtesies.introduction(self._tokens(text), known)
 
     def _trust(self, tokens: Tokens) -> TrustStatement | None:
         start = self.controls.after_polite(tokens.words)
         return self._courtesies.trust(tokens, start, self.utterance_parser.known_words)
-
-    @cached_property
-    def _courtesies(self) -> CourtesyPhrases:
-        return load_courtesies(self.folder / "courtesies.yaml")
 
     def _only_courtesy(self, text: str) -> Acknowledgement | None:
         courtesy = self._courtesies.find(self._tokens(text), self.utterance_parser.known_words)
         is_whole = courtesy and courtesy.kind and not courtesy.rest
         return Acknowledgement(courtesy.kind) if courtesy and is_whole else None
 
+    @cached_property
+    def _courtesies(self) -> CourtesyPhrases:
+        return load_courtesies(self.folder / "courtesies.yaml")
+
     def _halt_within(self, text: str) -> Control | None:
-        """The "stop" that is part of a text, or the "wait" of one that says no more."""
         tokens = self._tokens(text)
         found = [tokens.part(*span) for span in parts(tokens)]
-        halts = {each: self.control(each.span(0, len(each.items))) for each in found}
-        if any(halt and halt.control == "stop" for halt in halts.values()):
+        controls = (self.control(each.span(0, len(each.items))) for each in found)
+        halts = {each.control for each in controls if each}
+        if "stop" in halts:
             return Control("stop")
         known = self.utterance_parser.known_words
         is_bare = not any(self._courtesies.has_content(each, known) or each.asks for each in found)
-        waits = any(halt and halt.control == "wait" for halt in halts.values())
-        return Control("wait") if waits and is_bare else None
+        return Control("wait") if "wait" in halts and is_bare else None
 
     def reasons(self, text: str) -> tuple[str, ...]:
         """Return the properties that a text gives as a reason: "because it is heavy"."""
@@ -404,11 +384,9 @@ class Language:
     @cached_property
     def utterance_parser(self) -> UtteranceParser:
         """The parser of utterances with the words known now."""
-        known = KnownWords(self.parser.lexicon, self.builder, self.inflection)
-        clarification = Clarifier(
-            self.parser, known, self.inflection, self.answers, self.realizer, self.examples
-        )
-        reading_filter = ReadingFilter(known, self.inflection, self.parser.features)
+        known = KnownWords(self.parser.lexicon, self.builder)
+        clarification = Clarifier(self.parser, known, self.answers, self.realizer, self.examples)
+        reading_filter = ReadingFilter(known, self.parser.features)
         words = load_procedure_words(self.folder / "procedures.yaml")
         procedures = ProcedureReader(words, self.parser, known, self.controls, self.frames)
         parts = (known, reading_filter, clarification, self._periphery(known), procedures)
@@ -425,7 +403,7 @@ class Language:
             builder.discourse_markers,
             known,
         )
-        return PeripheryReader(reader, known, load_table())
+        return PeripheryReader(reader, load_table())
 
     @property
     def lexicon(self) -> LearnedLexicon:

@@ -84,7 +84,7 @@ def _how(question: Question, known: Conversation) -> Answered:
         said = spoken("source", done=True, speaker=taught.speaker, texts=taught.said)
         return said, tuple(grasps[:1])
     if not grasps:
-        key = "no_how_with" if question.context in known.language.answers.tool_acts else "no_how"
+        key = "no_how_with" if question.context in known.language.builder.tool_acts else "no_how"
         return spoken(key, goal=question.context or "grasp", object=question.object), ()
     return _told("how", grasps[0], known), (grasps[0],)
 

@@ -4,10 +4,8 @@ The sentences are data (`sentences.yaml`), one for each shape of meaning: what i
 parts of it are filled. Articles, plurals and verbs come from the inflection and the lexicon.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import MappingProxyType
 
@@ -46,20 +44,20 @@ class Realizer:
     Attributes:
         sentences: by section, and by the shape of the meaning.
         answers: how things and acts are called.
-        uses: the affordance that each act with a tool needs.
         giving: the act that has a recipient.
     """
 
     sentences: Mapping[str, Mapping[str, str]]
     answers: AnswerTemplates
-    uses: Mapping[str, str]
     giving: str = "pass"
 
     def realize(self, meaning: Meaning) -> str:  # noqa: PLR0911 - a case per kind
         """Return a sentence without capital and full stop; `UnknownNameError` if there is none."""
         match meaning:
             case Statement(rules):
-                return self._statement(rules)
+                text = self._say("rules", "several").join(map(self._rule, rules))
+                revises = any(rule.revises for rule in rules)
+                return self._say("rules", "revised", rule=text) if revises else text
             case Command() | ToolCommand():
                 return self._command(meaning)
             case ActionCommand(goal, objects):
@@ -79,9 +77,8 @@ class Realizer:
             case Retraction() | TopicStatement():
                 return self._turn(meaning)
             case TrustStatement(people, distrusted):
-                return self._say(
-                    "rules", "distrusted" if distrusted else "trusted", speakers=people
-                )
+                key = "distrusted" if distrusted else "trusted"
+                return self._say("rules", key, speakers=people)
             case Acknowledgement(ack):
                 return self._say("replies", ack)
             case _:
@@ -108,11 +105,6 @@ class Realizer:
             case _:
                 return self._say("rules", "all_taken_back")
 
-    def _statement(self, rules: tuple[Rule, ...]) -> str:
-        text = self._say("rules", "several").join(self._rule(rule) for rule in rules)
-        revises = any(rule.revises for rule in rules)
-        return self._say("rules", "revised", rule=text) if revises else text
-
     def _rule(self, rule: Rule, *, reported: bool = False) -> str:
         if rule.source:
             text = self._rule(replace(rule, source=None), reported=True)
@@ -137,7 +129,8 @@ class Realizer:
         if isinstance(command, ToolCommand):
             shape = ["patient"]
             slots["patient"] = command.patient
-            if command.tool != ObjectReference(used_for=self.uses.get(command.goal, "")):
+            needed = self.answers.words.tool_acts.get(command.goal, "")
+            if command.tool != ObjectReference(used_for=needed):
                 shape.append("tool")
                 slots["target"] = self._target(command.tool)
         else:
@@ -160,13 +153,11 @@ class Realizer:
         return self._say("targets", shape, props=" ".join(target.props), **slots)
 
     def _question(self, question: Question) -> str:
-        filled = {each.name: getattr(question, each.name) for each in fields(question)}
-        ask = str(filled.pop("ask"))
-        material = filled.pop("material")
-        slots = _given(filled)
+        filled = vars(question)
+        slots = _given({name: filled[name] for name in filled.keys() - {"ask", "material"}})
         if question.affordance:
-            slots["affordance"] = self.answers.use_phrase(question.affordance, material)
-        return self._say("questions", " ".join([ask, *sorted(slots)]), **slots)
+            slots["affordance"] = self.answers.use_phrase(question.affordance, question.material)
+        return self._say("questions", " ".join([question.ask, *sorted(slots)]), **slots)
 
     def _say(self, section: str, shape: str, **slots: Slot) -> str:
         templates = self.sentences[section]
@@ -176,14 +167,14 @@ class Realizer:
         return " ".join(text.split()).replace(" ,", ",") if text.strip(" .") else text
 
 
-def load_realizer(path: Path, answers: AnswerTemplates, uses: Mapping[str, str]) -> Realizer:
+def load_realizer(path: Path, answers: AnswerTemplates) -> Realizer:
     """Load the sentences of a language; `DataError` says where the file is not as expected."""
     sections = read_yaml(path).entries(required=SECTIONS, optional=())
     sentences = {
         name: MappingProxyType({key: each.text() for key, each in field.entries().items()})
         for name, field in sections.items()
     }
-    return Realizer(MappingProxyType(sentences), answers, uses)
+    return Realizer(MappingProxyType(sentences), answers)
 
 
 def _given(slots: Mapping[str, str | None]) -> dict[str, str]:

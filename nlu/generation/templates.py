@@ -5,8 +5,6 @@ The file lists every answer; a slot in it may ask for a form, as in
 called from its verbs.
 """
 
-from __future__ import annotations
-
 import re
 from bisect import bisect
 from collections.abc import Callable, Mapping, Sequence
@@ -18,20 +16,10 @@ from typing import TypeAlias
 from ...ontology.confidence import distance
 from ...ontology.errors import UnknownNameError
 from ...ontology.yaml_reader import YamlNode, read_yaml
-from ..lexicon.inflection import Inflection
-from ..semantics.meaning import (
-    ANY_OBJECT,
-    Command,
-    Confidence,
-    FunctionalRule,
-    KindRelation,
-    Norm,
-    ObjectReference,
-    Rule,
-    ToolCommand,
-)
+from ..lexicon.loader import LexiconBuilder
+from ..semantics import meaning
 
-Slot: TypeAlias = str | int | float | Sequence[str] | Confidence
+Slot: TypeAlias = str | int | float | Sequence[str] | meaning.Confidence
 MOST_OF_NEVER = 0.1  # the upper bound up to which a rule is said to hold never, and above it seldom
 
 SLOT = re.compile(r"\{(\w+)(?::(\w+))?\}")
@@ -63,22 +51,14 @@ class AnswerTemplates:
     Attributes:
         answers: the text of each by its key, with `{slot}` or `{slot:form}`.
         phrases: how rules are put into words, by `PHRASES`.
-        inflection: forms of words.
-        acts: the verb of each act, with its particle ("pickUp": "pick up").
-        tool_acts: acts whose object is the tool, with the words that bind it ("cut": "cut with").
+        words: the forms of words, and the verbs of acts.
         adverbs: the usual adverb of each confidence, empty for the default one.
-        mass: names of what is not counted: "bread".
-        roles: names of people by what they are: "child".
     """
 
     answers: Mapping[str, str]
     phrases: Mapping[str, str]
-    inflection: Inflection
-    acts: Mapping[str, str]
-    tool_acts: Mapping[str, str]
-    adverbs: Mapping[Confidence, str]
-    mass: frozenset[str] = frozenset()
-    roles: frozenset[str] = frozenset()
+    words: LexiconBuilder
+    adverbs: Mapping[meaning.Confidence, str]
 
     def say(self, key: str, **slots: Slot) -> str:
         """Return an answer with its slots filled, beginning with a capital letter.
@@ -97,13 +77,13 @@ class AnswerTemplates:
             raise UnknownNameError("answer", key, self.answers)
         return tuple(dict.fromkeys(name for name, _ in SLOT.findall(self.answers[key])))
 
-    def rule_phrase(self, rule: Rule) -> str:
+    def rule_phrase(self, rule: meaning.Rule) -> str:
         """Return a rule in words: "to pass a knife, grab it by the blade"."""
         said = self.phrases
         slots: dict[str, Slot] = {"object": self.noun_phrase(rule.object, rule.props)}
         at = bisect((MOST_OF_NEVER, 0.5), rule.confidence[1])
         slots["often"] = self.adverb(rule.confidence)
-        if isinstance(rule, FunctionalRule):
+        if isinstance(rule, meaning.FunctionalRule):
             text = said[("negative", "seldom", "functional")[at]]
             text = said["possible"] if rule.confidence == (0, 1) else text
             slots["affordance"] = self.use_phrase(rule.affordance, rule.material)
@@ -113,12 +93,12 @@ class AnswerTemplates:
             slots |= {"act": self.act_with(rule.context), "part": rule.part}
         return " ".join(self.fill(text, slots).split())
 
-    def kind_phrase(self, relation: KindRelation) -> str:
+    def kind_phrase(self, relation: meaning.KindRelation) -> str:
         """Return of which kind an object is in words: "a bread knife is a kind of knife"."""
         kinds: dict[str, Slot] = {"object": relation.object, "kind": relation.kind_of}
         return self.fill(self.phrases["no_kind" if relation.denies else "kind"], kinds)
 
-    def norm_phrase(self, norm: Norm) -> str:
+    def norm_phrase(self, norm: meaning.Norm) -> str:
         """Return a norm in words: "I must not pass a knife to a child in the kitchen"."""
         said, act = self.phrases, self._act_phrase(norm.act)
         key = {"forbidden": "must_not", "permitted": "may"}.get(norm.norm, "only_by")
@@ -133,26 +113,25 @@ class AnswerTemplates:
             return text
         return self.fill(said["in_place"], {"act": text, "place": norm.place})
 
-    def _act_phrase(self, act: Command | ToolCommand) -> str:
-        """What is done: "pass a knife to Anna", "cut bread with a knife"."""
+    def _act_phrase(self, act: meaning.Command | meaning.ToolCommand) -> str:
         said, verb = self.phrases, self.act(act.goal)
-        if isinstance(act, ToolCommand):
-            is_any = act.patient == ANY_OBJECT
+        if isinstance(act, meaning.ToolCommand):
+            is_any = act.patient == meaning.ANY_OBJECT
             patient = said["any_object"] if is_any else self._in_general(act.patient)
-            if act.tool.object in {None, ANY_OBJECT} and not act.tool.props:
+            if act.tool.object in {None, meaning.ANY_OBJECT} and not act.tool.props:
                 return f"{verb} {patient}"
             slots = {"act": f"{verb} {patient}", "tool": self._named(act.tool)}
             return self.fill(said["with_tool"], slots)
         text = f"{verb} {self._named(act.target)}"
         if act.recipient is None:
             return text
-        is_role = act.recipient in self.roles
-        named = self.inflection.with_article if is_role else proper_name
+        is_role = act.recipient in self.words.nouns["human"]
+        named = self.words.inflection.with_article if is_role else proper_name
         person = named(act.recipient)
         return self.fill(said["to_whom"], {"act": text, "recipient": person})
 
-    def _named(self, thing: ObjectReference) -> str:
-        return self.noun_phrase(thing.object or ANY_OBJECT, thing.props)
+    def _named(self, thing: meaning.ObjectReference) -> str:
+        return self.noun_phrase(thing.object or meaning.ANY_OBJECT, thing.props)
 
     def use_phrase(self, affordance: str, *materials: str | None) -> str:
         """Return what something is used for: "cutting", "cutting bread", "painting walls"."""
@@ -165,11 +144,10 @@ class AnswerTemplates:
         return self.fill(self.phrases["for_material"], slots)
 
     def _in_general(self, material: str) -> str:
-        _, _, last = material.rpartition(" ")
-        is_mass = material in self.mass or last in self.mass
-        return material if is_mass else self.inflection.form(material, "plural")
+        is_mass = not self.words.nouns["mass"].isdisjoint((material, material.rpartition(" ")[2]))
+        return material if is_mass else self.words.inflection.form(material, "plural")
 
-    def adverb(self, confidence: Confidence) -> str:
+    def adverb(self, confidence: meaning.Confidence) -> str:
         """Return the adverb of the degree that is closest to a confidence, which may be empty."""
         return self.adverbs[min(self.adverbs, key=partial(distance, confidence))]
 
@@ -181,20 +159,21 @@ class AnswerTemplates:
 
     def noun_phrase(self, name: str, props: Sequence[str] = ()) -> str:
         """Return a kind of object with its properties and the indefinite article."""
-        if name != ANY_OBJECT:
+        if name != meaning.ANY_OBJECT:
             words = " ".join([*props, name])
-            return words if name in self.mass else self.inflection.with_article(words)
+            is_mass = name in self.words.nouns["mass"]
+            return words if is_mass else self.words.inflection.with_article(words)
         if not props:
             return self.phrases["any_object"]
         return self.phrases["any_with"].replace("{props}", " ".join(props))
 
     def act(self, name: str) -> str:
         """Return the verb of an act: "pick up" for `pickUp`."""
-        return self.acts.get(name, name)
+        return self.words.act_names.get(name, name)
 
     def act_with(self, name: str) -> str:
         """Return the verb of an act on what is held: "cut with" for `cut`."""
-        return self.tool_acts.get(name) or self.act(name)
+        return self.words.tool_phrases.get(name) or self.act(name)
 
     def act_on(self, act: str, *objects: str, links: Sequence[str] = ()) -> str:
         """Return an act on some objects of a kind each: "swap a knife and a spoon"."""
@@ -208,25 +187,23 @@ class AnswerTemplates:
             return "".join(items)
         return f"{', '.join(items[:-1])}{comma} {self.phrases['joined']} {items[-1]}"
 
-    def _called(self, person: str) -> str:
-        return f"the {person}" if person in self.roles else proper_name(person)
-
     def fill(self, text: str, slots: Mapping[str, Slot]) -> str:
         """Fill the slots of a template."""
         return SLOT.sub(lambda found: self._form(slots[found[1]], found[2]), text)
 
     def _form(self, value: Slot, form: str | None) -> str:
-        said, plural = self.phrases, self.inflection.is_plural_only
+        said, inflection, roles = self.phrases, self.words.inflection, self.words.nouns["human"]
+        plural = inflection.is_plural_only
         forms: Mapping[str, Callable[[str], str]] = {
             "a": self.noun_phrase,
             "the": lambda word: f"the {word}",
             "be": lambda word: said["be_many" if plural(word) else "be"],
             "it": lambda word: said["it_many" if plural(word) else "it"],
-            "many": lambda word: self.inflection.form(word, "plural"),
+            "many": lambda word: inflection.form(word, "plural"),
             "act": self.act_with,
             "to": self.act,
-            "done": lambda word: self.inflection.form(self.act(word), "participle"),
-            "name": self._called,
+            "done": lambda word: inflection.form(self.act(word), "participle"),
+            "name": lambda who: f"the {who}" if who in roles else proper_name(who),
             "quote": lambda text: f'"{text.removesuffix(".")}"',
         }
         if form == "use":
@@ -247,21 +224,14 @@ def proper_name(person: str) -> str:
 
 
 def load_answers(
-    path: Path,
-    inflection: Inflection,
-    acts: Mapping[str, str],
-    tool_acts: Mapping[str, str],
-    adverbs: Mapping[Confidence, str],
-    *,
-    mass: frozenset[str] = frozenset(),
-    roles: frozenset[str] = frozenset(),
+    path: Path, words: LexiconBuilder, adverbs: Mapping[meaning.Confidence, str]
 ) -> AnswerTemplates:
     """Load the answers of a language; `DataError` where the file or a form in it is wrong."""
     entries = read_yaml(path).entries(required=("answers", "phrases"), optional=())
     phrases = entries["phrases"].entries(required=PHRASES, optional=())
     answers = {key: _answer(field) for key, field in entries["answers"].entries().items()}
     said = {name: field.text() for name, field in phrases.items()}
-    return AnswerTemplates(answers, said, inflection, acts, tool_acts, adverbs, mass, roles)
+    return AnswerTemplates(answers, said, words, adverbs)
 
 
 def _answer(field: YamlNode) -> str:

@@ -6,8 +6,6 @@ again, and the same backward. Categories are numbered, with the rule they came f
 matters, and what two numbers give is worked out once: a chart only looks it up.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator
 from enum import Enum
 from functools import cache, cached_property, lru_cache
@@ -74,7 +72,7 @@ class CombinationTable:
         self._ways: list[_Way] = []
         self.turn = cache(self._turn)
         self.changes = cache(self._changed)
-        self.combine = lru_cache(MAX_REMEMBERED)(self._combined)
+        self.combine = lru_cache(MAX_REMEMBERED)(lambda *two: tuple(self._combinations(*two)))
         self.join = lru_cache(MAX_REMEMBERED)(self._joined)
         for change in unary:
             self.add(change)
@@ -125,7 +123,12 @@ class CombinationTable:
         )
 
     def _needs(self, category: Category) -> frozenset[Sign]:
-        return frozenset(self.sign(each) for each in _words_sought(category))
+        needs: set[Sign] = set()
+        while isinstance(category, Functor):
+            if isinstance(category.argument, AtomicCategory) and category.argument.is_words:
+                needs.add(self.sign(category.argument))
+            category = category.result
+        return frozenset(needs)
 
     def _changed(self, sign: Sign) -> tuple[tuple[Sign, UnaryRule], ...]:
         rules = self._changes.get(self._categories[sign], ())
@@ -154,16 +157,12 @@ class CombinationTable:
         )
 
     def _by_plain(self, signs: tuple[Sign, ...]) -> dict[Sign, list[Sign]]:
-        """The signs by what they are, and where they compose by what they give."""
         found: dict[Sign, list[Sign]] = {}
         for sign in signs:
             found.setdefault(self._plain[sign], []).append(sign)
             if self._ways[sign].composes:
                 found.setdefault(self._ways[sign].given, []).append(sign)
         return found
-
-    def _combined(self, left: Sign, right: Sign) -> tuple[tuple[Sign, BinaryRule], ...]:
-        return tuple(self._combinations(left, right))
 
     def _combinations(self, left: Sign, right: Sign) -> Iterator[tuple[Sign, BinaryRule]]:
         one, other = self._categories[left], self._categories[right]
@@ -180,13 +179,6 @@ class CombinationTable:
                 yield self.sign(other.result), BinaryRule.BACKWARD
             elif composed := _composed(other, one):
                 yield self.sign(composed, backward), backward
-
-
-def _words_sought(category: Category) -> Iterator[Category]:
-    while isinstance(category, Functor):
-        if isinstance(category.argument, AtomicCategory) and category.argument.is_words:
-            yield category.argument
-        category = category.result
 
 
 def _composed(outer: Functor, inner: Category) -> Functor | None:

@@ -5,8 +5,6 @@ arguments, and every further run of words with a category of its own: here `(R/N
 for". So a construction combines by application like any word, without a special case in the chart.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -73,7 +71,7 @@ class Construction:
     def gaps(self) -> tuple[ConstructionGap, ...]:
         """The gaps whose meanings the term uses."""
         return tuple(
-            piece for piece in self.pieces if isinstance(piece, ConstructionGap) and piece.name
+            each for each in self.pieces if isinstance(each, ConstructionGap) and each.name
         )
 
     @cached_property

@@ -6,8 +6,6 @@ category demands. A mistake is a `DataError`
 with file, line and column.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from graphlib import CycleError, TopologicalSorter
@@ -109,10 +107,8 @@ def load_grammar(
     path: Path, *, degrees: Mapping[str, object], predicates: Path = PREDICATES_FILE
 ) -> Grammar:
     """Read the grammar of a language; the names of the degrees become constants of type `d`."""
-    entries = read_yaml(path).entries(
-        required=(*("categories", "unary", "roots"), *("topic", "general", "answer", "speaker")),
-        optional=(),
-    )
+    keys = ("categories", "unary", "roots", "topic", "general", "answer", "speaker")
+    entries = read_yaml(path).entries(required=keys, optional=())
     atoms = {name: _atom(field) for name, field in entries["categories"].entries().items()}
     types = {name: kind for name, (kind, _) in atoms.items()}
     signature: dict[str, list[Type]] = {name: [BasicType("d")] for name in degrees}
@@ -134,7 +130,6 @@ def load_grammar(
 
 
 def _atom(field: YamlNode) -> tuple[Type, str]:
-    """The type and description of a category; one that is only described stands for a thing."""
     if isinstance(field.value, str):
         return BasicType("e"), field.text()
     parts = field.entries(required=("type",), optional=("means",))

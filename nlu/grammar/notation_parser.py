@@ -4,8 +4,6 @@ The grammar is `notation.lark`. No tree is built in between. The lexer is contex
 each place what may follow, so that `\` is read as a slash or as a "λ".
 """
 
-from __future__ import annotations
-
 from functools import reduce
 from typing import Literal, TypeAlias, cast, get_args
 

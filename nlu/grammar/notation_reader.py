@@ -26,19 +26,10 @@ if TYPE_CHECKING:
 
 MAX_CHARACTERS = 400  # a longer line is rejected, so that none can nest too deeply to be used
 
-_SOURCES = (
-    *("notation.lark", "notation_reader.py", "notation_parser.py"),
-    *("categories.py", "terms.py", "types.py"),
-)
+_MODULES = ("notation_reader", "notation_parser", "categories", "terms", "types")
+_CATEGORIES, _TERMS = (AtomicCategory, Functor), (Application, BoundVariable, Constant, Lambda)
 _CLASSES: dict[str, Any] = {
-    "AtomicCategory": AtomicCategory,
-    "Functor": Functor,
-    "Application": Application,
-    "BoundVariable": BoundVariable,
-    "Constant": Constant,
-    "Lambda": Lambda,
-    "BasicType": BasicType,
-    "FunctionType": FunctionType,
+    each.__name__: each for each in (*_CATEGORIES, *_TERMS, BasicType, FunctionType)
 }
 
 
@@ -84,8 +75,12 @@ class NotationCache:
     """
 
     def __init__(self, path: Path) -> None:
-        self._path, self._saved = path, _read_saved(path)
+        self._path = path
+        self._saved: dict[str, Any] = {}
         self._used: dict[str, Value] = {}
+        with suppress(OSError, ValueError):
+            head, _, body = path.read_text(encoding="utf-8").partition("\n")
+            self._saved = json.loads(body) if head == _head(body) else {}
 
     def read(self, field: YamlNode, start: Start) -> Value:
         """Return what a line stands for; `DataError` says where it does not match its rule."""
@@ -115,23 +110,14 @@ class NotationCache:
                 write_atomically(self._path, f"{_head(body)}\n{body}")
 
 
-def _read_saved(path: Path) -> dict[str, Any]:
-    try:
-        head, _, body = path.read_text(encoding="utf-8").partition("\n")
-        return json.loads(body) if head == _head(body) else {}
-    except (OSError, ValueError):
-        return {}
-
-
 def _head(body: str) -> str:
-    """The first line of a file: the digests of the code that wrote it, and of what follows."""
     folder = Path(__file__).parent
-    version = content_key(*((folder / name).read_bytes() for name in _SOURCES))
+    sources = ("notation.lark", *(f"{name}.py" for name in _MODULES))
+    version = content_key(*((folder / name).read_bytes() for name in sources))
     return f"{version} {content_key(body.encode())}"
 
 
 def _to_plain(value: Any) -> Any:
-    """A value for JSON: of a dataclass its name and its fields, of a tuple "" and its items."""
     if isinstance(value, tuple):
         return ["", *map(_to_plain, cast("tuple[Any, ...]", value))]
     name = type(value).__name__

@@ -141,7 +141,6 @@ def bind(term: Term, name: str) -> Lambda:
 
 
 def _mapped(term: Term, change: Callable[[Leaf, int], Term], depth: int) -> Term:
-    """The term with its constants and variables changed, each under `depth` binders."""
     if isinstance(term, Application):
         function, argument = (_mapped(x, change, depth) for x in (term.function, term.argument))
         return Application(function, argument)

@@ -3,8 +3,6 @@
 In a pattern a word in capitals is a slot, as `SLOTS` of the patterns tell: THING for an object.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
@@ -45,13 +43,18 @@ class WordLists:
         """Yield where a pattern of a key may end that begins at a place, with its slots."""
         return ((end, slots) for _, end, slots in self.of_group(key, words, start))
 
+    def wholes(self, key: str, words: Sequence[str], start: int = 0) -> Iterator[tuple[str, Slots]]:
+        """Yield what the patterns of a key stand for that are all words from a place on."""
+        found = self.of_group(key, words, start)
+        return ((name, slots) for name, end, slots in found if end == len(words))
+
     def end(self, key: str, words: Sequence[str], start: int = 0) -> int:
         """The end of the longest pattern of a key that begins at a place; the place without one."""
         return max((end for end, _ in self.matches(key, words, start)), default=start)
 
     def is_all(self, key: str, words: Sequence[str], start: int = 0) -> bool:
         """Whether a pattern of a key is all of some words from a place on."""
-        return any(end == len(words) for end, _ in self.matches(key, words, start))
+        return any(True for _ in self.wholes(key, words, start))
 
     def names(self, key: str) -> Sequence[str]:
         """What the patterns of a key stand for, in the order of the file."""
@@ -67,7 +70,6 @@ class WordLists:
 
     @cached_property
     def _by_first_word(self) -> Mapping[str, Mapping[str, Sequence[tuple[str, tuple[str, Steps]]]]]:
-        """By key and word the first steps that take it; by an empty word those that take any."""
         found: dict[str, dict[str, list[tuple[str, tuple[str, Steps]]]]] = {}
         for key, patterns in self.patterns.items():
             steps = [

@@ -5,11 +5,9 @@ and the JSpeech Grammar Format. A pattern becomes a graph that is walked word by
 without silent moves, after Glushkov 1961): it is as long as the text, however many it stands for.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from itertools import chain
+from itertools import chain, islice
 from types import MappingProxyType
 from typing import TypeAlias
 
@@ -27,7 +25,6 @@ SLOTS = {
 """The slots of patterns, each with the most words that it may have."""
 
 MAX_SPELLINGS = 4000
-MAX_DEPTH = 20
 
 Steps: TypeAlias = "tuple[tuple[str, Steps] | int, ...]"
 """Where one may go from a place: a word and what may follow it, or the number of the end."""
@@ -38,8 +35,7 @@ Slots: TypeAlias = Mapping[str, tuple[int, int]]
 _TOO_MANY = f"stands for more than {MAX_SPELLINGS} spellings."
 _NOTHING_LEFT = "expected at least one word that cannot be left out."
 _PIECE = re.compile(r"[()\[\]|]|[^\s()\[\]|]+")
-# Of a pattern with gaps: a bracket without gaps and further brackets is one piece.
-_PART = re.compile(rf"\([^()\[\]{{}}]*\)|\[[^()\[\]{{}}]*\]|{_PIECE.pattern}")
+_INNER_SPACE = re.compile(r"(?<=[(\[|]) | (?=[)\]|])")
 _BRACKET = re.compile(r"[()\[\]|]")
 _WORD = re.compile(r"[^\s()\[\]|]+")
 _CLOSING = {"(": ")", "[": "]"}
@@ -57,10 +53,14 @@ def words_of(text: str) -> list[str]:
 
 def compile_pattern(text: str, end: int = 0) -> Steps:
     """The graph of a pattern, with `end` after each spelling; `PatternError` without a bracket."""
+    return _graph(_PIECE.findall(text), text, end)
+
+
+def _graph(pieces: Sequence[str], text: str, end: int) -> Steps:
     # From right to left, so that what follows a word is known when the word is met.
     here: Steps = (end,)
     within: list[tuple[str, Steps, list[Steps]]] = [("", here, [])]
-    for piece in reversed(_PIECE.findall(text)):
+    for piece in reversed(pieces):
         if piece in _OPENING:
             within.append((piece, here, []))
         elif piece == "|":
@@ -166,50 +166,32 @@ def variants(field: YamlNode) -> list[tuple[str, ...]]:
     """
     text = field.text()
     try:
-        choices = _choices(iter(_PART.findall(text)), text)
+        choices = list(islice(expand(_graph(_whole_words(text), text, 0)), MAX_SPELLINGS + 1))
     except PatternError as error:
         raise field.fail(str(error)) from error
+    if len(choices) > MAX_SPELLINGS:
+        raise field.fail(_TOO_MANY)
     found = dict.fromkeys(chain.from_iterable(map(_joined, choices)))
     if () in found:
         raise field.fail(_NOTHING_LEFT)
     return list(found)
 
 
-def _choices(pieces: Iterator[str], text: str, within: str = "") -> list[tuple[str, ...]]:
-    """The choices up to the end of a bracket: gaps, words, and brackets without gaps, in order."""
-    if len(within) > MAX_DEPTH:
-        raise PatternError(f"expected at most {MAX_DEPTH} brackets within each other.")
-    found: list[tuple[str, ...]] = []
-    current: list[tuple[str, ...]] = [()]
-    for piece in pieces:
-        if piece in _OPENING:
-            if _OPENING[piece] != within[-1:]:
-                raise _missing(_OPENING[piece], text)
-            return found + current
-        if piece == "|":
-            found += current
-            current = [()]
-            continue
-        is_bracket = piece in _CLOSING
-        inner = _inner(pieces, text, within + piece) if is_bracket else [(piece,)]
-        current = [(*before, *after) for before in current for after in inner]
-        if len(found) + len(current) > MAX_SPELLINGS:
-            raise PatternError(_TOO_MANY)
-    if within:
-        raise _missing(_CLOSING[within[-1]], text)
-    return found + current
-
-
-def _inner(pieces: Iterator[str], text: str, within: str) -> list[tuple[str, ...]]:
-    """The choices of a bracket; the bracket as it is where there is no gap in it."""
-    inner, opening = _choices(pieces, text, within), within[-1]
-    if any(map(is_gap, chain.from_iterable(inner))):
-        return inner if opening == "(" else [*inner, ()]
-    return [(f"{opening}{'|'.join(map(' '.join, inner))}{_CLOSING[opening]}",)]
+def _whole_words(text: str) -> list[str]:
+    pieces: list[str] = []
+    opened: list[int] = []
+    for piece in _PIECE.findall(text):
+        pieces.append(piece)
+        if piece in _CLOSING:
+            opened.append(len(pieces) - 1)
+        elif opened and _OPENING.get(piece) == pieces[opened[-1]]:
+            start = opened.pop()
+            if not any(map(is_gap, pieces[start:])):
+                pieces[start:] = [_INNER_SPACE.sub("", " ".join(pieces[start:]))]
+    return pieces
 
 
 def _joined(pieces: Sequence[str]) -> Iterator[tuple[str, ...]]:
-    """The pieces with neighbouring words as one; without words that may all be left out, too."""
     place = next((n for n, piece in enumerate(pieces) if not is_gap(piece)), len(pieces))
     end = next((n for n in range(place, len(pieces)) if is_gap(pieces[n])), len(pieces))
     if place == end:

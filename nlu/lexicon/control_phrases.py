@@ -3,8 +3,6 @@
 An utterance is a control only as a whole, so "stop using the knife" and "never drop it" are none.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -46,7 +44,6 @@ class ControlPhrases:
     def _control(
         self, words: tuple[str, ...], start: int, named: Named
     ) -> tuple[str, int, str | None]:
-        """The longest control phrase from a place on: its control, its end, the object named."""
         spans = self.words.of_group("controls", words, start)
         for control, end, slots in sorted(spans, key=lambda each: each[1], reverse=True):
             slot, place = next(iter(slots.items()), ("", (0, 0)))

@@ -12,10 +12,9 @@ from functools import cached_property
 from itertools import chain
 
 from ...ontology.yaml_reader import YamlNode
+from ..grammar.word_lists import Phrase
 from ..grammar.word_patterns import Steps, match_pattern, read_patterns, read_phrases
 from .tokenizer import BREAK, Token, Tokens
-
-Phrase = tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -93,7 +92,8 @@ class DiscourseMarkers:
         removed: list[Phrase] = []
         place = 0
         while place < len(words):
-            whole = _longest(words, place, kept_whole)
+            lengths = range(min(_LONGEST, len(words) - place), 0, -1)
+            whole = next((n for n in lengths if words[place : place + n] in kept_whole), 0)
             has_pauses = not tokens.is_transcript
             end = place if whole else self._end(words, place, edges, has_pauses=has_pauses)
             if end == place:
@@ -116,16 +116,14 @@ class DiscourseMarkers:
 
     @cached_property
     def _beginnings(self) -> frozenset[str]:
-        return frozenset(
-            step[0] for steps in self.clauses for step in steps if not isinstance(step, int)
-        )
+        steps = chain.from_iterable(self.clauses)
+        return frozenset(step[0] for step in steps if not isinstance(step, int))
 
 
 _LONGEST = 8  # the greatest length of a marker that is no clause [words]
 
 
 def _begun_once(tokens: Tokens) -> Tokens:
-    """The utterance without repeated beginnings: "you can, you can pound with it"."""
     words = tokens.words
     again = {
         place
@@ -134,12 +132,7 @@ def _begun_once(tokens: Tokens) -> Tokens:
         if words[pause - length : pause] == words[pause : pause + length]
         for place in range(pause - length, pause)
     }
-    return tokens.only(place for place in range(len(words)) if place not in again)
-
-
-def _longest(words: Phrase, start: int, phrases: Collection[Phrase]) -> int:
-    longest = min(_LONGEST, len(words) - start)
-    return next((n for n in range(longest, 0, -1) if words[start : start + n] in phrases), 0)
+    return tokens.only([place for place in range(len(words)) if place not in again])
 
 
 def move_to_front(

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
+from itertools import chain
 from typing import Generic, TypeVar
 
 Key = TypeVar("Key")
@@ -19,10 +20,6 @@ Item = TypeVar("Item")
 class _Log(Generic[Key, Item]):
     items: dict[Key, list[tuple[int, Item]]] = field(default_factory=dict)
     size: int = 0
-
-    def add(self, key: Key, item: Item) -> None:
-        self.items.setdefault(key, []).append((self.size, item))
-        self.size += 1
 
 
 class ImmutableIndex(Mapping[Key, Item]):
@@ -35,9 +32,11 @@ class ImmutableIndex(Mapping[Key, Item]):
 
     def with_items(self, items: Iterable[tuple[Key, Item]]) -> ImmutableIndex[Key, Item]:
         """Return this index with further items; an item that a key has already is left out."""
+        if self._log.size > self._size:  # another version has written to the log
+            own = ((key, item) for key in self for item in self.all(key))
+            return ImmutableIndex(chain(own, items))
         added = ImmutableIndex[Key, Item]()
-        added._log = self._log if self._log.size == self._size else self._copied()
-        added._size = self._size
+        added._log, added._size = self._log, self._size
         added._append(items)
         return added
 
@@ -65,12 +64,5 @@ class ImmutableIndex(Mapping[Key, Item]):
         log = self._log
         for key, item in items:
             if key not in log.items or item not in self.all(key):
-                log.add(key, item)
-                self._size = log.size
-
-    def _copied(self) -> _Log[Key, Item]:
-        log: _Log[Key, Item] = _Log()
-        for key in self:
-            for item in self.all(key):
-                log.add(key, item)
-        return log
+                log.items.setdefault(key, []).append((log.size, item))
+                log.size = self._size = log.size + 1

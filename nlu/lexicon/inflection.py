@@ -5,8 +5,6 @@ that matches is used. Applied backwards, a table gives the dictionary form of an
 The first word of a multi-word verb changes ("picking up"), the last of a noun ("wine glasses").
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -60,9 +58,8 @@ class FormTable:
 
     def choice(self, word: str) -> str:
         """The replacement of the first rule that matches, without the word."""
-        return next(
-            (found for pattern, found in self.rules if pattern.search(word)), self.rules[-1][1]
-        )
+        found = (replacement for pattern, replacement in self.rules if pattern.search(word))
+        return next(found, self.rules[-1][1])
 
 
 @dataclass(frozen=True, eq=False)

@@ -184,7 +184,6 @@ class Lexicon:
 
     @cached_property
     def _categories_of_names(self) -> Mapping[str, frozenset[str]]:
-        """The categories of all names of things, acts and uses, by each of their forms."""
         found: dict[str, set[str]] = defaultdict(set)
         for sense in self.senses():
             if sense.name:
@@ -236,7 +235,6 @@ class Lexicon:
 
     @cached_property
     def _categories_of_words(self) -> Mapping[str, set[str]]:
-        """The categories of all names, by each word that occurs in them."""
         found: dict[str, set[str]] = defaultdict(set)
         for name, categories in self._categories_of_names.items():
             for word in name.split(" "):

@@ -4,30 +4,23 @@ One line of a file may stand for hundreds of entries: the frames and inflections
 lines are checked when they are read; the entries are made when their words are first heard.
 """
 
-from __future__ import annotations
-
+from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from itertools import chain
 from pathlib import Path
 from types import MappingProxyType
+from typing import TypeAlias
 
 from ...ontology.yaml_reader import YamlNode, read_yaml
+from ..grammar import word_patterns
 from ..grammar.categories import AtomicCategory, Category, Functor
 from ..grammar.combinators import CombinationTable
 from ..grammar.constructions import Construction, Piece, WordRun, pieces_of
 from ..grammar.grammar import Grammar, UnaryRule
 from ..grammar.notation_reader import read_entry, read_type
 from ..grammar.terms import Constant, Term, evaluate, replace_constants
-from ..grammar.word_patterns import (
-    Steps,
-    match_pattern,
-    read_pattern,
-    read_words,
-    spellings,
-    variants,
-)
 from .discourse_markers import DiscourseMarkers
 from .inflection import Inflection
 from .lexicon import Entry, LazyEntry, Lexicon
@@ -36,8 +29,6 @@ from .vocabulary import ROLES, Vocabulary
 
 NOUN_TEMPLATES = {"object": "object", "part": "part", "property": "property", "person": "person"}
 
-_MASS = "mass"  # the template of what is not counted
-_HUMAN = "human"  # the template of what people are
 _NOTHING = Constant("something")
 _WITH = Functor(AtomicCategory("WITH"), AtomicCategory("NP"), forward=True)
 _N = AtomicCategory("N")
@@ -50,22 +41,16 @@ _KEYS = (
 )
 
 
-@dataclass(frozen=True)
-class EntryTemplate:
-    """One line of a template, whose constants are to be replaced."""
-
-    category: Category
-    term: Term
-    cost: float
+Line: TypeAlias = tuple[Category, Term, float]
+"""The category, term and cost of an entry."""
 
 
 @dataclass(frozen=True)
 class WordTemplate:
-    """The lines for a kind of word, by form ("base", "plural", "ing", ...)."""
+    """The lines for a kind of word, by form, with constants that are to be replaced."""
 
-    name: str
     constants: tuple[str, ...]
-    forms: Mapping[str, tuple[EntryTemplate, ...]]
+    forms: Mapping[str, tuple[Line, ...]]
 
 
 @dataclass(frozen=True)
@@ -92,15 +77,14 @@ class LexiconBuilder:
         denying: words that deny the object named after them.
         denied: words for any object, which `denying` words may precede.
         homographs: words of grammar that end names of things: "watering can".
-        mass: names of what is not counted: "bread".
-        humans: names of people by what they are: "child".
+        nouns: names by template, as `mass` for what is not counted ("bread"), `human` for people.
         lexicon: the entries of all files.
     """
 
     def __init__(
         self, grammar: Grammar, inflection: Inflection, combinator: CombinationTable
     ) -> None:
-        self._grammar, self._inflection, self._combinator = grammar, inflection, combinator
+        self._grammar, self.inflection, self._combinator = grammar, inflection, combinator
         self._templates: dict[str, WordTemplate] = {}
         self._endings: dict[str, str] = {}
         self.contractions: dict[str, tuple[str, ...]] = {}
@@ -110,12 +94,11 @@ class LexiconBuilder:
         self.discourse_markers = DiscourseMarkers()
         self.naming: frozenset[str] = frozenset()
         self.joining: frozenset[str] = frozenset()
-        self.insisting: tuple[Steps, ...] = ()
+        self.insisting: tuple[word_patterns.Steps, ...] = ()
         self.denying: frozenset[str] = frozenset()
         self.denied: frozenset[str] = frozenset()
         self.homographs: frozenset[str] = frozenset()
-        self.mass: frozenset[str] = frozenset()
-        self.humans: frozenset[str] = frozenset()
+        self.nouns: defaultdict[str, frozenset[str]] = defaultdict(frozenset)
         self._constructions = Lexicon()
         self.lexicon = Lexicon(base=self._constructions)
 
@@ -130,10 +113,10 @@ class LexiconBuilder:
             if key in parts:
                 setattr(self, key, getattr(self, key) | set(parts[key].texts()))
         for name, field in _entries(parts, "templates"):
-            self._templates[name] = self._template(name, field)
+            self._templates[name] = self._template(field)
         for field in _items(parts, "verbs"):
             self._read_verb(field)
-        self.insisting += tuple(map(read_pattern, _items(parts, "insisting")))
+        self.insisting += tuple(map(word_patterns.read_pattern, _items(parts, "insisting")))
         for degree, field in _entries(parts, "qualifiers"):
             self._read_qualifier(degree, field)
         for kind, field in _entries(parts, "nouns"):
@@ -154,7 +137,7 @@ class LexiconBuilder:
         return any(
             end == len(words) and words[slice(*slots.get("WORD", (0, 0)))] in ((), (word,))
             for steps in self.insisting
-            for end, slots in match_pattern(steps, words, 0)
+            for end, slots in word_patterns.match_pattern(steps, words, 0)
         )
 
     def expand_endings(self, tokens: Tokens) -> Tokens:
@@ -164,7 +147,7 @@ class LexiconBuilder:
 
     def verb_forms(self, verb: Verb, role: str = "", cost: float = 0.0) -> Iterator[LazyEntry]:
         """The senses of a verb: all lines of its templates in all inflections."""
-        gerund = self._inflection.form(verb.verb, "ing")
+        gerund = self.inflection.form(verb.verb, "ing")
         names = {"ACT": verb.means or _constant(verb.verb), "USE": _constant(gerund)}
         for name in verb.templates:
             yield from self._senses(self._templates[name], verb.verb, names, role, cost)
@@ -193,24 +176,26 @@ class LexiconBuilder:
         """All forms in which a name is said in a role, one of `ROLES`, each once."""
         word, templates = self._inflected(role, name)
         kinds = dict.fromkeys(form for each in templates for form in self._templates[each].forms)
-        return list(dict.fromkeys(self._inflection.form(word, kind) for kind in kinds))
+        return list(dict.fromkeys(self.inflection.form(word, kind) for kind in kinds))
 
     def categories(self, role: str) -> frozenset[str]:
         """The categories of the names of things that have a role; none for acts and uses."""
         if role not in NOUN_TEMPLATES:
             return frozenset()
         lines = chain.from_iterable(self._templates[NOUN_TEMPLATES[role]].forms.values())
-        return frozenset(str(line.category) for line in lines)
+        return frozenset(str(category) for category, _, _ in lines)
 
-    def tool_acts(self) -> dict[str, str]:
+    @cached_property
+    def tool_acts(self) -> Mapping[str, str]:
         """The acts that need a tool, each with the affordance that the tool must have."""
         acts: dict[str, str] = {}
         for verb in self.verbs:
             if verb.means and "tool" in verb.templates:
-                acts.setdefault(verb.means, self._inflection.form(verb.verb, "ing"))
+                acts.setdefault(verb.means, self.inflection.form(verb.verb, "ing"))
         return acts
 
-    def act_names(self) -> dict[str, str]:
+    @cached_property
+    def act_names(self) -> Mapping[str, str]:
         """What each act is called: the first verb that means it."""
         names: dict[str, str] = {}
         for verb in self.verbs:
@@ -218,11 +203,12 @@ class LexiconBuilder:
                 names.setdefault(verb.means, verb.verb)
         return names
 
-    def tool_phrases(self) -> dict[str, str]:
+    @cached_property
+    def tool_phrases(self) -> Mapping[str, str]:
         """The words for each act whose object is the tool: "cut with" for `cut`."""
-        senses, names = self.lexicon.senses(), self.act_names()
+        senses = self.lexicon.senses()
         preposition = next((each.says for each in senses if each.category == _WITH), "")
-        return {act: f"{names[act]} {preposition}" for act in self.tool_acts()}
+        return {act: f"{self.act_names[act]} {preposition}" for act in self.tool_acts}
 
     def is_of_grammar(self, word: str) -> bool:
         """Whether a word is a function word: closed, or with an entry that names nothing."""
@@ -242,13 +228,12 @@ class LexiconBuilder:
     def bare_verb(self, gerund: str) -> str:
         """The verb of a gerund: "cut" for "cutting"."""
         known = self._verb_of.get(gerund)
-        return known or next(iter(self._inflection.origins(gerund, "ing")), gerund)
+        return known or next(iter(self.inflection.origins(gerund, "ing")), gerund)
 
     @cached_property
     def _verb_of(self) -> Mapping[str, str]:
-        """The verbs of all files by their gerunds, of several with the same one the first."""
         verbs = [verb.verb for verb in reversed(self.verbs)]
-        return {self._inflection.form(verb, "ing"): verb for verb in verbs}
+        return {self.inflection.form(verb, "ing"): verb for verb in verbs}
 
     def _inflected(self, role: str, name: str) -> tuple[str, tuple[str, ...]]:
         if role in NOUN_TEMPLATES:
@@ -264,40 +249,39 @@ class LexiconBuilder:
         named = next((names[one] for one in _NAMING if one in template.constants), "")
         name = named.replace("_", " ").rstrip()
         for form, lines in template.forms.items():
-            says = self._inflection.form(word, form)
+            says = self.inflection.form(word, form)
             for line in lines:
                 make = partial(self._filled, line, names, says, cost, name=name, role=role)
-                yield LazyEntry(says, line.category, name, make)
+                yield LazyEntry(says, line[0], name, make)
 
     def _filled(
-        self, line: EntryTemplate, names: Mapping[str, str], says: str, cost: float, **named: str
+        self, line: Line, names: Mapping[str, str], says: str, cost: float, **named: str
     ) -> Entry:
-        term = replace_constants(line.term, names)
-        return self._entry(line.category, term, line.cost + cost, says)._replace(**named)
+        category, term, own_cost = line
+        term = replace_constants(term, names)
+        return self._entry(category, term, own_cost + cost, says)._replace(**named)
 
     def _entry(self, category: Category, term: Term, cost: float, says: str) -> Entry:
         sign = self._combinator.sign(category)
         return Entry(category, term, evaluate(term), sign, cost, says=says)
 
-    def _template(self, name: str, field: YamlNode) -> WordTemplate:
+    def _template(self, field: YamlNode) -> WordTemplate:
         parts = field.entries(required=("constants", "forms"), optional=())
         constants = {
             constant: [read_type(item) for item in types.items()]
             for constant, types in parts["constants"].entries().items()
         }
         forms = {
-            form: tuple(
-                EntryTemplate(*self._grammar.entry(line, constants)) for line in lines.items()
-            )
+            form: tuple(self._grammar.entry(line, constants) for line in lines.items())
             for form, lines in parts["forms"].entries().items()
         }
         for form, lines in parts["forms"].entries().items():
-            if form != "base" and form not in self._inflection.tables:
-                known = ", ".join(("base", *self._inflection.tables))
+            if form != "base" and form not in self.inflection.tables:
+                known = ", ".join(("base", *self.inflection.tables))
                 raise lines.fail(f'there is no form "{form}"; expected one of {known}.')
-        for line in chain.from_iterable(forms.values()):
-            self._combinator.sign(line.category)
-        return WordTemplate(name, tuple(constants), MappingProxyType(forms))
+        for category, _, _ in chain.from_iterable(forms.values()):
+            self._combinator.sign(category)
+        return WordTemplate(tuple(constants), MappingProxyType(forms))
 
     def _template_named(self, name: str, field: YamlNode) -> WordTemplate:
         if name not in self._templates:
@@ -309,10 +293,7 @@ class LexiconBuilder:
         self._template_named(kind, field)
         for name in field.texts():
             self.lexicon.add_all(self.noun(kind, name))
-        if kind == _MASS:
-            self.mass |= set(field.texts())
-        if kind == _HUMAN:
-            self.humans |= set(field.texts())
+        self.nouns[kind] |= set(field.texts())
 
     def _read_verb(self, field: YamlNode) -> None:
         parts = field.entries(required=("verb", "templates"), optional=("means",))
@@ -330,7 +311,7 @@ class LexiconBuilder:
         if degree not in self._grammar.signature:
             raise field.fail(f'"{degree}" is no degree of confidence.')
         template = self._template_named("qualifier", field)
-        words = (" ".join(each) for item in field.items() for each in spellings(item))
+        words = (" ".join(each) for item in field.items() for each in word_patterns.spellings(item))
         self.qualifiers[degree] = tuple(dict.fromkeys(words))
         for word in self.qualifiers[degree]:
             self.lexicon.add_all(self._senses(template, word, {"DEG": degree}, "", 0.0))
@@ -340,12 +321,12 @@ class LexiconBuilder:
         if not parts.keys() & {"is", "like"}:
             raise field.fail('expected the key "is" or "like" beside "says".')
         given = parts["is"].listed() if "is" in parts else ()
-        lines = [EntryTemplate(*self._grammar.entry(line)) for line in given]
+        lines = [self._grammar.entry(line) for line in given]
         for name in parts["like"].listed() if "like" in parts else ():
             lines += self._template_named(name.text(), name).forms["base"]
-        entries = [self._entry(line.category, line.term, line.cost, "") for line in lines]
+        entries = [self._entry(*line, "") for line in lines]
         for says in parts["says"].listed():
-            text = read_words(says)
+            text = word_patterns.read_words(says)
             for entry in entries:
                 self._add(self.lexicon, entry._replace(says=text))
 
@@ -356,8 +337,9 @@ class LexiconBuilder:
             self._add_constructions(spelt, *read_entry(line), line)
 
     def _spelt(self, says: YamlNode) -> Iterable[tuple[Piece, ...]]:
-        """Add the words of constructions behind their first, and return the constructions."""
-        found = (pieces_of(each, one) for one in says.listed() for each in variants(one))
+        found = (
+            pieces_of(each, one) for one in says.listed() for each in word_patterns.variants(one)
+        )
         spelt = dict.fromkeys(found)
         runs = ([piece for piece in pieces if isinstance(piece, WordRun)] for pieces in spelt)
         for run in dict.fromkeys(chain.from_iterable(each[1:] for each in runs)):

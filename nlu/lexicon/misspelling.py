@@ -6,8 +6,6 @@ one letter away from another are words of their own: a pin and a pan, lighting a
 takes more for a slip than that: letters in an order that no known word has, or a long word.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Collection, Iterator
 from itertools import chain
@@ -47,15 +45,10 @@ def intended_word(word: str, is_known: IsWord, spelled: Collection[str]) -> str 
 
 def slips(word: str) -> Iterator[str]:
     """The words that one slip turns into `word`, the likeliest slips first."""
-    yield from _swapped(word)
-    yield from _doubled(word)
-    yield from _longer(word)
-    yield from _shorter(word)
-    yield from _changed(word)
+    return chain(_swapped(word), _doubled(word), _longer(word), _shorter(word), _changed(word))
 
 
 def _slips_of_words(word: str) -> Iterator[str]:
-    """Those that may well turn into what looks like a word: into another one they hardly do."""
     stems = (word.removesuffix(end) for end in _SUFFIXES if word.endswith(end))
     letters = len(next(stems, word))
     if word[-1] == word[-2] and word[-1] in _HARDLY_DOUBLED_AT_THE_END:
@@ -103,6 +96,5 @@ def _changed(word: str) -> Iterator[str]:
 
 
 def _is_derived(word: str, other: str) -> bool:
-    """Whether they differ in their last letter only, as "planter", "plante" and "planted" do."""
     shared = min(len(word), len(other)) - (len(word) == len(other))
     return word[:shared] == other[:shared]

@@ -10,7 +10,8 @@ from __future__ import annotations
 
 import re
 import unicodedata
-from collections.abc import Iterable, Iterator, Mapping
+from bisect import bisect_left
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -101,26 +102,15 @@ class Tokens:
 
     def without_breaks(self) -> Tokens:
         """These tokens with pauses instead of the breaks between sentences."""
-        kept: list[Token] = []
-        pauses: set[int] = set()
-        for place, token in enumerate(self.items):
-            if place in self.pauses or token.word == BREAK:
-                pauses.add(len(kept))
-            if token.word != BREAK:
-                kept.append(token)
-        pauses -= {0, len(kept)}
-        return replace(self, items=tuple(kept), pauses=tuple(sorted(pauses)))
+        breaks = {place for place, word in enumerate(self.words) if word == BREAK}
+        paused = replace(self, pauses=tuple(breaks.union(self.pauses)))
+        return paused.only(sorted({*range(len(self.items))} - breaks))
 
-    def only(self, places: Iterable[int]) -> Tokens:
-        """The tokens at some places, in this order; a pause moves to the next that is kept."""
-        kept = list(places)
-        last = len(kept)
-        pauses = {
-            next((new for new, old in enumerate(kept) if old >= pause), last)
-            for pause in self.pauses
-        }
+    def only(self, kept: Sequence[int]) -> Tokens:
+        """The tokens at some places in order; a pause moves to the next that is kept."""
+        pauses = {bisect_left(kept, pause) for pause in self.pauses} - {0, len(kept)}
         items = tuple(self.items[place] for place in kept)
-        return replace(self, items=items, pauses=tuple(sorted(pauses - {last})))
+        return replace(self, items=items, pauses=tuple(sorted(pauses)))
 
     def part(self, start: int, end: int) -> Tokens:
         """The tokens `[start, end)` as an utterance of their own, without breaks at its end."""
@@ -140,23 +130,21 @@ def tokenize(text: str, contractions: Mapping[str, tuple[str, ...]]) -> Tokens:
     last = ""
     for found in _TOKEN.finditer(_LAYOUT.sub(_without_layout, text)):
         if found["silent"]:
-            if any(mark in _PAUSES for mark in found.group()):
+            if not _PAUSES.isdisjoint(found["silent"]):
                 pauses.append(len(items))
-            continue
-        if found["stop"]:
+        elif found["stop"]:
             last = found["stop"]
             if items and items[-1].word != BREAK:
                 items.append(Token(BREAK, found.start(), found.end()))
-            continue
-        last = ""
-        items += _words(found, contractions)
+        else:
+            last = ""
+            items += _words(found, contractions)
     while items and items[-1].word == BREAK:
         items.pop()
     return Tokens(text, tuple(items), "?" in last, tuple(pauses))
 
 
 def _without_layout(found: re.Match[str]) -> str:
-    """What stands for layout in as many characters: nothing, or pauses."""
     if found["aside"] is not None:
         return f",{found['aside']},"
     return ("," if found["dash"] else " ") * len(found.group())
@@ -165,14 +153,12 @@ def _without_layout(found: re.Match[str]) -> str:
 def _words(found: re.Match[str], contractions: Mapping[str, tuple[str, ...]]) -> Iterator[Token]:
     start, end, said = found.start(), found.end(), found.group()
     word, capital = said.lower(), said[:1].isupper()
-    if word in contractions:
-        for part in contractions[word]:
-            yield Token(part, start, end, capital)
-        return
     head, mark, tail = word.rpartition("'")
     short = mark + tail
-    if not head or (short != "'s" and short not in contractions):
-        yield Token(word, start, end, capital)
+    is_split = head and (short == "'s" or short in contractions)
+    if word in contractions or not is_split:
+        for part in contractions.get(word, (word,)):
+            yield Token(part, start, end, capital)
         return
     middle = end - len(short)
     yield Token(head, start, middle, capital)

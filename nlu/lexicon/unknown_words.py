@@ -5,10 +5,8 @@ fits the rest of the sentence (Scheutz et al. 2017): "a zib is used for cutting"
 an object.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 from itertools import chain, pairwise
 
@@ -80,11 +78,14 @@ class KnownWords:
 
     lexicon: LearnedLexicon
     builder: LexiconBuilder
-    inflection: Inflection
 
     def unknown(self, tokens: Tokens) -> list[Token]:
         """The tokens that are not known."""
         return [token for token in tokens.items if not self.has(token.word)]
+
+    def origins(self, word: str, form: str) -> list[str]:
+        """The words of which a word may be some form, the likeliest first."""
+        return self.builder.inflection.origins(word, form)
 
     def has(self, word: str) -> bool:
         """Whether a word is known."""
@@ -109,7 +110,7 @@ class KnownWords:
         mug", "the mug pronto".
         """
         first, _, last = said.rpartition(" ")
-        if not first or last in self.builder.homographs or self.inflection.origins(first, "ing"):
+        if not first or last in self.builder.homographs or self.origins(first, "ing"):
             return True
         return self.lexicon.is_name(first, NOUNS) and self.lexicon.is_name(last, NOUNS)
 
@@ -124,9 +125,11 @@ class KnownWords:
         found: dict[int, list[Entry]] = {}
         for place, token in enumerate(tokens.items):
             if token in unknown:
-                found[place] = self._guesses(self._capitalized(tokens, place), 0.0)
+                # A transcript has no capitals, so any word may be a name.
+                is_open = tokens.is_transcript and not self._is_after_naming(tokens.words, place)
+                found[place] = self._guesses(token.word, 0.0, is_capital=token.capital or is_open)
             elif self._may_be_taught(tokens, place):
-                found[place] = self._guesses(token, _NAMEABLE_COST)
+                found[place] = self._guesses(token.word, _NAMEABLE_COST, is_capital=token.capital)
         for place, entries in found.items():
             entries.extend(self._recipients(tokens, place))
         for place, (first, second) in enumerate(pairwise(tokens.words)):
@@ -139,22 +142,15 @@ class KnownWords:
                 found[place] = [*found.get(place, ()), *names]
         return found
 
-    def _capitalized(self, tokens: Tokens, place: int) -> Token:
-        """A token as one writes it: a transcript has no capitals, so any word may be a name."""
-        token = tokens.items[place]
-        is_open = tokens.is_transcript and not self._is_after_naming(tokens.words, place)
-        return replace(token, capital=True) if is_open else token
-
     def _is_after_naming(self, words: Sequence[str], place: int) -> bool:
         return place > 0 and words[place - 1] in self.builder.naming
 
-    def _guesses(self, token: Token, cost: float) -> list[Entry]:
-        roles = self._open_roles(token.word)
-        entries = _entries(self.builder, self.inflection, token.word, bool(token.capital), roles)
+    def _guesses(self, word: str, cost: float, *, is_capital: bool) -> list[Entry]:
+        roles = self._open_roles(word)
+        entries = _entries(self.builder, word, is_capital, roles)
         return [entry._replace(cost=entry.cost + cost) for entry in entries]
 
     def _recipients(self, tokens: Tokens, place: int) -> Iterator[Entry]:
-        """The entries of a word as somebody who is given something: "to the cook", "to anna"."""
         words = tokens.words
         word, after = words[place], words[place + 1 : place + 2]
         if self.lexicon.name_categories(word) or not is_word(tokens.items[place]):
@@ -163,31 +159,28 @@ class KnownWords:
         is_alone = self._is_after_naming(words, place) or any(
             map(self.builder.is_of_grammar, after)
         )
-        if is_alone and not self.inflection.origins(word, "plural"):
+        if is_alone and not self.origins(word, "plural"):
             kinds.append("person")
         for kind in kinds:
             for each in self.builder.noun(kind, word, role=RECIPIENT, cost=_RECIPIENT_COST):
                 yield each.entry()
 
     def _open_roles(self, word: str) -> frozenset[str]:
-        """The roles in which a word is not known: what is an object is no part, too."""
         kinds = self.lexicon.name_categories(word)
         taken = {"object": {"N", "NS"}, "part": NOUNS, "affordance": {"K", "KB"}}
         taken["context"] = kinds - NOUNS
         return frozenset(role for role, categories in taken.items() if not categories & kinds)
 
     def _may_be_clause(self, tokens: Tokens, place: int) -> bool:
-        """Whether a word and the one after it may say something: "..., and pigs fly"."""
         words, end = tokens.words, place + 2
         is_joined = place > 0 and words[place - 1] in self.builder.joining
         is_last = end == len(words) or end in tokens.pauses or words[end] == BREAK
         return is_joined and is_last and not self.has(words[place + 1])
 
     def _compounds(self, first: str, second: str, is_determined: bool) -> list[Entry]:
-        """The entries of two neighbours as one name, a kind of the second: "frying pans"."""
         if first == second or not self._may_modify(first, is_determined):
             return []
-        singular = next(iter(self.inflection.origins(second, "plural")), second)
+        singular = next(iter(self.origins(second, "plural")), second)
         found = chain.from_iterable(
             self.builder.noun(kind, f"{first} {singular}", role=role, cost=_COMPOUND_COST)
             for kind, role, kinds in _COMPOUNDED
@@ -197,26 +190,24 @@ class KnownWords:
         return [each.entry() for each in found if each.says == f"{first} {second}"]
 
     def _may_modify(self, word: str, is_determined: bool) -> bool:
-        """Whether a word may precede a noun; after an article a verb may, too: "a hand drill"."""
         if self.lexicon.is_name(word, NOUNS | {"K"}):
             return True
-        return _has_letters(word) and (
-            not self.has(word) or (is_determined and self._may_name(word))
-        )
+        is_open = not self.has(word) or (is_determined and self._may_name(word))
+        return is_open and _has_letters(word)
 
     def _may_end(self, first: str, second: str, role: str, kinds: Iterable[str]) -> bool:
         if self.lexicon.is_name(second, kinds):
             return role != "part" or not self.lexicon.is_name(first, kinds)
         if second in self.builder.homographs:
             return role == "object"
-        is_plural = bool(self.inflection.origins(first, "plural"))
+        is_plural = bool(self.origins(first, "plural"))
         return not is_plural and _has_letters(second) and not self.has(second)
 
     def _may_name(self, word: str) -> bool:
         if not _has_letters(word) or self.builder.is_of_grammar(word) or not self.has(word):
             return False
         names = self.lexicon.name_categories(word)
-        return not names.isdisjoint(_ACTS) or not (names or self.inflection.origins(word, "adverb"))
+        return not names.isdisjoint(_ACTS) or not (names or self.origins(word, "adverb"))
 
     def _may_be_taught(self, tokens: Tokens, place: int) -> bool:
         """Whether a known word may name something new: a hook, the tip, for sticking, to stick.
@@ -232,12 +223,12 @@ class KnownWords:
         if len(word) < MIN_LETTERS or (self.builder.is_of_grammar(word) and not is_part):
             return False
         is_denied = before in self.builder.denying and place < len(words) - 1
-        if is_denied or before in self.builder.naming or self.inflection.origins(word, "ing"):
+        if is_denied or before in self.builder.naming or self.origins(word, "ing"):
             return True
         if is_part and self.lexicon.is_name(before, ("AP",)):
             return True
         is_listed = not before or place in tokens.pauses or before in self.builder.joining
-        return is_listed and bool(self.inflection.origins(word, "plural"))
+        return is_listed and bool(self.origins(word, "plural"))
 
 
 def _has_letters(word: str) -> bool:
@@ -251,14 +242,10 @@ def _is_determiner(builder: LexiconBuilder, word: str) -> bool:
 
 @lru_cache(maxsize=8192)
 def _entries(
-    builder: LexiconBuilder,
-    inflection: Inflection,
-    word: str,
-    is_capital: bool,
-    roles: frozenset[str],
+    builder: LexiconBuilder, word: str, is_capital: bool, roles: frozenset[str]
 ) -> tuple[Entry, ...]:
-    """The entries of a new word in some roles; kept, since they take as long as all else."""
     senses: list[LazyEntry] = []
+    inflection = builder.inflection
     singulars = inflection.origins(word, "plural")
     for role in sorted(roles & NOUN_TEMPLATES.keys()):
         senses += builder.noun(role, word, role=role, cost=_SINGULAR_COST if singulars else 0.0)
@@ -278,7 +265,6 @@ def _entries(
 
 
 def _bare_forms(inflection: Inflection, word: str) -> Iterator[str]:
-    """The verbs that a word may be a form of: "drinks" is "drink", and no verb of its own."""
     if not inflection.origins(word, "third"):
         yield word
     for form in ("ing", "third", "participle"):

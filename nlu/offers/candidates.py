@@ -1,7 +1,5 @@
 """Candidates: the meanings that the names of an utterance allow, in every shape that fits them."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -59,14 +57,12 @@ def candidates(
                 for slot, name in names.items()
             }
             said = {value for value in values.values() if isinstance(value, str)}
-            if _apart(used) and not any(
-                said.isdisjoint(names) for names in mentions.required_beside(used.values())
-            ):
+            required = mentions.required_beside(used.values())
+            if _apart(used) and not any(map(said.isdisjoint, required)):
                 yield CandidateMeaning(shape, values, used)
 
 
 def _given(shape: MeaningShape, mentions: Mentions) -> dict[str, object] | None:
-    """The values of the slots that no name fills, None when there is none for one of them."""
     values: dict[str, object] = {}
     for slot in shape.slots:
         if slot == "?it":
@@ -75,16 +71,13 @@ def _given(shape: MeaningShape, mentions: Mentions) -> dict[str, object] | None:
             intervals = dict.fromkeys(interval for _, _, interval in mentions.degrees)
             values[slot] = list(next(iter(intervals))) if len(intervals) == 1 else None
         elif slot.startswith("?last."):
-            if mentions.last is None or mentions.last.as_json()["rule"] != _kind(shape):
+            retracted = shape.template.get("retract")
+            said = retracted if isinstance(retracted, dict) else shape.template
+            if mentions.last is None or mentions.last.rule != said.get("rule"):
                 return None
             value = getattr(mentions.last, slot[len("?last.") :])
             values[slot] = list(value) if isinstance(value, tuple) else value
     return values if all(value for value in values.values()) else None
-
-
-def _kind(shape: MeaningShape) -> object:
-    retracted = shape.template.get("retract")
-    return (retracted if isinstance(retracted, dict) else shape.template).get("rule")
 
 
 def _fillings(shape: MeaningShape, mentions: Mentions) -> Iterator[dict[str, str]]:

@@ -6,8 +6,6 @@ sentence. Doers, sources, times and modality are features, on which the licence 
 for the other checks are data (`offers.yaml`).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -17,14 +15,7 @@ from ..grammar.word_lists import Phrase, load_word_lists, places_of
 from ..lexicon.tokenizer import BREAK
 from ..lexicon.vocabulary import NewWord
 from ..parsing.clause_spans import features_of_names
-from ..semantics.clause_features import (
-    CONDITION,
-    HIDING,
-    MAIN,
-    ClausePosition,
-    FeatureReader,
-    UtteranceFeatures,
-)
+from ..semantics.clause_features import CONDITION, HIDING, MAIN, FeatureReader, UtteranceFeatures
 from ..semantics.licence_table import ACCEPT, LicenceTable
 from ..semantics.meaning import (
     LIKELY,
@@ -88,7 +79,12 @@ class OfferChecks:
             "tense" in features.main or self._is_done_by_others(meaning, mentions)
         ):
             return False
-        words, new = mentions.tokens.words, tuple(_new_words(mentions))
+        words = mentions.tokens.words
+        new = [
+            NewWord(each.name, each.role, " ".join(words[each.start : each.end]))
+            for each in mentions.names
+            if each.is_new and each.role != "act"
+        ]
         named = dict(features_of_names(self.reader, words, meaning, new))
         features = replace(features, main={**features.main, **named})
         return self.licence.outcome(meaning, features) == ACCEPT
@@ -123,14 +119,12 @@ class OfferChecks:
         return frozenset(found | ({"cut"} if words[-1:] in self.phrases["unfinished"] else set()))
 
     def _is_complete(self, meaning: Meaning, mentions: Mentions) -> bool:
-        """Whether an utterance is no half sentence and has no word twice in a row."""
         words, pauses = mentions.tokens.words, mentions.tokens.pauses
         is_cut = not isinstance(meaning, Question) and (words[-1],) in self.phrases["unfinished"]
         doubled = (n for n, (one, two) in enumerate(pairwise(words), start=1) if one == two)
         return not is_cut and all(place in pauses for place in doubled)
 
     def _keeps_sign(self, meaning: Meaning, mentions: Mentions, asides: Sequence[Span]) -> bool:
-        """Whether a meaning is as negative as what is said of it; a clause aside has its own."""
         words = mentions.tokens.words
         own = [span for span in asides if self.is_clause_of_its_own(words[slice(*span)])]
         own += self._reasons(meaning, mentions)
@@ -139,14 +133,11 @@ class OfferChecks:
             return False
         if not beside.issuperset(self._places("weak_negation", words)):
             return False
-        count, signs = (
-            len(set(self._places("negative", words)) - beside),
-            int(_is_negative(meaning)),
-        )
+        count = len(set(self._places("negative", words)) - beside)
+        signs = int(_is_negative(meaning))
         return count == signs or (count == signs + 1 and only_revises(meaning))
 
     def _reasons(self, meaning: Meaning, mentions: Mentions) -> Iterator[Span]:
-        """Yield the clauses that say why something is asked for: "I can't reach it, so pass it"."""
         if not isinstance(meaning, Command):
             return
         words = mentions.tokens.words
@@ -157,7 +148,6 @@ class OfferChecks:
                 yield start, end
 
     def _clause_spans(self, mentions: Mentions) -> Iterator[Span]:
-        """Yield the pieces of an utterance, parted also before a word like "so" or "because"."""
         words, parting = mentions.tokens.words, self.phrases["turning"] | self.phrases["because"]
         for start, end in mentions.pieces:
             inner = [n for n in range(start + 1, end) if (words[n],) in parting]
@@ -169,7 +159,6 @@ class OfferChecks:
         return any(m.role == "person" and m.name == meaning.recipient for m in mentions.names)
 
     def _keeps_scope(self, meaning: Meaning, mentions: Mentions) -> bool:
-        """Whether the one of two rules is denied whose part or use is next to the negation."""
         if not isinstance(meaning, Statement) or len({rule.denies for rule in meaning.rules}) < 2:
             return True
         denied = {_said_of(rule) for rule in meaning.rules if rule.denies}
@@ -185,7 +174,6 @@ class OfferChecks:
         return self._has("doer", words) and self.reader.words["embedding"].isdisjoint(words)
 
     def _idle(self, mentions: Mentions) -> set[int]:
-        """The places of the words of degrees and of phrases that hide the features of theirs."""
         words = mentions.tokens.words
         found = {place for start, end, _ in mentions.degrees for place in range(start, end)}
         for start, word in enumerate(words):
@@ -204,9 +192,8 @@ class OfferChecks:
     def _keeps_degree(self, meaning: Meaning, mentions: Mentions) -> bool:
         said = {interval for _, _, interval in mentions.degrees}
         if isinstance(meaning, Statement):
-            return not said or (
-                len(said) == 1 and all(rule.confidence in said for rule in meaning.rules)
-            )
+            told = {rule.confidence for rule in meaning.rules}
+            return not said or (len(said) == 1 and told == said)
         return all(_is_negative(meaning) and upper < LIKELY for _, upper in said)
 
     def _keeps_condition(self, meaning: Meaning, mentions: Mentions) -> bool:
@@ -224,7 +211,6 @@ class OfferChecks:
         )
 
     def _asks(self, meaning: Command | ToolCommand, place: int, mentions: Mentions) -> bool:
-        """Whether a condition is what is asked for: "it would be nice if you passed me the mug"."""
         acts = [m.start for m in mentions.names if m.role == "act" and m.name == meaning.goal]
         between = range(place + 1, min(acts, default=0))
         is_one_clause = set(between).isdisjoint(mentions.tokens.pauses)
@@ -232,7 +218,6 @@ class OfferChecks:
         return is_one_clause and self._has("hearer", words)
 
     def _keeps_grip(self, meaning: Meaning, mentions: Mentions) -> bool:
-        """Whether a holding rule was said with a word for holding, or for the place of a part."""
         if not isinstance(meaning, Statement):
             return True
         words = mentions.tokens.words
@@ -242,14 +227,12 @@ class OfferChecks:
         for each in (each for part in parts for each in named.get(part, ())):
             said = words[max(0, each.start - 3) : each.start]
             is_part = not each.is_new or self.reader.is_part(each.name)
-            if not (held or self._has("by", said)) or not (
-                is_part or self._has("before_part", said)
-            ):
+            is_held = held or self._has("by", said)
+            if not is_held or not (is_part or self._has("before_part", said)):
                 return False
         return True
 
-    def _clauses(self, mentions: Mentions) -> Iterator[ClausePosition]:
-        """The words with their clauses; one that is known to name something belongs to none."""
+    def _clauses(self, mentions: Mentions) -> Iterator[tuple[str, str]]:
         named = {n for m in mentions.known for n in range(m.start, m.end)}
         clause = MAIN
         for place, word in enumerate(mentions.tokens.words):
@@ -257,7 +240,7 @@ class OfferChecks:
                 clause = MAIN
             if (word,) in self.phrases["condition"]:
                 clause = CONDITION
-            yield ClausePosition(word, "" if place in named else clause)
+            yield word, "" if place in named else clause
 
     def _has(self, kind: str, words: Sequence[str]) -> bool:
         return any(True for _ in self._places(kind, words))
@@ -269,13 +252,6 @@ class OfferChecks:
 def load_check_words(path: Path) -> Mapping[str, frozenset[Phrase]]:
     """Return the words of each check; `DataError` says where the file is not as expected."""
     return load_word_lists(path, phrases=_WORD_LISTS).phrases
-
-
-def _new_words(mentions: Mentions) -> Iterator[NewWord]:
-    for each in mentions.names:
-        if each.is_new and each.role != "act":
-            said = " ".join(mentions.tokens.words[each.start : each.end])
-            yield NewWord(each.name, each.role, said)
 
 
 def _is_negative(meaning: Meaning) -> bool:

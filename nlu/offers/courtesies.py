@@ -6,8 +6,6 @@ about, denies nothing and asks nothing. Nothing follows from it but a polite ans
 trusted is found here too, by phrases: no grammar knows the names of strangers.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from itertools import takewhile
 from pathlib import Path
@@ -87,7 +85,8 @@ class CourtesyPhrases:
         if not found:
             return None
         kind = next((each for each in self.words.names("courtesies") if each in found), "")
-        rest = _text(tokens, kept[0][0], kept[-1][1]) if kept else ""
+        text, starts = tokens.text, [*(each.start for each in tokens.items), len(tokens.text)]
+        rest = text[starts[kept[0][0]] : starts[kept[-1][1]]].strip(" ,:-–—") if kept else ""
         is_within = kept and kept[0][0] < introduced[0] < kept[-1][0]
         return Courtesy(kind, rest, found <= _FORMAL, "" if is_within else name)
 
@@ -102,16 +101,15 @@ class CourtesyPhrases:
 
     def trust(self, tokens: Tokens, start: int, known: KnownWords) -> TrustStatement | None:
         """Return whom an utterance says to trust, or not to, from a place on; None for nobody."""
-        found = () if tokens.asks else self.words.of_group("trust", tokens.words, start)
-        for kind, end, slots in found:
-            people = self._listed(tokens, *slots["NAME"]) if end == len(tokens.words) else []
+        found = () if tokens.asks else self.words.wholes("trust", tokens.words, start)
+        for kind, slots in found:
+            people = self._listed(tokens, *slots["NAME"])
             if people and all(_is_person(token, known) for name in people for token in name):
                 names = (tokens.text[name[0].start : name[-1].end] for name in people)
                 return TrustStatement(tuple(names), kind == "distrusted")
         return None
 
     def _listed(self, tokens: Tokens, start: int, end: int) -> list[list[Token]]:
-        """The names between two places: "Anna and Zoë Ünal"."""
         links, people = self.words.words("linking"), list[list[Token]]([[]])
         for place, token in enumerate(tokens.items[start:end], start):
             if place in tokens.pauses or token.word in links:
@@ -121,7 +119,6 @@ class CourtesyPhrases:
         return [name for name in people if name]
 
     def _introduced(self, part: Tokens, known: KnownWords) -> str:
-        """The name by which its speaker is introduced in a part, empty when there is none."""
         words = part.words
         for start in range(min(len(words), _LONGEST_ADDRESS)):
             first = self.words.end("introducing", words, start)
@@ -131,12 +128,10 @@ class CourtesyPhrases:
         return ""
 
     def _ends_with(self, words: Phrase, start: int) -> bool:
-        """Whether what follows a place is no clause."""
         verbs = self.words.words("stating") | self.words.words("verbs")
         return len(words) - start <= _LONGEST_COMPLEMENT and verbs.isdisjoint(words[start:])
 
     def _kind(self, part: Tokens, known: KnownWords) -> str | None:
-        """The kind of a part: empty for chatter, None where it is neither."""
         words, lists = part.words, self.words
         is_denied = not lists.words("denying").isdisjoint(words)
         is_stated = not lists.words("stating").isdisjoint(words)
@@ -154,7 +149,6 @@ class CourtesyPhrases:
         return "" if is_chatter else None
 
     def _is_all(self, kind: str, words: Phrase, start: int) -> bool:
-        """Whether a part begins with a phrase at a place, and what follows is no clause."""
         found = self.words.of_group("courtesies", words, start)
         ends = [end for name, end, _ in found if name == kind]
         is_led = self.words.words("before").issuperset(words[:start]) or (
@@ -166,20 +160,13 @@ class CourtesyPhrases:
         """Whether a part names something that a rule or a command is about."""
         found = find_mentions(part, known, {}, Discourse())
         is_act = any(each.role == "act" and each.name in GOALS for each in found.names)
-        return bool(found.required) or (
-            is_act and not self.words.words("pronouns").isdisjoint(part.words)
-        )
+        is_on_it = not self.words.words("pronouns").isdisjoint(part.words)
+        return bool(found.required) or (is_act and is_on_it)
 
 
 def _is_person(token: Token, known: KnownWords) -> bool:
-    """Whether a word is the name of a person, or may be that of a stranger."""
     is_known = known.lexicon.is_name(token.word, _PEOPLE)
     return token.capital and (is_known or not known.has(token.word))
-
-
-def _text(tokens: Tokens, start: int, end: int) -> str:
-    following = tokens.items[end].start if end < len(tokens.items) else len(tokens.text)
-    return tokens.text[tokens.items[start].start : following].strip(" ,:-–—")
 
 
 def load_courtesies(path: Path) -> CourtesyPhrases:

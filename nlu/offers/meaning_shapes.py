@@ -5,13 +5,11 @@ The shape of "a knife is often used for cutting" is a functional rule with the s
 another utterance names. A slot of a role that a shape has twice is numbered: `?object2`.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, cast
 
 from ..semantics.meaning import (
     Acknowledgement,
@@ -45,6 +43,7 @@ _ROLES_OF_KEYS: Mapping[str, tuple[str, ...]] = {
     **dict.fromkeys(("recipient", "speaker"), ("person",)),
     "props": ("property",),
 }
+_NAMING = frozenset(key for key, roles in _ROLES_OF_KEYS.items() if roles != ("act",))
 
 
 @dataclass(frozen=True)
@@ -67,10 +66,8 @@ class MeaningShape:
     @cached_property
     def constants(self) -> frozenset[str]:
         """The names that are no slots, without those of acts."""
-        leaves = (
-            (_ROLES_OF_KEYS.get(key, ("act",)), value) for key, value in _leaves(self.template)
-        )
-        return frozenset(str(v) for roles, v in leaves if roles != ("act",) and not _is_slot(v))
+        said = (str(v) for key, v in _leaves(self.template) if key in _NAMING and not _is_slot(v))
+        return frozenset(said)
 
     @cached_property
     def roles(self) -> Mapping[str, tuple[str, ...]]:
@@ -104,13 +101,9 @@ def shape_of(meaning: Json, mentions: Mentions, tool_acts: Mapping[str, str]) ->
     taken: dict[tuple[str, str], str] = {}
 
     def slotted(value: object, key: str, within: Json) -> object:
-        match value:
-            case list():
-                return degree(value, within)
-            case str():
-                return slot(key, value, within)
-            case _:
-                return value
+        if isinstance(value, list):
+            return degree(cast("list[object]", value), within)
+        return slot(key, value, within) if isinstance(value, str) else value
 
     def degree(value: list[object], within: Json) -> object:
         if any(tuple(value) == interval for _, _, interval in mentions.degrees):
@@ -141,7 +134,7 @@ def shape_from(template: Json) -> MeaningShape:
 
 
 def _is_last(last: Rule | None, within: Json) -> bool:
-    return last is not None and last.as_json()["rule"] == within.get("rule")
+    return last is not None and last.rule == within.get("rule")
 
 
 def _is_slot(value: object) -> bool:
@@ -154,7 +147,6 @@ def _changed(
     key: str = "",
     within: Json | None = None,
 ) -> Any:
-    """A value with its leaves changed, each by its key and the object in which it stands."""
     match value:
         case dict():
             return {k: _changed(v, change, k, value) for k, v in value.items()}
@@ -165,18 +157,12 @@ def _changed(
 
 
 def _traits(template: Json) -> Iterator[str]:
-    """The parts of a meaning that its words may express, as `key=value`."""
     rules = template.get("all")
-    yield "kind=" + "+".join(sorted({"all"} & template.keys() | set(_kinds(template))))
+    kinds = {"all", "goal", "patient", "retract", "kind_of", "action", "plan"} & template.keys()
+    named = template.keys() & {"rule", "ask", "ack", "norm", "control"}
+    yield "kind=" + "+".join(sorted(kinds | {str(template[key]) for key in named}))
     yield f"size={len(rules) if isinstance(rules, list) else 1}"
     yield from sorted({f"{key}={json.dumps(value)}" for key, value in _leaves(template)})
-
-
-def _kinds(template: Json) -> Iterator[str]:
-    for key in ("rule", "ask", "ack", "norm", "control"):
-        if key in template:
-            yield str(template[key])
-    yield from {"goal", "patient", "retract", "kind_of", "action", "plan"} & template.keys()
 
 
 def _leaves(value: object, key: str = "") -> Iterator[tuple[str, object]]:
@@ -231,7 +217,6 @@ def _record(values: Json) -> Any:
 
 
 def _value(value: Any, *, is_listed: bool = False) -> Any:
-    """A part of a value: lists as tuples, in them floats for all numbers."""
     match value:
         case dict():
             return _record(value)

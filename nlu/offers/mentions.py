@@ -4,8 +4,6 @@ A known name is found by the lexicon. An unknown word may be a new name, by its 
 utterance also refers to the object mentioned last, and a correction to the last rule.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -191,13 +189,10 @@ def _label(names: Mapping[str, str], word: str) -> str:
 def _is_required(names: Mapping[str, str]) -> bool:
     if "affordance" in names:  # a word like "hold" need not be a use
         return names.get("act") not in GOALS
-    return not names.keys().isdisjoint({"object", "part"}) and names.keys().isdisjoint(
-        {"material", "property"}
-    )
+    return bool({"object", "part"} & names.keys()) and not {"material", "property"} & names.keys()
 
 
 def _as_acts(found: Iterable[Mention], lexicon: Lexicon) -> Iterator[Mention]:
-    """The acts that known names of uses also are in some form: "held", as "hold"."""
     for each in found:
         if each.role == "affordance" and not each.is_new:
             for other in _known((each.name,), lexicon):
@@ -206,7 +201,6 @@ def _as_acts(found: Iterable[Mention], lexicon: Lexicon) -> Iterator[Mention]:
 
 
 def _without_places(found: Iterable[Mention], words: tuple[str, ...]) -> Iterator[Mention]:
-    """The mentions without the objects on which others stand: "the cup on that shelf"."""
     mentions = list(found)
     things = {each for each in mentions if each.role == "object"}
     places = {m for m in things if _ON.intersection(words[max(0, m.start - 2) : m.start])}
@@ -258,7 +252,6 @@ def _fits(role: str, entry: Entry, words: tuple[str, ...], start: int) -> bool:
 
 
 def _without_parts(found: Iterable[Mention]) -> Iterator[Mention]:
-    """The mentions that are no part of a longer name: "wine" in "wine glass"."""
     mentions = list(found)
     known = {range(each.start, each.end) for each in mentions if not each.is_new}
     for each in mentions:

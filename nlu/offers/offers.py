@@ -5,8 +5,6 @@ language generates for an offer must be understood as just this meaning. An offe
 or acted on before its speaker has chosen it.
 """
 
-from __future__ import annotations
-
 import base64
 import json
 import zlib
@@ -17,7 +15,8 @@ from itertools import islice
 from pathlib import Path
 
 from ...ontology.errors import UnknownNameError
-from ..generation.templates import AnswerTemplates
+from ..generation.realizer import Realizer
+from ..grammar.word_lists import Phrase, load_word_lists
 from ..lexicon.tokenizer import BREAK, MAX_TOKENS, Tokens
 from ..lexicon.unknown_words import KnownWords
 from ..parsing.understanding import UtteranceContext
@@ -71,8 +70,7 @@ class OfferFinder:
     Attributes:
         degrees: the words for degrees of confidence, with their intervals.
         tool_acts: the acts done with a tool, each with the affordance that the tool must have.
-        answers: the words of the question.
-        realize: returns the sentence for a meaning.
+        realizer: makes the sentences for meanings.
         meaning_of: returns the meaning of a text that somebody says at some point.
     """
 
@@ -81,8 +79,7 @@ class OfferFinder:
     known: KnownWords
     degrees: Mapping[tuple[str, ...], Confidence]
     tool_acts: Mapping[str, str]
-    answers: AnswerTemplates
-    realize: Callable[[Meaning], str]
+    realizer: Realizer
     meaning_of: Callable[[str, UtteranceContext], Meaning]
     segments: SegmentReader
 
@@ -93,9 +90,9 @@ class OfferFinder:
             return None
         said = [self._aloud(meaning) for meaning in choices]
         if len(said) == 1:
-            return AskBack(self.answers.say("offer", choice=said[0]), choices)
+            return AskBack(self.realizer.answers.say("offer", choice=said[0]), choices)
         numbered = " ".join(f"{number}. {each}." for number, each in enumerate(said, start=1))
-        return AskBack(self.answers.say("offers", choices=numbered), choices)
+        return AskBack(self.realizer.answers.say("offers", choices=numbered), choices)
 
     def meanings(self, tokens: Tokens, context: UtteranceContext) -> tuple[Meaning, ...]:
         """Return at most `MAX_OFFERS` meanings that an utterance may have, the likeliest first."""
@@ -116,7 +113,6 @@ class OfferFinder:
         return replace(found, features=self.checks.signs(found))
 
     def _is_of_gripping(self, mention: Mention, tokens: Tokens) -> bool:
-        """Whether a name is only that of what grips, or of gripping: "your gripper", "grabbed"."""
         if mention.role == "affordance":
             return mention.name in self.checks.reader.words["acts"]
         words = tokens.words[mention.start : mention.end]
@@ -141,10 +137,8 @@ class OfferFinder:
             meaning = _revising(self.meaning_of(tokens.span(start, end), beside), context)
             if start and _holds_for_anything(meaning, mentions):
                 continue
-            after = [tokens.words[end:]]
-            if self.checks.is_licensed_beside(meaning, after) and self._is_understood(
-                meaning, context
-            ):
+            is_licensed = self.checks.is_licensed_beside(meaning, [tokens.words[end:]])
+            if is_licensed and self._is_understood(meaning, context):
                 return (meaning,)
         return ()
 
@@ -156,12 +150,10 @@ class OfferFinder:
             first = LEAST if len(candidate.used) > 1 else LEAST_OF_ONE
             if probability < (LEAST_OTHER if found else first):
                 break
-            if not candidate.used and probability < LEAST_NAMELESS:
+            is_vague = not candidate.used and probability < LEAST_NAMELESS
+            if is_vague or self.rejected(candidate, mentions, context):
                 continue
-            if self.rejected(candidate, mentions, context):
-                continue
-            asides = candidate.asides(mentions)
-            checked = self.checks.weakened(meaning, mentions, asides)
+            checked = self.checks.weakened(meaning, mentions, candidate.asides(mentions))
             if _uncorrecting(checked) not in map(_uncorrecting, found):
                 found.append(checked)
         return tuple(found[:MAX_OFFERS])
@@ -177,10 +169,8 @@ class OfferFinder:
         lost = self.checks.lost(meaning, mentions, asides)
         if lost:
             return lost
-        is_understood = self._is_understood(
-            self.checks.weakened(meaning, mentions, asides), context
-        )
-        return "" if is_understood else "sentence"
+        checked = self.checks.weakened(meaning, mentions, asides)
+        return "" if self._is_understood(checked, context) else "sentence"
 
     def ranked(self, mentions: Mentions) -> Sequence[tuple[float, CandidateMeaning]]:
         """Return the likeliest candidates with their probabilities, the likeliest first."""
@@ -190,7 +180,7 @@ class OfferFinder:
         return ranked[:MAX_TRIED]
 
     def _aloud(self, meaning: Meaning) -> str:
-        first, *rest = self.realize(meaning).rstrip("?").split(" ")
+        first, *rest = self.realizer.realize(meaning).rstrip("?").split(" ")
         denying = self.checks.phrases["negative"]
         return " ".join([first, *(w.upper() if (w,) in denying else w for w in rest)])
 
@@ -205,7 +195,7 @@ class OfferFinder:
     def _is_understood(self, meaning: Meaning, context: UtteranceContext) -> bool:
         alone = replace(context, discourse=Discourse())
         try:
-            found = self.meaning_of(self.realize(meaning), alone)
+            found = self.meaning_of(self.realizer.realize(meaning), alone)
         except UnknownNameError:
             return False
         return found == meaning or (isinstance(found, AskBack) and found.choices == (meaning,))
@@ -214,7 +204,6 @@ class OfferFinder:
 def _with_object_before(
     place: int, mentions: Mentions, context: UtteranceContext
 ) -> UtteranceContext:
-    """A context in which "it" is the one object named before a place, if any is named there."""
     before = [m for m in mentions.names if m.role == "object" and m.end <= place]
     if not before:
         return context
@@ -224,7 +213,6 @@ def _with_object_before(
 
 
 def _revising(meaning: Meaning, context: UtteranceContext) -> Meaning:
-    """A statement that corrects the last rule where it differs from it, and nothing else."""
     last = context.discourse.rule
     if not isinstance(meaning, Statement):
         return meaning
@@ -232,7 +220,6 @@ def _revising(meaning: Meaning, context: UtteranceContext) -> Meaning:
 
 
 def _differs(rule: Rule, last: Rule | None) -> bool:
-    """Whether a rule says something else of what the last one is about."""
     match rule, last:
         case FunctionalRule(), FunctionalRule():
             is_same = (rule.object, rule.affordance) == (last.object, last.affordance)
@@ -244,7 +231,6 @@ def _differs(rule: Rule, last: Rule | None) -> bool:
 
 
 def _holds_for_anything(meaning: Meaning, mentions: Mentions) -> bool:
-    """Whether a rule on holding is for no act, although the utterance names one."""
     acts = {m.name for m in mentions.names if m.role == "act"} - {"grasp"}
     rules = meaning.rules if isinstance(meaning, Statement) else ()
     contexts = {rule.context for rule in rules if isinstance(rule, ActionRule)}
@@ -252,7 +238,6 @@ def _holds_for_anything(meaning: Meaning, mentions: Mentions) -> bool:
 
 
 def _beside(candidate: CandidateMeaning, mentions: Mentions) -> set[int]:
-    """The places just before and after the names that a candidate uses, with no pause between."""
     pauses = mentions.tokens.pauses
     used = [each for mentions in candidate.used.values() for each in mentions]
     before = {each.start - 1 for each in used if each.start not in pauses}
@@ -269,3 +254,21 @@ def load_model(path: Path) -> OfferModel:
     data = json.loads(path.read_text(encoding="utf-8"))
     weights = json.loads(zlib.decompress(base64.b64decode(data["weights"])))
     return OfferModel(tuple(map(shape_from, data["shapes"])), Ranker(weights))
+
+
+def choice_of(words: Phrase, count: int, path: Path) -> int | None:
+    """Return which of `count` choices words take, from 1 on: 0 for none, None for no answer.
+
+    `path` is the file of the words that choose.
+    """
+    lists = load_word_lists(path, groups=("numbers",), phrases=("last", "around", "none"))
+    if lists.has("none", *words):
+        return 0
+    # "The first one", but also "one": it is a number only where there is no other.
+    named = tuple(word for word in words if not lists.has("around", word)) or words[-1:]
+    if len(named) != 1:
+        return None
+    if count > 1 and named in lists.phrases["last"]:
+        return count
+    numbers = (int(number) for number, _, _ in lists.of_group("numbers", named))
+    return next((number for number in numbers if number <= count), None)

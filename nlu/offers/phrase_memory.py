@@ -103,14 +103,12 @@ def _role(slot: str) -> str:
 
 
 def _gaps(mentions: Mentions) -> Iterator[tuple[int, str]]:
-    """The places of the names that vary, with their roles; an act is part of the phrase."""
     for place, label in enumerate(mentions.labels):
         if label in _ROLES:
             yield place, _ROLES[label]
 
 
 def _words(mentions: Mentions) -> Iterator[tuple[int, str]]:
-    """The places and words, with the first place of each name for the whole of it."""
     for place, label in enumerate(mentions.labels):
         if label and label != BREAK:
             yield place, mentions.tokens.words[place] if label.startswith("<act") else label

@@ -6,8 +6,6 @@ the order of the slots; the names that are left over. The weights are data, trai
 `benchmarks/train_offers.py`. The probability is the softmax over all candidates and "none".
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -43,7 +41,9 @@ class Ranker:
         scores = [said(mentions.asides(mentions.known)).get(NONE, 0.0)]
         for each in candidates:
             of_traits = of_shape(each.shape, each.asides(mentions))
-            scores.append(of_traits + self._of_filling(each, mentions))
+            found = filling_features(each, mentions)
+            of_names = sum(self.weights.get(one, {}).get(trait, 0.0) for one, trait in found)
+            scores.append(of_traits + of_names)
         greatest = max(scores)
         powers = [math.exp(score - greatest) for score in scores]
         total = sum(powers)
@@ -55,13 +55,6 @@ class Ranker:
             for trait, weight in self.weights.get(feature, {}).items():
                 said[trait] = said.get(trait, 0.0) + weight
         return said
-
-    def _of_filling(self, candidate: CandidateMeaning, mentions: Mentions) -> float:
-        found = (
-            self.weights.get(feature, {}).get(trait, 0.0)
-            for feature, trait in filling_features(candidate, mentions)
-        )
-        return sum(found)
 
 
 def utterance_features(mentions: Mentions, asides: Asides) -> Iterator[str]:
@@ -110,9 +103,7 @@ def filling_features(candidate: CandidateMeaning, mentions: Mentions) -> Iterato
 
 def left_over(candidate: CandidateMeaning, mentions: Mentions) -> Mapping[str, frozenset[int]]:
     """Return the places of unused names by role; `new` are unknown words, `known` may be names."""
-    spans = {
-        place for used in candidate.used.values() for m in used for place in range(m.start, m.end)
-    }
+    spans = {n for used in candidate.used.values() for m in used for n in range(m.start, m.end)}
     names = {str(value) for value in candidate.values.values()}
     left: dict[str, set[int]] = {}
     for each in mentions.names:

@@ -4,10 +4,9 @@ Every unknown word that is one slip away from known ones is replaced by one of t
 swapped, one lost, added or changed. What this gives is only offered, never believed or done.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from itertools import product
+from math import dist
 
 from ..lexicon.misspelling import slips
 from ..lexicon.tokenizer import Tokens
@@ -21,15 +20,8 @@ _KEYS = {
     for row, letters in enumerate(("qwertyuiop", "asdfghjkl", "zxcvbnm"))
     for column, letter in enumerate(letters)
 }
-
-_NEAR = {
-    one: {
-        other
-        for other, (row, column) in _KEYS.items()
-        if abs(_KEYS[one][0] - row) <= 1 and abs(_KEYS[one][1] - column) <= 1
-    }
-    for one in _KEYS
-}
+_ELSEWHERE = (9, 9)  # the place of what is no letter of these
+_NEXT = 1.5  # neighbours are less apart, also diagonal ones
 
 
 def corrected_texts(tokens: Tokens, known: KnownWords) -> Iterator[str]:
@@ -58,16 +50,13 @@ def _known_slips(word: str, known: KnownWords) -> list[str]:
 
 
 def _is_far(word: str, other: str) -> bool:
-    """Whether another letter was typed that is no neighbour on the keyboard."""
     if len(word) != len(other) or sorted(word) == sorted(other):
         return False
-    return any(
-        one != two and two not in _NEAR.get(one, ()) for one, two in zip(word, other, strict=True)
-    )
+    changed = (pair for pair in zip(word, other, strict=True) if pair[0] != pair[1])
+    return any(dist(_KEYS.get(one, _ELSEWHERE), _KEYS[two]) > _NEXT for one, two in changed)
 
 
 def _replaced(tokens: Tokens, text: str, meant: dict[str, str]) -> str:
-    """The text with some words replaced; what stands between them stays."""
     for token in reversed(tokens.items):
         if token.word in meant:
             text = text[: token.start] + meant[token.word] + text[token.end :]

@@ -6,8 +6,6 @@ periphery and the pause before the segment show which. A person confirms what is
 may precede it than what is understood at once.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -15,11 +13,9 @@ from itertools import pairwise
 from ..lexicon.tokenizer import BREAK, Tokens
 from ..parsing.periphery import PeripheryReader
 from ..parsing.utterance_pieces import HEARER, MARKER, OWN, PHRASE, Pause, UtterancePiece
-from .mentions import Mentions
+from .mentions import Mentions, Span
 
 LEAST_WORDS = 3  # the least length of a segment [words]
-
-Span = tuple[int, int]
 
 _UNCLEAR = frozenset({Pause.INSIDE, Pause.WEAK, Pause.ASKING})
 """The pauses before a segment that may go on with its sentence."""
@@ -60,7 +56,6 @@ class SegmentReader:
         yield from sorted(kept, key=lambda span: (span[0] - span[1], span))
 
     def _tells(self, before: Sequence[UtterancePiece], tokens: Tokens, pause: Pause) -> bool:
-        """Whether what precedes a segment tells it or says nothing of it."""
         pieces = [each for each in before if each.form != MARKER]
         if not pieces:
             return pause != Pause.INSIDE or not before
@@ -82,7 +77,6 @@ class SegmentReader:
         return signs.isdisjoint(self._signs[f"before_{pause.name.lower()}"])
 
     def _adds_nothing(self, after: Sequence[UtterancePiece], mentions: Mentions, end: int) -> bool:
-        """Whether what follows a segment names nothing and has no word that changes it."""
         words = mentions.tokens.words[end:]
         is_announced = all("announced" in each.signs for each in after)
         if self._begins("joining", words) and not is_announced:

@@ -61,12 +61,9 @@ class Chart:
     ) -> None:
         self.length = len(tokens)
         self._combinator = combinator
-        self._cells: list[list[_Cell]] = [
-            [{} for _ in range(self.length + 1)] for _ in range(self.length)
-        ]
-        self._signs: list[list[tuple[Sign, ...]]] = [
-            [()] * (self.length + 1) for _ in range(self.length)
-        ]
+        size = self.length + 1
+        self._cells: list[list[_Cell]] = [[{} for _ in range(size)] for _ in tokens]
+        self._signs: list[list[tuple[Sign, ...]]] = [[()] * size for _ in tokens]
         self._known: dict[tuple[int, int, Sign], list[Derivation]] = {}
         self._add_words(tokens, lexicon, guesses or {})
         self._fill()
@@ -140,9 +137,8 @@ class Chart:
                     left, right = row[middle], signs[middle][end]
                     if left and right:
                         for result, one, other, rule in join(left, right):
-                            cell.setdefault(result, []).append(
-                                _BackPointer(rule, middle, one, other)
-                            )
+                            pointer = _BackPointer(rule, middle, one, other)
+                            cell.setdefault(result, []).append(pointer)
                 if cell:
                     self._apply_unary_rules(cell)
                     row[end] = tuple(sorted(cell))

@@ -4,8 +4,6 @@ The answer names the reason (a word that is not known, the longest span understo
 meanings) or asks a question: whether a known word was meant that is one letter away from a new one.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -14,7 +12,6 @@ from itertools import chain, pairwise
 from ...ontology.errors import UnknownNameError
 from ..generation.realizer import Realizer
 from ..generation.templates import AnswerTemplates
-from ..lexicon.inflection import Inflection
 from ..lexicon.misspelling import MIN_LETTERS, intended_word, slips
 from ..lexicon.tokenizer import MAX_CHARACTERS, MAX_TOKENS, Token, Tokens
 from ..lexicon.unknown_words import MAX_NEW_WORDS, KnownWords, is_word, new_recipients
@@ -36,7 +33,6 @@ class Clarifier:
 
     parser: SentenceParser
     known_words: KnownWords
-    inflection: Inflection
     answers: AnswerTemplates
     realizer: Realizer
     examples: Mapping[str, frozenset[str]]
@@ -93,7 +89,6 @@ class Clarifier:
         return None
 
     def _may_be_part(self, word: NewWord, reading: Reading, tokens: Tokens) -> bool:
-        """Whether a word for an object may be meant as a part: "the bowl" is that of the spoon."""
         if not self.known_words.is_only_part(word):
             return False
         is_definite = any(pair == ("the", word.said) for pair in pairwise(tokens.words))
@@ -174,9 +169,9 @@ class Clarifier:
         return self._intended(word, known.names) or self._intended(word, known.has)
 
     def _intended(self, word: str, is_known: Callable[[str], bool]) -> str | None:
-        plural = self.inflection.form(word, "plural")
+        plural = self.known_words.builder.inflection.form(word, "plural")
         if is_known(plural):  # "knive" has the plural of "knife"
-            singulars = self.inflection.origins(plural, "plural")
+            singulars = self.known_words.origins(plural, "plural")
             return next((each for each in singulars if is_known(each)), None)
         return intended_word(word, is_known, self.known_words.lexicon.letter_clusters)
 
@@ -192,7 +187,6 @@ class Clarifier:
             return str(meaning.as_json())
 
     def _nearest_examples(self, words: Iterable[str]) -> tuple[str, ...]:
-        """The examples that share most words with a sentence (Dice coefficient), best first."""
         said = frozenset(words)
 
         def similarity(sentence: str) -> float:

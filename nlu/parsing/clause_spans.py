@@ -5,8 +5,6 @@ its span, whatever entry took them. What a sentence names has features, too: whe
 a part of what it is said of, or something that can be handled at all.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
@@ -16,13 +14,7 @@ from ..lexicon.lexicon import Entry
 from ..lexicon.tokenizer import Tokens
 from ..lexicon.unknown_words import new_recipients
 from ..lexicon.vocabulary import NewWord
-from ..semantics.clause_features import (
-    CONDITION,
-    MAIN,
-    ClausePosition,
-    FeatureReader,
-    UtteranceFeatures,
-)
+from ..semantics.clause_features import CONDITION, MAIN, FeatureReader, UtteranceFeatures
 from ..semantics.meaning import (
     ActionRule,
     Command,
@@ -44,23 +36,19 @@ def features_of(reader: FeatureReader, reading: Reading, tokens: Tokens) -> Utte
     found = reader.features(words, tokens.removed)
     named = dict(features_of_names(reader, tokens.words, meaning, reading.new_words))
     source = meaning.source if isinstance(meaning, (Statement, KindStatement)) else None
-    if source and not _is_person(reader, derivation, tokens.words, source):
-        named["source"] = frozenset({"other"})
+    if source:
+        new = {entry.name for entry in lexical_entries(derivation) if entry.role == "person"}
+        before = _before(tokens.words, source, 1)
+        if not reader.is_person(source, before, is_new=source in new):
+            named["source"] = frozenset({"other"})
     if isinstance(meaning, Command) and _may_be_place(reader, derivation, tokens.words):
         named["recipient"] = frozenset({"place"})
     return replace(found, main={**found.main, **named}) if named else found
 
 
-def _is_person(
-    reader: FeatureReader, derivation: Derivation, words: Sequence[str], name: str
-) -> bool:
-    new = {entry.name for entry in lexical_entries(derivation) if entry.role == "person"}
-    return reader.is_person(name, _before(words, name, 1), is_new=name in new)
-
-
 def _words(
     reader: FeatureReader, derivation: Derivation, words: Sequence[str], clause: str
-) -> Iterator[ClausePosition]:
+) -> Iterator[tuple[str, str]]:
     category = str(derivation.category)
     if category in reader.categories["condition"]:
         clause = CONDITION
@@ -70,7 +58,7 @@ def _words(
         if is_name or category in reader.categories["name"]:
             clause = ""
         for word in words[derivation.start : derivation.end]:
-            yield ClausePosition(word, clause)
+            yield word, clause
     for part in derivation.parts:
         yield from _words(reader, part, words, clause)
 
@@ -88,10 +76,12 @@ def features_of_names(
         if found:
             yield "part", frozenset(found)
         objects = {rule.object for rule in meaning.rules}
+        is_determined = words[0] in reader.words["determiners"]
         if any(
             reader.is_abstract(word.said, word.word)
             and word.word in objects
-            and not _is_subject(reader, words, word.said)
+            # "A match is used for lighting" is about what the noun names.
+            and not (is_determined and _place(words, word.said) == 1)
             for word in new_words
         ):
             yield "thing", frozenset({"abstract"})
@@ -112,22 +102,15 @@ def features_of_names(
 
 
 def _may_be_place(reader: FeatureReader, derivation: Derivation, words: Sequence[str]) -> bool:
-    """Whether a new recipient may be a place: one gives to people, but may carry to the lab."""
     entries = lexical_entries(derivation)
     goals, carrying = reader.categories["goal"], reader.words["carrying"]
     is_goal = any(str(entry.category) in goals for entry in entries)
     return is_goal and bool(new_recipients(entries)) and not carrying.isdisjoint(words)
 
 
-def _is_subject(reader: FeatureReader, words: Sequence[str], said: str) -> bool:
-    """Whether a sentence is about what a noun names: "a match is used for lighting"."""
-    return words[0] in reader.words["determiners"] and _place(words, said) == 1
-
-
 def _part(
     reader: FeatureReader, words: Sequence[str], part: str, new: str | None, *, is_known: bool
 ) -> str:
-    """Whether a part is a person's `own`, `new`, `unsure` (of an unknown object), or known: ""."""
     said = new or part
     before = _before(words, said, 3)
     if before and before[-1] in reader.words["owners"]:

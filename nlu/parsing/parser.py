@@ -5,13 +5,11 @@ comes from the CCG chart; its predicate form is resolved against the discourse, 
 act, then an intention, then a meaning.
 """
 
-from __future__ import annotations
-
 import contextlib
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
-from ..grammar.categories import Category, Functor
+from ..grammar.categories import Functor
 from ..grammar.combinators import CombinationTable
 from ..grammar.grammar import Grammar
 from ..lexicon.control_phrases import ControlPhrases
@@ -29,7 +27,6 @@ from ..semantics.norm_interpretation import meaning_of
 from ..semantics.pragmatics import CERTAIN, Intention, Pragmatics
 from ..semantics.predicates import PredicateForm, UninterpretableError, form_of, load_predicates
 from .chart import Chart, Derivation
-from .clause_spans import features_of
 from .derivation_views import lexical_entries, subderivations
 from .understanding import Reading, UtteranceContext
 
@@ -75,10 +72,6 @@ class SentenceParser:
                 best[reading.meaning] = reading
         return sorted(best.values(), key=lambda reading: reading.cost), refusal
 
-    def with_features(self, reading: Reading, tokens: Tokens) -> Reading:
-        """Return a reading of some tokens with the features of its clauses."""
-        return replace(reading, features=features_of(self.features, reading, tokens))
-
     def topic(self, chart: Chart, context: UtteranceContext) -> PredicateForm | None:
         """Return the object that an utterance consists of, None when it is more than a name."""
         for derivation in chart.derivations(self.grammar.topic):
@@ -122,13 +115,17 @@ class SentenceParser:
     def failure(self, chart: Chart, tokens: Tokens) -> tuple[str, tuple[str, ...]]:
         """Return the text of the longest span with a category, and what was expected after it."""
         start, end = chart.longest_span()
-        categories = sorted(chart.categories(start, end), key=_simplest_first)
+        named = {str(category): category for category in chart.categories(start, end)}
+        simplest = sorted(named, key=lambda name: (sum(map(name.count, "/\\")), len(name), name))
         expected = (
             self.grammar.described(category.argument)
-            for category in categories
+            for category in map(named.__getitem__, simplest)
             if isinstance(category, Functor) and category.forward
         )
-        return tokens.span(start, end), _each_once(filter(None, expected))[:MAX_EXPECTED]
+        found = tuple(dict.fromkeys(filter(None, expected)))
+        # Nothing is lost without "is" beside "is or are".
+        kept = (one for one in found if not any(o.startswith(f"{one} or ") for o in found))
+        return tokens.span(start, end), tuple(kept)[:MAX_EXPECTED]
 
     def _derivations(self, chart: Chart) -> list[tuple[str, Derivation]]:
         found = [
@@ -163,7 +160,6 @@ class SentenceParser:
         return Reading(speech_act, *meant, cost, derivation, words)
 
     def _is_for_now(self, derivation: Derivation) -> bool:
-        """Whether what must not be done is to give the speaker a certain thing: "the knife"."""
         parts = {part.category for part in subderivations(derivation)}
         is_generic = self.grammar.general in parts
         return not is_generic and not parts.isdisjoint(self.grammar.speaker)
@@ -182,19 +178,6 @@ def decide(readings: Sequence[Reading]) -> Reading | None:
     """Return the cheapest of sorted readings, None when there is none or several cost the same."""
     best = [reading for reading in readings if reading.cost == readings[0].cost]
     return best[0] if len(best) == 1 else None
-
-
-def _each_once(descriptions: Iterable[str]) -> tuple[str, ...]:
-    """Descriptions without those that another one begins with: "is", beside "is" or "are"."""
-    found = tuple(dict.fromkeys(descriptions))
-    return tuple(
-        one for one in found if not any(o != one and o.startswith(f"{one} or ") for o in found)
-    )
-
-
-def _simplest_first(category: Category) -> tuple[int, int, str]:
-    shown = str(category)
-    return shown.count("/") + shown.count("\\"), len(shown), shown
 
 
 def _fill_persons(form: PredicateForm, context: UtteranceContext) -> PredicateForm:

@@ -5,8 +5,6 @@ pause. One table (`periphery.yaml`) says beside which kinds of core a piece of p
 without a question. What no row allows is asked about, or refused.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -15,7 +13,6 @@ from pathlib import Path
 
 from ...ontology.yaml_reader import YamlNode, read_yaml
 from ..lexicon.tokenizer import Tokens
-from ..lexicon.unknown_words import KnownWords
 from ..semantics.meaning import ActionRule, Command, Meaning, Question, Statement, ToolCommand
 from .utterance_pieces import (
     FORMS,
@@ -107,7 +104,6 @@ def _sets(field: YamlNode) -> dict[str, frozenset[str]]:
 
 
 def _union(names: Sequence[str], sets: Mapping[str, frozenset[str]]) -> frozenset[str]:
-    """All that is named, one by one or as a set, without what has a minus before it."""
     added = (sets.get(name, {name}) for name in names if not name.startswith("-"))
     return frozenset(chain.from_iterable(added)) - {n[1:] for n in names if n.startswith("-")}
 
@@ -138,7 +134,6 @@ class PeripheryReader:
     """Finds the cores of utterances, which have their short forms written out."""
 
     reader: PieceReader
-    known: KnownWords
     table: PeripheryTable
 
     def cores(self, tokens: Tokens, expanded: Tokens) -> Iterator[Core]:
@@ -189,7 +184,7 @@ class PeripheryReader:
             replace(tokens.part(0, end).only(kept), removed=removed),
             kinds,
             tuple(_sentences(tokens, start, pieces)),
-            any(self.known.may_be_a_thing(word) for phrase in phrases for word in phrase),
+            any(self.reader.known.may_be_a_thing(word) for phrase in phrases for word in phrase),
             self._referent([each for each, _ in said], tokens, span),
             any(self.reader.words.has("person", word) for word in tokens.words[start:end]),
         )
@@ -199,17 +194,14 @@ class PeripheryReader:
     ) -> Iterator[tuple[UtterancePiece, Pause]]:
         start, end = span
         before = [each for each in pieces if each.end <= start]
-        joined = max(
-            (each.joined for each in pieces if each.core_start == start), default=Pause.WEAK
-        )
+        joined = max((p.joined for p in pieces if p.core_start == start), default=Pause.WEAK)
         if tokens.asks and end == len(tokens.items):
             joined = max(joined, Pause.ASKING)
         said = [each for each in before if each.form != MARKER]
         is_told = bool(said) and self.table.announces(said[-1])
+        heard = [p for p in pieces if p.start <= start and p.pause != Pause.TOLD]
         for each in before:
-            between = (
-                p.pause for p in pieces if each.end <= p.start <= start and p.pause != Pause.TOLD
-            )
+            between = (p.pause for p in heard if each.end <= p.start)
             yield each, Pause.TOLD if is_told else max((joined, *between))
 
     def _referent(
@@ -224,15 +216,14 @@ class PeripheryReader:
             and self._may_be_meant(words[place - 1], words[place])
         }
         things = named.difference(words[slice(*span)])
-        is_known = all(self.known.lexicon.is_name(word, _THINGS) for word in things)
+        is_known = all(self.reader.known.lexicon.is_name(word, _THINGS) for word in things)
         is_past = any("tense=past" in each.signs for each in pieces)
         return things.pop() if is_known and len(things) == 1 and not is_past else None
 
     def _may_be_meant(self, before: str, word: str) -> bool:
-        """Whether a pronoun may stand for a word after a determiner, if after "'s" for a name."""
         if before == "'s":
-            return self.known.lexicon.is_name(word, _THINGS)
-        return self.known.may_be_a_thing(word)
+            return self.reader.known.lexicon.is_name(word, _THINGS)
+        return self.reader.known.may_be_a_thing(word)
 
 
 def kinds_of_core(meaning: Meaning) -> frozenset[str]:

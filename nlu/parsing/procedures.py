@@ -124,7 +124,7 @@ class ProcedureReader:
             clauses = _Clauses(self, context, sentence)
             meaning = self._definition(head, body, clauses)
             if meaning:
-                new = chain(head.new_words, *map(clauses.new_words_of, meaning.steps))
+                new = chain(head.new_words, clauses.new_words(meaning.steps))
                 words = {(word.role, word.word): word for word in new}
                 whole = Understanding.of(tokens, context, meaning)
                 return replace(whole, new_words=tuple(words.values()), discourse=head.discourse)
@@ -139,7 +139,7 @@ class ProcedureReader:
         found = clauses.read(replace(tokens, asks=False), state) or []
         steps = tuple(each for each, _ in found if isinstance(each, Act))
         is_said_again = any(_is_of_same(one, other) for one, other in pairwise(steps))
-        new = chain.from_iterable(map(clauses.new_words_of, steps))
+        new = clauses.new_words(steps)
         if is_said_again or len(steps) < len(found) or any(word.role != "object" for word in new):
             return None
         match steps:
@@ -164,15 +164,12 @@ class ProcedureReader:
             return None
         things = zip(head.parameters, head.things, strict=True)
         wanted = [ActionCondition("is", kind, prop) for kind, each in things for prop in each.props]
-        conditions = [each for each in found if isinstance(each, ActionCondition)]
+        wanted += [each for each in found if isinstance(each, ActionCondition)]
         reactions = tuple(each for each in found if isinstance(each, FailureReaction))
         links = head.links if {*head.links} - {"and"} else ()
-        return ActionDefinition(
-            head.name, head.parameters, steps, (*wanted, *conditions), reactions, links
-        )
+        return ActionDefinition(head.name, head.parameters, steps, tuple(wanted), reactions, links)
 
     def _is_way(self, steps: Sequence[Act], parameters: Sequence[str]) -> bool:
-        """Whether some steps are how something is done, and not only with what."""
         if not any(self.is_act(each.goal) for each in steps):
             return False
         only = steps[0] if len(steps) == 1 and parameters else None
@@ -237,7 +234,6 @@ class ProcedureReader:
         return interpreter.has_act(name) or name in self.frames
 
     def _is_other(self, name: str) -> bool:
-        """Whether a name is no verb, or that of an act that Hilt comes with."""
         if self._is_learned(name):
             return False
         kinds = self.known.lexicon.name_categories(name)
@@ -246,7 +242,7 @@ class ProcedureReader:
     def bare(self, tokens: Tokens) -> Tokens | None:
         """Return some words with the gerund that they begin with as a bare verb; else None."""
         first, *rest = tokens.items
-        if not self.known.inflection.origins(first.word, "ing"):
+        if not self.known.origins(first.word, "ing"):
             return None
         word = self.known.builder.bare_verb(first.word)
         return replace(tokens, items=(Token(word, first.start, first.end), *rest))
@@ -289,7 +285,7 @@ class ProcedureReader:
         is_named = may_be_new and builder.is_determiner(first) and 0 < len(names) < 3
         if not is_named or any(map(builder.is_of_grammar, names)):
             return None
-        last = next(iter(self.known.inflection.origins(names[-1], "plural")), names[-1])
+        last = next(iter(self.known.origins(names[-1], "plural")), names[-1])
         name = " ".join((*names[:-1], last))
         return ObjectReference(name), (NewWord(name, "object", " ".join(names)),)
 
@@ -309,8 +305,8 @@ class _Clauses:
         self.read = cache(self._read)
         self._new_words: dict[Act, tuple[NewWord, ...]] = {}
 
-    def new_words_of(self, act: Act) -> tuple[NewWord, ...]:
-        return self._new_words.get(act, ())
+    def new_words(self, steps: Sequence[Act]) -> Iterator[NewWord]:
+        return chain.from_iterable(self._new_words.get(each, ()) for each in steps)
 
     def _read(self, tokens: Tokens, state: ClauseState) -> list[tuple[Clause, ClauseState]] | None:
         start, count = _skipped(self._words, tokens), len(tokens.items)
@@ -398,7 +394,6 @@ class _Clauses:
         return None
 
     def _unknown_act(self, tokens: Tokens, state: ClauseState) -> Act | None:
-        """The command that a clause would be if its verb were known: "rinse it"."""
         reader, (verb, *rest) = self._reader, tokens.words
         is_other = reader.is_act(verb) or reader.known.builder.is_of_grammar(verb)
         if not rest or is_other or not is_word(tokens.items[0]):
@@ -417,13 +412,9 @@ class _Clauses:
 
     def _condition(self, tokens: Tokens, state: ClauseState) -> ActionCondition | None:
         for key in ("only_if", "unless"):
-            for end, slots in self._words.matches(key, tokens.words):
-                if end < len(tokens.items):
-                    continue
+            for _, slots in self._words.wholes(key, tokens.words):
                 said = tokens.part(*slots["STATE"])
-                for name, last, places in self._words.of_group("states", said.words):
-                    if last < len(said.items):
-                        continue
+                for name, places in self._words.wholes("states", said.words):
                     thing = self._named(said.part(*places["THING"]), state)
                     word = said.words[places["WORD"][0]] if "WORD" in places else None
                     if thing:
@@ -443,10 +434,8 @@ class _Clauses:
         return None
 
     def _causes(self, tokens: Tokens, state: ClauseState) -> tuple[str, ...]:
-        for names, end, places in self._words.of_group("failures", tokens.words):
+        for names, places in self._words.wholes("failures", tokens.words):
             thing = places.get("THING")
-            if end < len(tokens.items):
-                continue
             if thing is None or self._named(tokens.part(*thing), state):
                 return tuple(names.split())
         return ()
@@ -496,10 +485,7 @@ def _starts(words: WordLists, tokens: Tokens) -> list[int]:
 
 
 def _is_of_same(one: Act, other: Act) -> bool:
-    """Whether a command says more of the one before: "hold the mug, by the barrel".
-
-    "I need to cut something, pass me a tool" names one thing.
-    """
+    """Whether a command says more of the one before: "hold the mug, by the barrel"."""
     if isinstance(one, Command) and isinstance(other, ToolCommand) and one.goal in _USING:
         return other.tool.object == one.target.object
     if isinstance(one, Command) and isinstance(other, Command):

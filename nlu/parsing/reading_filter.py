@@ -6,12 +6,9 @@ negates it, and only the pause tells. So a rule is accepted of "no knife" only a
 and of "..., no, for stirring" no two rules at once.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from ..lexicon.inflection import Inflection
 from ..lexicon.tokenizer import BREAK, Tokens
 from ..lexicon.unknown_words import KnownWords, new_recipients
 from ..lexicon.vocabulary import NewWord
@@ -42,13 +39,11 @@ class ReadingFilter:
     """The filter for the readings of one sentence."""
 
     known_words: KnownWords
-    inflection: Inflection
     features: FeatureReader
 
     def accepted(self, readings: Sequence[Reading], tokens: Tokens) -> list[Reading]:
         """Return the readings of a whole sentence that may be accepted, in the same order."""
-        negated = self._is_thing_negated(tokens)
-        repaired = self._is_repaired(tokens)
+        negated, repaired = self._denials(tokens)
         commanded = any(isinstance(each.meaning, Command) for each in readings)
         return [
             each
@@ -60,34 +55,20 @@ class ReadingFilter:
             and self._may_introduce_recipients(each, tokens, commanded=commanded)
         ]
 
-    def _is_thing_negated(self, tokens: Tokens) -> bool:
-        """Whether a word like "no" stands right before a thing, with no pause between them."""
-        words, negating = tokens.words, self.known_words.builder.denying
-        return any(
-            word in negating
-            and place not in tokens.pauses
-            and self.known_words.may_be_a_thing(words[place])
-            for place, word in enumerate(words[:-1], start=1)
-        )
-
-    def _is_repaired(self, tokens: Tokens) -> bool:
-        """Whether a word like "no" after a pause corrects what the same sentence said before it."""
-        words, negating = tokens.words, self.known_words.builder.denying
-        return any(
-            word in negating and (place in tokens.pauses or words[place - 1] == BREAK)
-            for place, word in enumerate(words)
-            if place
-        )
+    def _denials(self, tokens: Tokens) -> tuple[bool, bool]:
+        words, pauses, known = tokens.words, tokens.pauses, self.known_words
+        places = [place for place, word in enumerate(words) if word in known.builder.denying]
+        after = [n + 1 for n in places if n + 1 < len(words) and n + 1 not in pauses]
+        is_repaired = any(n in pauses or words[n - 1] == BREAK for n in places if n)
+        return any(known.may_be_a_thing(words[n]) for n in after), is_repaired
 
     def _may_introduce_words(self, reading: Reading, tokens: Tokens) -> bool:
         meaning, words = reading.meaning, reading.new_words
         if isinstance(meaning, Statement):
-            is_plain = len(words) <= MAX_NEW_NAMES * len(meaning.rules) + 1
-            return (
-                is_plain
-                and not self._may_name_agent(words)
-                and not any(self._may_be_no_material(rule, words, tokens) for rule in meaning.rules)
-            )
+            most = MAX_NEW_NAMES * len(meaning.rules) + 1
+            if len(words) > most or self._may_name_agent(words):
+                return False
+            return not any(self._may_be_no_material(rule, words, tokens) for rule in meaning.rules)
         if isinstance(meaning, KindStatement):
             return self._may_introduce_kinds(reading)
         if isinstance(meaning, (TopicStatement, NormStatement)):
@@ -108,11 +89,12 @@ class ReadingFilter:
         if isinstance(meaning, (Command, ToolCommand)):
             # No action is done to people.
             are_people = tokens.proper.intersection(word.said for word in words)
-            return not are_people and all(map(self._may_be_acted_on, words))
+            return not are_people and all(
+                self._is_part(word) or self._may_be_asked_about(word) for word in words
+            )
         return isinstance(meaning, Question) and all(map(self._may_be_asked_about, words))
 
     def _may_introduce_kinds(self, reading: Reading) -> bool:
-        """Whether new words may name kinds: a toothbrush is a brush, but a knife no danger."""
         above = {
             part.arguments[1].name.replace("_", " ")
             for part in reading.speech_act
@@ -126,19 +108,13 @@ class ReadingFilter:
             for word in reading.new_words
         )
 
-    def _may_be_acted_on(self, word: NewWord) -> bool:
-        return self._is_part(word) or self._may_be_asked_about(word)
-
     def _may_be_asked_about(self, word: NewWord) -> bool:
         return word.role in _NAMES and self.known_words.is_surely_name(word.said)
 
     def _may_introduce_recipients(
         self, reading: Reading, tokens: Tokens, *, commanded: bool
     ) -> bool:
-        """Whether those whom a reading takes for people may be given something.
-
-        What may be a command for now ("do not pass it to Bob") is no norm about them.
-        """
+        """Whether those whom a reading takes for people may be given something."""
         people = new_recipients(lexical_entries(reading.derivation))
         if not people:
             return True
@@ -154,34 +130,30 @@ class ReadingFilter:
 
     def _may_be_no_person(self, person: NewWord) -> bool:
         kinds = (self.features.is_part, self.features.is_elsewhere, self.features.is_abstract)
-        is_adverb = bool(self.inflection.origins(person.said, "adverb"))
+        is_adverb = bool(self.known_words.origins(person.said, "adverb"))
         return is_adverb or any(is_kind(person.said) for is_kind in kinds)
 
     def _names_with_features(self, reading: Reading) -> bool:
-        """Whether a word that shows a feature, like "reportedly", is part of a new name."""
         said = (part for word in reading.new_words for part in word.said.split(" "))
         return any(map(self.features.has_feature, said))
 
     def _may_name_agent(self, words: Iterable[NewWord]) -> bool:
-        """Whether a new part may as well be the agent: "a cake is baked by the baker"."""
         said = {word.role: word.said for word in words}
-        participle = self.inflection.origins(said.get("context", ""), "participle")
+        participle = self.known_words.origins(said.get("context", ""), "participle")
         return "part" in said and bool(participle)
 
     def _may_be_no_material(self, rule: Rule, words: Iterable[NewWord], tokens: Tokens) -> bool:
-        """Whether a new material may as well be an adverb ("quietly") or an aside (", kiddo,")."""
         if not isinstance(rule, FunctionalRule):
             return False
         said = {word.said for word in words if word.word == rule.material}
         uses = {rule.affordance, self.known_words.builder.bare_verb(rule.affordance)}
-        return any(self.inflection.origins(each, "adverb") for each in said) or any(
+        return any(self.known_words.origins(each, "adverb") for each in said) or any(
             word in said and place in tokens.pauses and tokens.words[place - 1] in uses
             for place, word in enumerate(tokens.words)
         )
 
 
 def _is_negative(meaning: Meaning) -> bool:
-    """Whether what is negated is so in a meaning: "no knives please" asks for none."""
     if isinstance(meaning, (Command, ToolCommand)):
         return meaning.negated
     rules = meaning.rules if isinstance(meaning, Statement) else ()

@@ -5,8 +5,6 @@ and together they must have one meaning: beside the main segment there may be re
 that "it" refers to, a question whether that object is seen, or the same request again.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import combinations
@@ -91,7 +89,6 @@ def _combined_statement(rules: Sequence[Rule]) -> Statement | None:
 
 
 def _self_repaired(rules: Sequence[Rule]) -> list[Rule]:
-    """The rules without those that the next rule corrects: "..., no, for stirring"."""
     kept: list[Rule] = []
     for rule in rules:
         repairs = rule.revises and kept and type(kept[-1]) is type(rule)

@@ -10,8 +10,6 @@
 Each of them accounts for all words of the utterance.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, partial
@@ -39,6 +37,7 @@ from ..semantics.meaning import (
 from ..semantics.predicates import PredicateForm, UnlearnableError
 from .chart import Chart
 from .clarification import Clarifier
+from .clause_spans import features_of
 from .parser import SentenceParser, decide
 from .periphery import MAX_CORES, Core, PeripheryReader, kinds_of_core
 from .procedures import ProcedureReader
@@ -72,18 +71,15 @@ class UtteranceParser:
         if problem is not None:
             return _failed(Understanding.of(tokens, context, problem))
         found = _Attempt(self, accepted).understand(tokens, context)
-        if _is_procedure(found) and self.parser.pragmatics.is_enough(context.recognition):
-            return found
         if found.reading is None and not _is_procedure(found):
-            return _failed(found) if self._may_name(tokens) else found
-        if found.reading and self.parser.pragmatics.is_enough(found.reading.interval):
+            known = self.known_words
+            # If it may name an object, "it" no longer is the last one.
+            may_name = any(not known.has(word) or known.names(word) for word in tokens.words)
+            return _failed(found) if may_name else found
+        sure = found.reading.interval if found.reading else context.recognition
+        if self.parser.pragmatics.is_enough(sure):
             return found
         return Understanding.of(tokens, context, self.clarification.of_recognition(found.text))
-
-    def _may_name(self, tokens: Tokens) -> bool:
-        """Whether an utterance may name an object, so that "it" no longer is the last one."""
-        known = self.known_words
-        return any(not known.has(word) or known.names(word) for word in tokens.words)
 
     def answers(self, text: str, context: UtteranceContext) -> list[Answer]:
         """Return the short answers that a text may be to a question of Hilt, likeliest first."""
@@ -123,7 +119,6 @@ class _Attempt:
     def _understand(
         self, tokens: Tokens, context: UtteranceContext, *, is_core: bool = False
     ) -> Understanding:
-        """The first result with a meaning, else the first question, else the first failure."""
         problem = self._tools.clarification.of_too_many_unknown_words(tokens)
         if problem is None:
             result = self._as_sentence(tokens, context)
@@ -170,8 +165,10 @@ class _Attempt:
             if combined is None:
                 continue
             main, meaning = combined
-            if self._may_be_rule(meaning, segments):
-                continue
+            is_grip = isinstance(meaning, Command) and meaning.part is not None
+            charts = map(self._plain_chart, segments if is_grip else ())
+            if any(map(self._tools.parser.is_generic, charts)):
+                continue  # it may be a rule
             words = tuple(dict.fromkeys(word for each in found for word in each.new_words))
             whole = replace(found[main], meaning=meaning, new_words=words)
             return self._licensed_with_replies(whole, found)
@@ -180,7 +177,6 @@ class _Attempt:
     def _licensed_with_replies(
         self, whole: Understanding, found: Sequence[Understanding]
     ) -> Understanding:
-        """The whole, or the question whether it is meant: "..., I heard" casts doubt on it."""
         replies = [each.words for each in found if isinstance(each.meaning, Acknowledgement)]
         if not replies or whole.reading is None or isinstance(whole.meaning, AskBack):
             return whole
@@ -188,11 +184,6 @@ class _Attempt:
         reading = replace(whole.reading, meaning=whole.meaning, features=features)
         answer = self._tools.clarification.licensed(reading)
         return replace(whole, meaning=answer, reading=reading)
-
-    def _may_be_rule(self, meaning: Meaning, segments: Sequence[Tokens]) -> bool:
-        if not isinstance(meaning, Command) or meaning.part is None:
-            return False
-        return any(self._tools.parser.is_generic(self._plain_chart(each)) for each in segments)
 
     def _without_markers(self, tokens: Tokens, context: UtteranceContext) -> Understanding | None:
         tried = {tokens.words}
@@ -239,14 +230,12 @@ class _Attempt:
         return found if found.reading is not None else None
 
     def _is_meant(self, core: Core, found: Understanding, context: UtteranceContext) -> bool:
-        asked = isinstance(found.meaning, AskBack) and found.reading is not None
-        kinds = kinds_of_core(found.reading.meaning if asked and found.reading else found.meaning)
+        asked = found.reading if isinstance(found.meaning, AskBack) else None
+        kinds = kinds_of_core((asked or found).meaning)
+        if not kinds or not kinds <= core.kinds:
+            return False
         before = (self._understand(each, context, is_core=True) for each in core.preamble)
-        return (
-            bool(kinds)
-            and kinds <= core.kinds
-            and all(e.reading is None or isinstance(e.meaning, Acknowledgement) for e in before)
-        )
+        return all(e.reading is None or isinstance(e.meaning, Acknowledgement) for e in before)
 
     def _variants(self, tokens: Tokens) -> Iterator[Tokens]:
         builder = self._tools.builder
@@ -309,7 +298,8 @@ class _Attempt:
         if chosen is not None:
             answer = clarify.of_new_words([chosen], tokens, self._accepted)
             if answer is None:
-                chosen = tools.parser.with_features(chosen, tokens)
+                features = features_of(tools.parser.features, chosen, tokens)
+                chosen = replace(chosen, features=features)
                 licensed = clarify.licensed(chosen)
                 return Understanding.of(tokens, context, licensed, chosen, len(accepted))
         elif accepted:

@@ -6,8 +6,6 @@ the features of its words and all else on which a meaning may depend. The words 
 (`periphery.yaml`).
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -20,7 +18,7 @@ from ..grammar.word_lists import Phrase, WordLists, load_word_lists
 from ..lexicon.discourse_markers import DiscourseMarkers
 from ..lexicon.tokenizer import BREAK, Tokens
 from ..lexicon.unknown_words import KnownWords
-from ..semantics.clause_features import MAIN, ClausePosition, FeatureReader
+from ..semantics.clause_features import MAIN, FeatureReader
 
 MARKER, REASON, PURPOSE, ASIDE = "marker", "reason", "purpose", "aside"
 OWN, HEARER, IMPERSONAL, OTHER = "own", "hearer", "impersonal", "other"
@@ -121,11 +119,8 @@ class PieceReader:
     def pieces(self, tokens: Tokens) -> list[UtterancePiece]:
         """Return the pieces of an utterance, whose short forms are written out, in order."""
         found: list[UtterancePiece] = []
-        start, pause = 0, Pause.WEAK
-        for end, after, next_pause in (
-            *self._gaps(tokens),
-            (len(tokens.items),) * 2 + (Pause.WEAK,),
-        ):
+        start, last, pause = 0, len(tokens.items), Pause.WEAK
+        for end, after, next_pause in (*self._gaps(tokens), (last, last, Pause.WEAK)):
             if next_pause == Pause.TOLD and not self._announces(tokens, start, end):
                 continue
             if start < end:
@@ -152,14 +147,12 @@ class PieceReader:
                 yield place, place + 1, Pause.TOLD
 
     def _may_join(self, tokens: Tokens, place: int) -> bool:
-        """Whether a clause may begin without a pause: "I am tired so pass me the mug"."""
         is_within = place > 0 and tokens.words[place - 1] != BREAK
         is_lead = is_within and self.words.end("so", tokens.words[place : place + 1]) > 0
         is_object = is_lead and self.words.has("speech", tokens.words[place - 1])
         return is_lead and not is_object and not _ends_soon(tokens, place + 1)
 
     def _announces(self, tokens: Tokens, start: int, end: int) -> bool:
-        """Whether the words before "that" only announce what it begins: "let me repeat that"."""
         words = tokens.words[start:end]
         if not words or any(self.words.has("thinking", word) for word in words[-LEAST_WORDS:]):
             return False
@@ -179,16 +172,11 @@ class PieceReader:
         return UtterancePiece(start, end, pause, lead, joined, form, signs)
 
     def _form(self, words: Phrase, bare: Phrase) -> str:
-        lead = self.words.end("and", bare)
-        found = (
-            form
-            for form in FORMS
-            if self.words.end(form, words) or self.words.end(form, bare[lead:])
-        )
+        said = (words, bare[self.words.end("and", bare) :])
+        found = (form for form in FORMS if any(self.words.end(form, each) for each in said))
         return next(found, OTHER)
 
     def _has_verb(self, words: Phrase) -> bool:
-        """Whether a piece has a finite verb, or a form of one that is no plural: "with hands"."""
         has_subject = any(self.words.end(form, (word,)) for word in words[:-1] for form in _PERSONS)
         is_finite = any(self.words.has(key, word) for word in words for key in ("finite", "speech"))
         if has_subject or is_finite:
@@ -216,7 +204,7 @@ class PieceReader:
             yield "announced"
         if self.words.is_all("presenting", words):
             return
-        features = self.features.features([ClausePosition(word, MAIN) for word in words], ())
+        features = self.features.features([(word, MAIN) for word in words], ())
         found = {f"{name}={value}" for name, said in features.main.items() for value in said}
         is_past = "tense=past" in found
         yield from found
@@ -251,12 +239,10 @@ class PieceReader:
                     yield kind
 
     def _presents(self, words: Phrase) -> bool:
-        """Whether a piece, or its last clause, only presents what follows it: "here goes"."""
         starts = (n for n in range(len(words)) if not n or self.joined(words[n - 1 : n]))
         return any(self.words.is_all("presenting", words, n) for n in starts)
 
     def _circumstances(self, words: Phrase) -> Iterator[str]:
-        """By what and when something is done: "by the rim", "in winter"."""
         if self.words.has("restricting", *words[:1]):
             yield "restricting"
         for one, two in pairwise(words):
@@ -270,7 +256,6 @@ class PieceReader:
 
     @cached_property
     def _operators(self) -> Mapping[str, Sequence[tuple[Phrase, str]]]:
-        """The phrases on which a meaning may depend, with their kinds, by their first word."""
         found: dict[str, list[tuple[Phrase, str]]] = {}
         unreal = {key: self.words.phrases[key] for key in ("unreal", "unwanted")}
         for kind, phrases in {**self.operators, **unreal, "degree": self.degrees}.items():
@@ -294,7 +279,6 @@ class PieceReader:
                 yield "report" if is_said else "knowledge"
 
     def _is_own(self, words: Phrase, place: int, *, or_of_hearer: bool) -> bool:
-        """Whether a verb has the speaker, or also the hearer, as subject, or is an imperative."""
         first = place
         while first and self.words.has("auxiliary", words[first - 1]):
             first -= 1
@@ -307,14 +291,10 @@ class PieceReader:
         is_hearer = is_generic or self.words.end(HEARER, (subject,)) > 0
         is_let = self.words.has("auxiliary", *words[first - 2 : first - 1])
         is_speaker = self.words.end(OWN, (subject,)) > 0
-        return (
-            is_speaker
-            or (is_let and self.words.has("speaker", subject))
-            or (or_of_hearer and is_hearer)
-        )
+        is_speaker = is_speaker or (is_let and self.words.has("speaker", subject))
+        return is_speaker or (or_of_hearer and is_hearer)
 
     def _calls(self, tokens: Tokens) -> bool:
-        """Whether a piece may only call somebody: by one word, or by a name."""
         is_name = any(self.known.lexicon.is_name(word, _PEOPLE) for word in tokens.words)
         is_name = is_name or any(token.capital for token in tokens.items[1:])
         return len(tokens.words) == 1 or (len(tokens.words) < LEAST_WORDS and is_name)

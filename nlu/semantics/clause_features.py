@@ -7,12 +7,10 @@ Words that name something have no features; words below a category of `condition
 belong to the condition. The words and their features are data (`features.yaml`).
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import NamedTuple, TypeAlias
+from typing import TypeAlias
 
 from ...ontology.yaml_reader import YamlNode, read_yaml
 from ..grammar.word_patterns import spellings
@@ -34,17 +32,7 @@ A part that is `new`, `unsure` or a person's own; a thing; a use; a recipient th
 """
 
 
-_WORDS = (
-    *("part_words", "holding_words", "owners", "embedding", "determiners", "acts"),
-    "carrying",
-)
-
-
-class ClausePosition(NamedTuple):
-    """A word of a derivation, and its clause, which is empty for a word that names something."""
-
-    word: str
-    clause: str
+_WORDS = ("part_words", "holding_words", "owners", "embedding", "determiners", "acts", "carrying")
 
 
 @dataclass(frozen=True)
@@ -94,10 +82,14 @@ class FeatureReader:
     endings: Mapping[str, tuple[str, ...]]
 
     def features(
-        self, words: Sequence[ClausePosition], removed: Iterable[Sequence[str]]
+        self, words: Sequence[tuple[str, str]], removed: Iterable[Sequence[str]]
     ) -> UtteranceFeatures:
-        """Return the features of an utterance by its words and the phrases taken out of it."""
-        main, condition = (_joined(self._found(_of_clause(words, c))) for c in (MAIN, CONDITION))
+        """Return the features of an utterance by its words and the phrases taken out of it.
+
+        Each word comes with its clause, which is empty for a word that names something.
+        """
+        said = ([word if c == clause else "" for word, c in words] for clause in (MAIN, CONDITION))
+        main, condition = (_joined(self._found(each)) for each in said)
         return self.with_asides(UtteranceFeatures(main, condition), removed)
 
     def of_words(self, words: Sequence[str]) -> Values:
@@ -196,10 +188,6 @@ def _add(known: dict[str, frozenset[str]], feature: str, value: str, item: YamlN
         other = ", ".join(known[feature])
         raise item.fail(f'"{item.text()}" has two values of {feature}: {other} and {value}.')
     known[feature] = frozenset({value})
-
-
-def _of_clause(words: Sequence[ClausePosition], clause: str) -> list[str]:
-    return [each.word if each.clause == clause else "" for each in words]
 
 
 def _joined(found: Iterable[Values]) -> Values:

@@ -5,15 +5,12 @@ named, "the former" and "the latter" to the first and the last of them. "One" is
 kind mentioned last. A turn that failed leaves no referent.
 """
 
-from __future__ import annotations
-
-from collections.abc import Callable
 from dataclasses import replace
 
 from .discourse import Discourse, use_form
 from .meaning import Command, FunctionalRule, Question
 from .predicates import PredicateForm, UninterpretableError
-from .rule_coreference import IT, is_tool_act, noun_of, replace_it, resolve_rules, simplified
+from .rule_coreference import IT, is_tool_act, noun_of, resolve_rules, simplified
 
 THEY, ONE = PredicateForm("they"), PredicateForm("one")
 LAST_USE = PredicateForm("lastUse")
@@ -41,16 +38,18 @@ def resolve(form: PredicateForm, discourse: Discourse) -> PredicateForm:
     rest = simplified(resolve_rules(form, discourse))
     if IT in rest and discourse.object is None:
         raise UninterpretableError("no_referent", asks=True, word=IT.name)
-    rest = simplified(replace_it(rest, discourse.object)) if discourse.object else rest
+    rest = simplified(rest.replacing(IT, discourse.object)) if discourse.object else rest
     if _ONE_OF_SEVERAL in rest:
         raise UninterpretableError("which_thing", asks=True)
     return rest
 
 
 def _ordinal(part: PredicateForm, discourse: Discourse) -> PredicateForm | None:
-    """The referent of "the former" or "the latter", the kind of "one", and the last use."""
     if part == LAST_USE:
-        return _last_use(discourse)
+        last = discourse.last
+        if not isinstance(last, (FunctionalRule, Question)) or last.affordance is None:
+            raise UninterpretableError("no_referent", asks=True, word="the use")
+        return use_form(last.affordance, last.material)
     if part == ONE:
         is_described = isinstance(discourse.last, Command) and discourse.last.target.object is None
         known = None if is_described else discourse.object
@@ -63,10 +62,7 @@ def _ordinal(part: PredicateForm, discourse: Discourse) -> PredicateForm | None:
 
 
 def _to_anyone(part: PredicateForm) -> PredicateForm | None:
-    """A rule on what "them" are passed as one on what is passed: it says nothing of a person."""
-    if part.name not in {"implies", "within"}:
-        return None
-    return part.mapped(_without_recipient) if not PERSONAL.isdisjoint(part) else None
+    return part.mapped(_without_recipient) if part.name in {"implies", "within"} else None
 
 
 def _without_recipient(act: PredicateForm) -> PredicateForm | None:
@@ -82,33 +78,17 @@ def _person(part: PredicateForm, discourse: Discourse) -> PredicateForm | None:
     return discourse.person
 
 
-def _last_use(discourse: Discourse) -> PredicateForm:
-    last = discourse.last
-    if not isinstance(last, (FunctionalRule, Question)) or last.affordance is None:
-        raise UninterpretableError("no_referent", asks=True, word="the use")
-    return use_form(last.affordance, last.material)
-
-
 def _resolve_they(form: PredicateForm, discourse: Discourse) -> PredicateForm:
-    """The form with "they" as its own object, else once for each of the objects named."""
-    as_one = form.mapped(lambda part: IT if part == THEY else None)
-    rest = resolve(as_one, replace(discourse, object=THEY))
+    rest = resolve(form.replacing(THEY, IT), replace(discourse, object=THEY))
     if THEY not in rest:
         return rest
     if not discourse.named:
         raise UninterpretableError("no_referent", asks=True, word=THEY.name)
-    each = [simplified(rest.mapped(_replacing(THEY, named))) for named in discourse.named]
+    each = [simplified(rest.replacing(THEY, named)) for named in discourse.named]
     return each[0] if len(each) == 1 else PredicateForm("and", tuple(each))
 
 
-def _replacing(
-    old: PredicateForm, new: PredicateForm
-) -> Callable[[PredicateForm], PredicateForm | None]:
-    return lambda part: new if part == old else None
-
-
 def _with_use(form: PredicateForm) -> PredicateForm | None:
-    """`thatIs(x, implies(x, cutting, high))`, a relative clause, as `usedFor(x, cutting)`."""
     if form.name != "thatIs":
         return None
     thing, clause = form.arguments
@@ -119,7 +99,6 @@ def _with_use(form: PredicateForm) -> PredicateForm | None:
 
 
 def _with_tool(form: PredicateForm) -> PredicateForm | None:
-    """`use(self, hammer, pound(self, nail))` as `pound(self, nail, hammer)`."""
     if form.name != "use" or len(form.arguments) != 3:
         return None
     _, tool, act = form.arguments
@@ -129,7 +108,6 @@ def _with_tool(form: PredicateForm) -> PredicateForm | None:
 
 
 def _with_each_material(form: PredicateForm) -> PredicateForm | None:
-    """`of(cutting, both(bread, wood))` as `both(of(cutting, bread), of(cutting, wood))`."""
     if form.name != "of" or form.arguments[1].name not in {"both", "butNot"}:
         return None
     use, several = form.arguments
@@ -138,14 +116,13 @@ def _with_each_material(form: PredicateForm) -> PredicateForm | None:
 
 
 def _with_each_part(form: PredicateForm) -> PredicateForm | None:
-    """A rule on `butNot(handle, blade)` as one on `butNot` of two grasps; an act on the first."""
     if form.name not in {"implies", "holding", "graspObject", "correctPart", "fillPart"}:
         return None
     act = form.arguments[1] if form.name == "implies" else form
     several = next((part for part in act if part.name == "butNot"), None)
     if several is None or (form.name == "implies" and act.name != "graspObject"):
         return None
-    each = tuple(act.mapped(_replacing(several, part)) for part in several.arguments)
+    each = tuple(act.replacing(several, part) for part in several.arguments)
     if form.name != "implies":
         return each[0]
     context, _, degree = form.arguments

@@ -80,10 +80,16 @@ class Discourse:
 
 def update_discourse(meaning: Meaning, content: PredicateForm, discourse: Discourse) -> Discourse:
     """Return the discourse state after an utterance with a meaning and a predicate form."""
-    if isinstance(meaning, (Acknowledgement, AskBack, Misunderstanding)):
-        return discourse
-    person = _named_person(meaning) or discourse.person
-    asks_why = _asks_why_held(meaning)
+    person, asks_why = discourse.person, False
+    match meaning:
+        case Acknowledgement() | AskBack() | Misunderstanding():
+            return discourse
+        case Command(recipient=str(name)) | Statement(source=str(name)):
+            person = PredicateForm(name.replace(" ", "_"))
+        case Question(ask="why", part=part, object=thing):
+            asks_why = part is not None or thing is None
+        case _:
+            pass
     discourse = replace(discourse.accessible, person=person, asks_why=asks_why)
     mentioned = None if isinstance(meaning, Command) else _mentioned_object(content)
     named = tuple(dict.fromkeys(_named_objects(meaning)))
@@ -105,12 +111,6 @@ def update_discourse(meaning: Meaning, content: PredicateForm, discourse: Discou
             return discourse
 
 
-def _asks_why_held(meaning: Meaning) -> bool:
-    if not isinstance(meaning, Question) or meaning.ask != "why":
-        return False
-    return meaning.part is not None or meaning.object is None
-
-
 def after_offer(choices: Sequence[Meaning | str], discourse: Discourse) -> Discourse:
     """Return the discourse state after meanings were offered: "it" is what they all name."""
     offered = [tuple(_named_objects(choice)) for choice in choices if not isinstance(choice, str)]
@@ -123,14 +123,6 @@ def after_offer(choices: Sequence[Meaning | str], discourse: Discourse) -> Disco
             return replace(discourse, rule=rule, last=rule)
         case _:
             return discourse
-
-
-def _named_person(meaning: Meaning) -> PredicateForm | None:
-    match meaning:
-        case Command(recipient=str(name)) | Statement(source=str(name)):
-            return PredicateForm(name.replace(" ", "_"))
-        case _:
-            return None
 
 
 def _named_objects(meaning: Meaning) -> Iterator[PredicateForm]:
@@ -178,6 +170,6 @@ def _mentioned_object(form: PredicateForm) -> PredicateForm | None:
 def use_form(use: str, material: str | None) -> PredicateForm:
     """Return the form of a use, on a material where there is one."""
     act = PredicateForm(use.replace(" ", "_"))
-    return (
-        PredicateForm("of", (act, PredicateForm(material.replace(" ", "_")))) if material else act
-    )
+    if not material:
+        return act
+    return PredicateForm("of", (act, PredicateForm(material.replace(" ", "_"))))

@@ -5,19 +5,16 @@ an entry may become would then depend on which of its words were said. A file th
 vary all the same (`varies: [agent]`) relies on its being read off the words of each sentence.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
-from itertools import chain, islice
+from itertools import chain, combinations, islice
 from pathlib import Path
 
 from ...ontology.yaml_reader import YamlNode, read_yaml
+from ..grammar.word_lists import Phrase
 from ..grammar.word_patterns import compile_pattern, expand
 from .clause_features import FeatureReader
 
 MAX_COMPARED = 20_000  # spellings of one pattern that are compared
-
-Spelling = tuple[str, ...]
 
 
 def check_spellings(path: Path, reader: FeatureReader) -> None:
@@ -26,14 +23,14 @@ def check_spellings(path: Path, reader: FeatureReader) -> None:
     varying = parts["varies"].texts(choices=reader.values) if "varies" in parts else ()
     for pattern in _patterns(parts):
         for feature, found in _features(pattern, reader).items():
-            mixed = _mixed(found) if feature not in varying else None
-            if mixed:
-                (one, spelling), (other, other_spelling) = mixed
-                raise pattern.fail(
-                    f'"{pattern.text()}" mixes two values of {feature}: {_shown(one - other)} in '
-                    f'"{" ".join(spelling)}" and {_shown(other - one)} in '
-                    f'"{" ".join(other_spelling)}". Write a pattern for each.'
-                )
+            pairs = combinations(found.items(), 2) if feature not in varying else ()
+            for (other, other_spelling), (one, spelling) in pairs:
+                if one - other and other - one:
+                    raise pattern.fail(
+                        f'"{pattern.text()}" mixes two values of {feature}: {_shown(one - other)} '
+                        f'in "{" ".join(spelling)}" and {_shown(other - one)} in '
+                        f'"{" ".join(other_spelling)}". Write a pattern for each.'
+                    )
 
 
 def _patterns(parts: Mapping[str, YamlNode]) -> Iterator[YamlNode]:
@@ -45,10 +42,8 @@ def _patterns(parts: Mapping[str, YamlNode]) -> Iterator[YamlNode]:
         yield from chain.from_iterable(group.listed() for group in groups)
 
 
-def _features(
-    pattern: YamlNode, reader: FeatureReader
-) -> dict[str, dict[frozenset[str], Spelling]]:
-    found: dict[str, dict[frozenset[str], Spelling]] = {}
+def _features(pattern: YamlNode, reader: FeatureReader) -> dict[str, dict[frozenset[str], Phrase]]:
+    found: dict[str, dict[frozenset[str], Phrase]] = {}
     spellings = list(islice(expand(compile_pattern(pattern.text())), MAX_COMPARED + 1))
     if len(spellings) > MAX_COMPARED:
         raise pattern.fail(f"stands for more than {MAX_COMPARED} spellings.")
@@ -56,14 +51,6 @@ def _features(
         for feature, values in reader.of_words(words).items():
             found.setdefault(feature, {}).setdefault(values, words)
     return found
-
-
-def _mixed(
-    found: Mapping[frozenset[str], Spelling],
-) -> tuple[tuple[frozenset[str], Spelling], tuple[frozenset[str], Spelling]] | None:
-    each = list(found.items())
-    pairs = ((one, other) for place, one in enumerate(each) for other in each[:place])
-    return next((two for two in pairs if two[0][0] - two[1][0] and two[1][0] - two[0][0]), None)
 
 
 def _shown(values: frozenset[str]) -> str:

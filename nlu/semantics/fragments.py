@@ -5,8 +5,6 @@ each names a value for one slot of the last meaning, and takes all else from it.
 refused when that meaning has no such slot.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 from .discourse import Discourse
@@ -100,7 +98,6 @@ def _is_other(fragment: FragmentValues) -> bool:
 
 
 def _other_of_pair(discourse: Discourse) -> str | None:
-    """The one of two objects spoken of that "it" does not stand for; None where it is not clear."""
     pair, last = discourse.pair, discourse.object
     others = [each for each in pair if each != last and not each.arguments]
     known = len(pair) == 2 and len(others) == 1
@@ -133,8 +130,10 @@ def _completed(
     if fragment.mode == "instead" and (fragment.part or fragment.use):
         # A correction is about the rule that was applied, unless the command named the part itself.
         is_kind = type(rule) is (ActionRule if fragment.part else FunctionalRule)
-        is_applied = is_kind and isinstance(last, Command) and _applies(rule, last)
-        return last if isinstance(last, Command) and not is_applied else rule
+        is_rule = not isinstance(last, Command) or (
+            is_kind and last.part is None and last.target.object in {None, rule.object}
+        )
+        return rule if is_rule else last
     return last
 
 
@@ -151,10 +150,6 @@ def _kept(discourse: Discourse, usual: Confidence) -> Meaning:
             raise UninterpretableError("nothing_to_keep")
 
 
-def _applies(rule: Rule, command: Command) -> bool:
-    return command.part is None and command.target.object in {None, rule.object}
-
-
 def _as_rule(fragment: FragmentValues, rule: Rule) -> Meaning:
     if fragment.asks and fragment.context and fragment.target:
         return Question("how", object=_kind(fragment.target)[0], context=fragment.context)
@@ -162,17 +157,13 @@ def _as_rule(fragment: FragmentValues, rule: Rule) -> Meaning:
         raise _nothing()  # it may add to the rule or correct it
     changed = _changed(fragment, rule)
     if fragment.asks:
-        return _question_on(changed)
+        return question_on(changed)
     if rule.denies and fragment.part and not fragment.adds and not fragment.confidence:
-        return _instead_of_denied(fragment, changed)
+        # Another part is held then, but only "by the handle" may also deny it.
+        instead = Statement((replace(changed, confidence=fragment.default),))
+        return instead if fragment.part_of else AskBack(choices=(instead,))
     is_same = replace(changed, confidence=rule.confidence) == rule
     return Statement((replace(changed, revises=is_same or not fragment.adds),))
-
-
-def _instead_of_denied(fragment: FragmentValues, changed: Rule) -> Meaning:
-    """After "never hold it by the blade" another part is held; only "by the handle" may deny it."""
-    instead = Statement((replace(changed, confidence=fragment.default),))
-    return instead if fragment.part_of else AskBack(choices=(instead,))
 
 
 def _changed(fragment: FragmentValues, rule: Rule) -> Rule:
@@ -201,10 +192,12 @@ def _changed(fragment: FragmentValues, rule: Rule) -> Rule:
             raise _nothing()
 
 
-def _question_on(rule: Rule) -> Question:
+def question_on(rule: Rule, ask: str = "is_used_for") -> Question:
+    """Return a question on a rule; whether something is held so is answered as how it is held."""
     if isinstance(rule, FunctionalRule):
-        return Question("is_used_for", rule.object, rule.affordance, material=rule.material)
-    return Question("how", object=rule.object, context=rule.context, part=rule.part)
+        return Question(ask, rule.object, rule.affordance, material=rule.material)
+    ask = "how" if ask == "is_used_for" else ask
+    return Question(ask, object=rule.object, context=rule.context, part=rule.part)
 
 
 def _as_question(  # noqa: PLR0911 - a case per slot
@@ -245,7 +238,6 @@ def _as_question(  # noqa: PLR0911 - a case per slot
 
 
 def _as_answer(fragment: FragmentValues, question: Question) -> AskBack:
-    """The question whether a degree answers the last question: "sometimes, yes"."""
     has_more = fragment.target or fragment.use or fragment.part
     if question.object is None or question.affordance is None or has_more:
         raise _nothing()
@@ -289,7 +281,6 @@ def _as_command(
 
 
 def _meant(target: ObjectReference, before: ObjectReference) -> ObjectReference:
-    """The target that a fragment names; "the red one" is one of those asked for before."""
     if target.object != ANY_OBJECT:
         return target
     return replace(before, props=target.props or before.props, other=target.other)

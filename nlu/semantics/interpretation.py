@@ -13,7 +13,7 @@ from itertools import chain
 from ..lexicon.immutable_index import ImmutableIndex
 from ..lexicon.vocabulary import NewWord
 from .discourse import SOMETHING, Discourse
-from .fragments import FragmentValues, complete
+from .fragments import FragmentValues, complete, question_on
 from .meaning import (
     ANY_OBJECT,
     Acknowledgement,
@@ -127,32 +127,28 @@ class Interpreter:
         yield KindRelation(above, name, self.intervals[degree.name])
 
     def _order_beside_rule(self, order: PredicateForm, rule: PredicateForm) -> UninterpretableError:
-        """Why an order is no rule: "grab it by the rim and never grab it by the rim"."""
         part, target = self._part_of_object(order.arguments[1])
         held = ActionRule(target.object or "", "grasp", part, self.intervals["high"], target.props)
         is_denied = is_contradictory((held, *self._rules(rule)))
-        return UninterpretableError(
-            "contradiction" if is_denied else "one_thing_at_a_time", asks=is_denied
-        )
+        key = "contradiction" if is_denied else "one_thing_at_a_time"
+        return UninterpretableError(key, asks=is_denied)
 
     def _rules(self, form: PredicateForm) -> Iterator[Rule]:
         if form.name == "and":
             for part in form.arguments:
                 yield from self._rules(part)
         elif form.name == "says":
-            yield from self._reported(*form.arguments)
+            person, content = form.arguments
+            for rule in self._rules(content):
+                if rule.source:
+                    raise UninterpretableError("whose_words", asks=True)
+                yield replace(rule, source=name_of(person))
         elif form.name != "implies":
             raise UninterpretableError("not_a_rule")
         elif form.arguments[1].name == "graspObject":
             yield self._action_rule(form)
         else:
             yield self._functional_rule(form)
-
-    def _reported(self, person: PredicateForm, content: PredicateForm) -> Iterator[Rule]:
-        for rule in self._rules(content):
-            if rule.source:
-                raise UninterpretableError("whose_words", asks=True)
-            yield replace(rule, source=name_of(person))
 
     def _correction(self, form: PredicateForm, discourse: Discourse) -> Meaning:
         if form.name == "retractAbout":
@@ -162,7 +158,9 @@ class Interpreter:
         if form.name in {"retract", "retractTold"} and not form.arguments:
             return Retraction(is_of_told=form.name == "retractTold")
         if form.name == "retract":
-            return Retraction(self._told(form.arguments[0]))
+            told = form.arguments[0]
+            is_kind = told.name in KIND_FORMS
+            return Retraction(next(self._relations(told)) if is_kind else self._one_rule(told))
         if form.name == "correct" and form.arguments[0].name in {"implies", "and", *KIND_FORMS}:
             return with_rules(self._stated(form.arguments[0]), revises=True)
         return self._fragment(form, discourse)
@@ -219,9 +217,8 @@ class Interpreter:
             return Command("grasp", target, part=part)
         if form.name in self.tool_acts:
             return self._tool_command(form)
-        if not self.is_act_on_object(form.name):
-            raise UninterpretableError("one_thing_at_a_time")
-        if len(form.arguments) > (3 if form.name == "pass" else 2):
+        most = 3 if form.name == "pass" else 2
+        if not self.is_act_on_object(form.name) or len(form.arguments) > most:
             raise UninterpretableError("one_thing_at_a_time")
         target = self._reference(form.arguments[1])
         if target == ObjectReference(ANY_OBJECT, other=True):
@@ -255,9 +252,8 @@ class Interpreter:
             raise UninterpretableError("object_or_use")
         if used_for:
             affordance, material = _use(used_for[0].arguments[1])
-            if used_for[0].name == "usedFor":
-                return ObjectReference(None, affordance, None, props, material, other)
-            return ObjectReference(None, None, affordance, props, material, other)
+            uses = (affordance, None) if used_for[0].name == "usedFor" else (None, affordance)
+            return ObjectReference(None, *uses, props, material, other)
         if form.name in SOMETHING and not props and not other:
             raise UninterpretableError("which_thing", asks=True)
         return ObjectReference(object=kind_and_properties(form)[0], props=props, other=other)
@@ -265,10 +261,7 @@ class Interpreter:
     def _command_with_part(self, form: PredicateForm) -> Command:
         command = self._command(form.arguments[0])
         part, owner = part_and_owner(form.arguments[1])
-        is_other = (
-            owner and isinstance(command, Command) and self._reference(owner) != command.target
-        )
-        if is_other or not isinstance(command, Command):
+        if not isinstance(command, Command) or (owner and self._reference(owner) != command.target):
             raise UninterpretableError("one_thing_at_a_time")
         return replace(command, part=part)
 
@@ -286,9 +279,6 @@ class Interpreter:
         else:
             tool = self._reference(form.arguments[2])
         return ToolCommand(form.name, patient, tool)
-
-    def _told(self, form: PredicateForm) -> Rule | KindRelation:
-        return next(self._relations(form)) if form.name in KIND_FORMS else self._one_rule(form)
 
     def _one_rule(self, form: PredicateForm, problem: str = "one_rule_at_a_time") -> Rule:
         rules = list(self._rules(form))
@@ -374,12 +364,7 @@ class Interpreter:
                 return _question_on_target(ask, self._reference(thing))
 
     def _question_on_rule(self, ask: str, form: PredicateForm) -> Question:
-        rule = self._one_rule(form, "one_thing_at_a_time")
-        if isinstance(rule, FunctionalRule):
-            return Question(ask, rule.object, rule.affordance, material=rule.material)
-        # "Is a knife passed by the blade?" is answered as "How is a knife passed?" is.
-        ask = "how" if ask == "is_used_for" else ask
-        return Question(ask, object=rule.object, context=rule.context, part=rule.part)
+        return question_on(self._one_rule(form, "one_thing_at_a_time"), ask)
 
     def _question_on_act(self, ask: str, act: PredicateForm) -> Question:
         part = None
@@ -391,9 +376,7 @@ class Interpreter:
             return Question(ask, object=_kind(place.arguments[1]), part=part_and_owner(place)[0])
         if act.name in self.tool_acts:
             # The last argument is the tool, or what it is used on where no tool is named.
-            return Question(
-                ask, object=_kind(act.arguments[-1]), context=act_name(act.name), part=part
-            )
+            return Question(ask, _kind(act.arguments[-1]), context=act_name(act.name), part=part)
         target = self._reference(act.arguments[1])
         return replace(_question_on_target(ask, target), context=act_name(act.name), part=part)
 

@@ -6,8 +6,6 @@ sentence let it become a rule, a retraction or a command; all others are asked a
 also bound how sure a rule is: "I think a shoe is used for pounding".
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import reduce

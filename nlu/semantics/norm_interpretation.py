@@ -7,8 +7,6 @@
 A form about several objects, or a prohibition with an exception, lays down several norms.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
@@ -30,7 +28,6 @@ from .predicates import PredicateForm, UninterpretableError
 
 _NORMS = frozenset({"forbidden", "obliged", "permitted", "beforehand", "without"})
 _ANYBODY = frozenset(map(PredicateForm, ("speaker", "someone", "him", "her", "them")))
-_PUT_DOWN = "putDown"  # what may have to come first, and is said as a control
 
 
 def meaning_of(intention: PredicateForm, interpreter: Interpreter, discourse: Discourse) -> Meaning:
@@ -59,7 +56,6 @@ def _is_norm(form: PredicateForm) -> bool:
 
 
 def _given_to(form: PredicateForm, speaker: PredicateForm) -> PredicateForm | None:
-    """A rule on passing something to somebody in particular, as a norm on that; else None."""
     if form.name != "implies" or form.arguments[0].name != "pass":
         return None
     act, *others = form.arguments
@@ -95,7 +91,7 @@ class _NormReader:
         several = next((part for part in form if part.name == "both"), None)
         if several is not None:
             for one in several.arguments:
-                yield from self.norms(_replaced(form, several, one))
+                yield from self.norms(form.replacing(several, one))
         elif form.name == "and":
             for each in form.arguments:
                 yield from self.norms(each)
@@ -108,7 +104,6 @@ class _NormReader:
             yield self._obligation(form.name, *form.arguments)
 
     def _obligation(self, name: str, act: PredicateForm, other: PredicateForm) -> Norm:
-        """An act to be done by one part only, or after another act, or without it."""
         if not other.arguments:
             return self._norm("obliged", PredicateForm("holding", (act, other)))
         norm, first = self._norm("obliged", act), _command(self._norm("obliged", other).act)
@@ -120,7 +115,6 @@ class _NormReader:
         return Norm(name, self._act(act, name), self.interpreter.intervals["high"])
 
     def _within(self, form: PredicateForm) -> Iterator[Norm]:
-        """The norms of a form, which may be a rule on holding: "never grab it by the blade"."""
         if form.name == "not":
             form = PredicateForm("forbidden", (form,))
         if _is_norm(form):
@@ -155,16 +149,11 @@ class _NormReader:
             if patient == ANY_OBJECT or name == "permitted":  # it says what the tool is used for
                 raise UninterpretableError("say_the_use")
             return ToolCommand(form.name, patient, _reference(form.arguments[2]))
-        is_act = form.name == _PUT_DOWN or self.interpreter.is_act_on_object(form.name)
-        if not is_act or len(form.arguments) < 2:
+        if not self.interpreter.is_act_on_object(form.name) or len(form.arguments) < 2:
             raise UninterpretableError("no_act")
         _, thing, *others = form.arguments
         recipient = name_of(others[0]) if others else None
         return Command(form.name, _reference(thing), recipient=recipient)
-
-
-def _replaced(form: PredicateForm, old: PredicateForm, new: PredicateForm) -> PredicateForm:
-    return form.mapped(lambda part: new if part is old else None)
 
 
 def _command(act: Command | ToolCommand) -> Command:
@@ -174,7 +163,6 @@ def _command(act: Command | ToolCommand) -> Command:
 
 
 def _reference(form: PredicateForm) -> ObjectReference:
-    """The object that a form names, or any; one described by its use cannot be told by sight."""
     if any(part.name in {"usedFor", "notUsedFor", "other"} for part in form):
         raise UninterpretableError("norm_on_use", asks=True)
     name, props = kind_and_properties(form)

@@ -7,9 +7,7 @@ Scheutz et al. (2013) and Williams et al. (2015). Paper, section 3.2.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
 
 from ...ontology.confidence import read_interval
@@ -21,8 +19,9 @@ from ...ontology.evidence_operators import (
 )
 from ...ontology.yaml_reader import YamlNode, read_yaml
 from ..grammar.notation_reader import read_rule
+from ..grammar.terms import evaluate
 from .meaning import Confidence
-from .predicates import PredicateForm, fill, form_of_term, match
+from .predicates import PredicateForm, fill, form_of, match
 
 CERTAIN: Confidence = (1.0, 1.0)
 
@@ -48,8 +47,8 @@ class Pragmatics:
     def intentions(self, act: PredicateForm, heard: Confidence = CERTAIN) -> list[Intention]:
         """Return what an act `heard` as (lower, upper) in [0, 1] may intend, the surest first."""
         found: dict[PredicateForm, list[Confidence]] = {}
-        for rule in self._by_act.get(act.name, ()):
-            variables = match(rule.act, act)
+        for rule in self.rules:
+            variables = match(rule.act, act) if rule.act.name == act.name else None
             if variables is not None:
                 concluded = modus_ponens(heard, rule.interval)
                 found.setdefault(fill(rule.intention, variables), []).append(concluded)
@@ -64,13 +63,6 @@ class Pragmatics:
     def is_enough(self, interval: Confidence) -> bool:
         """Whether an intention is sure enough to go by."""
         return _certainty(interval) > self.threshold
-
-    @cached_property
-    def _by_act(self) -> Mapping[str, Sequence[PragmaticRule]]:
-        found: dict[str, list[PragmaticRule]] = {}
-        for rule in self.rules:
-            found.setdefault(rule.act.name, []).append(rule)
-        return found
 
 
 @dataclass(frozen=True)
@@ -98,7 +90,7 @@ def _rule(field: YamlNode) -> PragmaticRule:
     parts = field.entries(required=("rule", "interval"), optional=())
     left, right = read_rule(parts["rule"])
     try:
-        act, intention = form_of_term(left), form_of_term(right)
+        act, intention = form_of(evaluate(left)), form_of(evaluate(right))
     except ValueError as error:
         raise parts["rule"].fail("expected predicate forms without functions.") from error
     unbound = {part.name for part in intention if part.is_variable}
@@ -109,5 +101,4 @@ def _rule(field: YamlNode) -> PragmaticRule:
 
 
 def _certainty(interval: Confidence) -> float:
-    """The certainty that something is so, in [0, 1]; 0 when it is rather not so."""
     return certainty(interval) if relative_plausibility(interval) > 0.5 else 0.0

@@ -12,7 +12,7 @@ from functools import cache
 
 from ...ontology.yaml_reader import read_yaml
 from ..grammar.grammar import PREDICATES_FILE
-from ..grammar.terms import Constant, NeutralTerm, Term, Value, spine
+from ..grammar.terms import NeutralTerm, Value
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,9 +49,11 @@ class PredicateForm:
             return changed
         if not self.arguments:
             return self
-        return PredicateForm(
-            self.name, tuple(argument.mapped(change) for argument in self.arguments)
-        )
+        return PredicateForm(self.name, tuple(each.mapped(change) for each in self.arguments))
+
+    def replacing(self, old: PredicateForm, new: PredicateForm) -> PredicateForm:
+        """Return the form with every part that is `old` replaced."""
+        return self.mapped(lambda part: new if part == old else None)
 
 
 def form_of(value: Value) -> PredicateForm:
@@ -59,14 +61,6 @@ def form_of(value: Value) -> PredicateForm:
     if not isinstance(value, NeutralTerm) or not isinstance(value.head, str):
         raise ValueError("A function is not a predicate form.")
     return PredicateForm(value.head, tuple(form_of(argument) for argument in value.arguments))
-
-
-def form_of_term(term: Term) -> PredicateForm:
-    """Return the predicate form of a term; `ValueError` when the term has a function."""
-    head, arguments = spine(term)
-    if not isinstance(head, Constant):
-        raise ValueError("A function is not a predicate form.")
-    return PredicateForm(head.name, tuple(form_of_term(argument) for argument in arguments))
 
 
 def match(

@@ -4,8 +4,6 @@
 rejected, and one over several objects, uses or acts becomes as many rules.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 from .discourse import SOMETHING, Discourse
@@ -32,16 +30,16 @@ def resolve_rules(form: PredicateForm, discourse: Discourse) -> PredicateForm:
         case "within", (occasion, rule):
             form = _on_occasion(occasion, rule)
         case "holding", (PredicateForm(arguments=(_, held, *_)) as act, place):
-            return PredicateForm("holding", (act, replace_it(place, held)))
+            return PredicateForm("holding", (act, place.replacing(IT, held)))
         case "how", (act, held):
-            return PredicateForm("how", (replace_it(act, held),))
+            return PredicateForm("how", (act.replacing(IT, held),))
         case "first", (thing, act):
             # "Take the mug and pass it to me": the second act must be on the first one's object.
             if IT not in act:
                 raise UninterpretableError("one_thing_at_a_time")
-            form = replace_it(act, thing)
+            form = act.replacing(IT, thing)
         case name, _ if name in _TWICE and IT in form and _acted_on(form):
-            form = replace_it(form, _acted_on(form) or IT)
+            form = form.replacing(IT, _acted_on(form) or IT)
         case _:
             arguments = (resolve_rules(part, discourse) for part in form.arguments)
             return PredicateForm(form.name, tuple(arguments))
@@ -51,11 +49,6 @@ def resolve_rules(form: PredicateForm, discourse: Discourse) -> PredicateForm:
 def _acted_on(form: PredicateForm) -> PredicateForm | None:
     acts = (each.arguments for each in form if len(each.arguments) > 1)
     return next((held for actor, held, *_ in acts if actor == _HILT and held != IT), None)
-
-
-def replace_it(form: PredicateForm, known: PredicateForm) -> PredicateForm:
-    """Return the form with "it" replaced by what is known to be meant."""
-    return form.mapped(lambda part: known if part == IT else None)
 
 
 def simplified(form: PredicateForm) -> PredicateForm:
@@ -86,15 +79,13 @@ def noun_of(form: PredicateForm) -> PredicateForm:
 
 
 def _on_occasion(occasion: PredicateForm, rule: PredicateForm) -> PredicateForm:
-    """A rule stated with its occasion: "if I want a mug, pass it by the rim"."""
     if rule.name == "and":
         return PredicateForm("and", tuple(_on_occasion(occasion, each) for each in rule.arguments))
     if rule.name != "implies":
         raise UninterpretableError("not_a_rule")
-    context, act, degree = rule.arguments
-    if context.name != occasion.name or len(occasion.arguments) < 2:
+    if rule.arguments[0].name != occasion.name or len(occasion.arguments) < 2:
         raise UninterpretableError("one_thing_at_a_time")
-    return replace_it(PredicateForm("implies", (context, act, degree)), occasion.arguments[1])
+    return rule.replacing(IT, occasion.arguments[1])
 
 
 def _resolve_rule(form: PredicateForm, discourse: Discourse) -> PredicateForm:
@@ -103,27 +94,21 @@ def _resolve_rule(form: PredicateForm, discourse: Discourse) -> PredicateForm:
         return resolve_rules(PredicateForm("and", alternatives), discourse)
     if form.arguments[1].name == "graspObject":
         return _resolve_action_rule(form, discourse)
-    return replace_it(form, discourse.object) if discourse.object else form
+    return form.replacing(IT, discourse.object) if discourse.object else form
 
 
 def _alternatives(form: PredicateForm) -> tuple[PredicateForm, ...]:
-    """The rules that one `implies` over two objects, uses or acts expands to; empty for one."""
     for place, argument in enumerate(form.arguments):
         if argument.name in {"both", "eitherOf", "butNot"}:
             before, after = form.arguments[:place], form.arguments[place + 1 :]
-            rules = [
-                PredicateForm("implies", (*before, each, *after)) for each in argument.arguments
-            ]
+            rules = [(*before, each, *after) for each in argument.arguments]
             if argument.name == "butNot":
-                rules[1] = PredicateForm(
-                    "implies", (*rules[1].arguments[:-1], PredicateForm("none"))
-                )
-            return tuple(rules)
+                rules[1] = (*rules[1][:-1], PredicateForm("none"))
+            return tuple(PredicateForm("implies", each) for each in rules)
     return ()
 
 
 def _resolve_action_rule(form: PredicateForm, discourse: Discourse) -> PredicateForm:
-    """`implies(context, graspObject(self, partOf(part, object)), degree)` about one object."""
     context, act, degree = form.arguments
     actor, place = act.arguments
     part, owners = _part(place)
@@ -144,7 +129,6 @@ def _part(place: PredicateForm) -> tuple[PredicateForm, list[PredicateForm]]:
 
 
 def _grasped_object(context: PredicateForm, owners: list[PredicateForm]) -> PredicateForm:
-    """The object grasped in a context: the tool, where there is one."""
     arguments = context.arguments
     if len(arguments) == 3 and context.name != "pass":
         return arguments[2]
@@ -166,7 +150,6 @@ def _with_object(context: PredicateForm, known: PredicateForm) -> PredicateForm:
 
 
 def _most_specific(candidates: list[PredicateForm]) -> PredicateForm | None:
-    """The most specific of the candidates, which must be one object; None when all are "it"."""
     known: PredicateForm | None = None
     for candidate in candidates:
         if candidate == IT:

@@ -125,4 +125,4 @@ def test_a_wrong_template_is_an_error(
     )
 
     with pytest.raises(DataError, match=message):
-        load_answers(path, language.inflection, {}, {}, {})
+        load_answers(path, language.builder, {})

@@ -7,14 +7,15 @@ from pathlib import Path
 import pytest
 
 from hilt.nlu.grammar.notation_reader import parse_term
+from hilt.nlu.grammar.terms import evaluate
 from hilt.nlu.semantics.pragmatics import load_pragmatics
-from hilt.nlu.semantics.predicates import PredicateForm, form_of_term
+from hilt.nlu.semantics.predicates import PredicateForm, form_of
 from hilt.ontology.errors import DataError
 
 
 def form(text: str) -> PredicateForm:
     """A form from its notation."""
-    return form_of_term(parse_term(text))
+    return form_of(evaluate(parse_term(text)))
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from hilt.nlu.grammar.notation_reader import parse_term
 from hilt.nlu.grammar.terms import Application, Constant, Term, evaluate
-from hilt.nlu.semantics.predicates import PredicateForm, fill, form_of, form_of_term, match
+from hilt.nlu.semantics.predicates import PredicateForm, fill, form_of, match
 
 NAMES = st.sampled_from(["knife", "pass", "self", "partOf", "blade"])
 FORMS = st.recursive(
@@ -24,7 +24,7 @@ FORMS = st.recursive(
 
 def form(text: str) -> PredicateForm:
     """A form from its notation."""
-    return form_of_term(parse_term(text))
+    return form_of(evaluate(parse_term(text)))
 
 
 @given(FORMS)
