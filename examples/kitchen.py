@@ -7,7 +7,6 @@ has the trees "cut", "stir" and "serve". Run: python examples/kitchen.py
 from pathlib import Path
 
 from hilt.agent import Agent, AgentConfig
-from hilt.inference.explanation import explain_choice
 from hilt.kb.formats.import_export import import_file
 
 HERE = Path(__file__).parent
@@ -31,7 +30,8 @@ def converse(*contexts: str) -> None:
             reply = agent.hear(sentence)
             print(f"sam: {sentence}\nhilt: {reply.said}")
             if sentence == SAID[0] and reply.result and reply.result.decision:
-                print(explain_choice(reply.result.decision.object))
+                for proof in reply.result.decision.proofs():
+                    print("\n".join(proof.lines()))
 
 
 def main() -> None:

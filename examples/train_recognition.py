@@ -22,9 +22,14 @@ from hilt.ontology.objects import ObjectType, load_household
 from hilt.sim.scene.scene import Placement, Scene, graspable, scene_with
 from hilt.sim.scene.world import World
 from hilt.sim.vision.camera import CameraImage
-from hilt.sim.vision.learned_detector import CLASSIFIERS_FILE, Recogniser, point_inputs
+from hilt.sim.vision.learned_detector import (
+    CLASSIFIERS_FILE,
+    Classifier,
+    NoveltyDetector,
+    Recogniser,
+    point_inputs,
+)
 from hilt.sim.vision.mask_detector import MaskDetector
-from hilt.sim.vision.neural_classifier import Classifier, NoveltyDetector
 from hilt.sim.vision.object_detector import ObjectDetector
 from hilt.sim.vision.perception_noise import NoiseLevels
 from hilt.sim.vision.point_cloud_operations import farthest_points

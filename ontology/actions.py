@@ -7,8 +7,6 @@ of Hilt, and a file in the same form adds primitives and trees, or replaces tree
 `docs/actions.md` describes all keys.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -26,13 +24,6 @@ _TREE_KEYS = frozenset({"defaults", "requires", "otherwise", "is_a"})
 _BRANCHES = ("next", "again", "steps")
 FIXED = "="  # prefix of a step's argument that is a literal word
 ANY_FAILURE = "any"
-FAILURES = frozenset(  # what a branch may handle: failures of motion, and of the execution itself
-    {
-        "nothing_seen", "no_grasp", "too_wide", "blocked", "unreachable", "wrong_part", "missed",
-        "slipped", "dropped", "bumped", "nothing_held", "nothing_to_strike", "not_driven",
-        "no_gripper", "not_found", "not_sure", "required",
-    }
-)  # fmt: skip
 CONDITIONS = ("sees", "holds")
 
 
@@ -115,7 +106,7 @@ class FailureBranch:
     """What to do after a failure: exactly one of the last three attributes is set.
 
     Attributes:
-        after: the failures it handles, some of `FAILURES` or "any".
+        after: the failures it handles, some of `Actions.failures` or "any".
         next: the parameter for which the next best candidate is tried.
         again: how often the steps are repeated.
         steps: other steps; a tree that contains this one goes on when they succeed.
@@ -166,7 +157,7 @@ class ActionTree:
 
 @dataclass(frozen=True)
 class Actions:
-    """The primitives and action trees of the robot.
+    """The primitives and action trees of the robot, and the failures that branches may handle.
 
     >>> actions = load_actions()
     >>> [step.action for step in actions.tree("pass").steps]
@@ -177,6 +168,7 @@ class Actions:
 
     primitives: Mapping[str, tuple[str, ...]]
     trees: Mapping[str, ActionTree] = field(default_factory=dict[str, ActionTree])
+    failures: frozenset[str] = frozenset()
 
     def tree(self, name: str) -> ActionTree:
         """Return the tree of a goal; `UnknownNameError` if there is none."""
@@ -222,15 +214,14 @@ def iterate_steps(steps: tuple[Step | Loop, ...]) -> Iterator[Step]:
 def load_actions(path: Path = ACTIONS_FILE, *, added_to: Actions | None = None) -> Actions:
     """Read and check the action trees of a file, which may use those of `added_to` and add to them.
 
-    Raises:
-        DataError: the file is invalid; gives the position and what was expected.
+    DataError if the file is invalid; gives the position and what was expected.
     """
     known = added_to or Actions({})
     top = read_yaml(path).entries(required=["trees"], optional=["primitives", "failures"])
     added = top["primitives"].entries() if "primitives" in top else {}
     primitives = {**known.primitives, **{name: spec.texts() for name, spec in added.items()}}
     specs = top["trees"].entries()
-    failures = {*FAILURES, *(top["failures"].texts() if "failures" in top else ())}
+    failures = known.failures.union(top["failures"].texts() if "failures" in top else ())
     signatures = {**primitives, **{name: each.parameters for name, each in known.trees.items()}}
     signatures |= {name: _parameters(spec) for name, spec in specs.items()}
     trees = dict(known.trees)
@@ -238,7 +229,7 @@ def load_actions(path: Path = ACTIONS_FILE, *, added_to: Actions | None = None) 
         trees[name] = _TreeReader(name, spec.entries(), signatures, failures).read()
     for name, spec in specs.items():
         _reject_cycles(name, spec, Actions(primitives, trees))
-    return Actions(primitives, trees)
+    return Actions(primitives, trees, failures)
 
 
 def _parameters(spec: YamlNode) -> tuple[str, ...]:
@@ -254,6 +245,7 @@ class _TreeReader:
 
     def read(self) -> ActionTree:
         keys, parameters = self.keys, self.signatures[self.name]
+        others = self.signatures.keys() - {self.name}
         defaults = keys["defaults"].entries(optional=parameters) if "defaults" in keys else {}
         return ActionTree(
             self.name,
@@ -262,7 +254,7 @@ class _TreeReader:
             self._steps(keys["steps"]),
             tuple(self._condition(item) for item in _items(keys, "requires")),
             tuple(self._branch(item) for item in _items(keys, "otherwise")),
-            self._action(keys["is_a"]) if "is_a" in keys else None,
+            keys["is_a"].text(choices=others) if "is_a" in keys else None,
         )
 
     def _default(self, value: YamlNode) -> str | ArgumentByAffordance:
@@ -278,9 +270,7 @@ class _TreeReader:
 
     def _condition(self, item: YamlNode) -> Precondition:
         kind, parameter = _single_entry(item, "condition")
-        if kind not in CONDITIONS:
-            raise parameter.fail(str(UnknownNameError("condition", kind, CONDITIONS)))
-        return Precondition(kind, self._parameter(parameter))
+        return Precondition(kind.text(choices=CONDITIONS), self._parameter(parameter))
 
     def _branch(self, item: YamlNode) -> FailureBranch:
         keys = item.entries(required={"after"}, optional=_BRANCHES)
@@ -315,9 +305,8 @@ class _TreeReader:
         )
 
     def _plain_step(self, item: YamlNode) -> Step:
-        action, argument = _single_entry(item, "action")
-        if action not in self.signatures:
-            raise item.fail(str(UnknownNameError("action", action, self.signatures)))
+        key, argument = _single_entry(item, "action")
+        action = key.text(choices=self.signatures)
         if argument.value is None:
             return Step(action, {})
         wanted = self.signatures[action]
@@ -333,23 +322,14 @@ class _TreeReader:
         return word if word.startswith(FIXED) else self._parameter(argument)
 
     def _parameter(self, field: YamlNode) -> str:
-        known = self.signatures[self.name]
-        if field.text() not in known:
-            raise field.fail(str(UnknownNameError("parameter", field.value, known)))
-        return field.text()
-
-    def _action(self, field: YamlNode) -> str:
-        if field.text() not in self.signatures or field.value == self.name:
-            others = set(self.signatures) - {self.name}
-            raise field.fail(str(UnknownNameError("other action", field.value, others)))
-        return field.text()
+        return field.text(choices=self.signatures[self.name])
 
 
-def _single_entry(item: YamlNode, what: str) -> tuple[str, YamlNode]:
+def _single_entry(item: YamlNode, what: str) -> tuple[YamlNode, YamlNode]:
     keys = item.entries()
     if len(keys) != 1:
         raise item.fail(f"expected one {what} with its argument, found {len(keys)} keys.")
-    return next(iter(keys.items()))
+    return item.keys[0], keys[item.keys[0].value]
 
 
 def _items(keys: Mapping[str, YamlNode], key: str) -> tuple[YamlNode, ...]:

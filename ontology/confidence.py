@@ -4,8 +4,6 @@ The words that express a degree ("often", "sometimes") belong to a language; the
 as in the predicate forms of the paper (sections 3.2 and 4.1).
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path

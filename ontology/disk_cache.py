@@ -3,12 +3,13 @@
 It is `$HILT_CACHE`, or else `hilt` in the cache directory of the user. It may be deleted.
 """
 
-from __future__ import annotations
-
 import hashlib
 import os
-import tempfile
+from collections.abc import Callable
 from pathlib import Path
+from uuid import uuid4
+
+from .errors import SimulationError
 
 
 def cache_folder() -> Path:
@@ -29,11 +30,32 @@ def content_key(*contents: bytes) -> str:
     return digest.hexdigest()[:20]
 
 
+def cached(path: Path, make: Callable[[Path], object]) -> Path:
+    """Return a file or folder of the cache, which `make` writes where it is told if it is missing.
+
+    It is written beside, and renamed when complete, so that processes that make the same at the
+    same time cannot spoil it. `SimulationError` where the cache cannot be written.
+    """
+    from tempfile import TemporaryDirectory  # here: most of what is looked for is there
+
+    try:
+        if not path.exists():
+            path.parent.mkdir(parents=True, exist_ok=True)
+            with TemporaryDirectory(prefix=".draft-", dir=path.parent) as beside:
+                make(draft := Path(beside) / path.name)
+                draft.rename(path)
+    except OSError as error:
+        if not path.exists():  # else another process was first: what it made is the same
+            raise SimulationError(
+                f"The cache {path.parent} cannot be written: {error.strerror}. "
+                "Set HILT_CACHE to a folder that can."
+            ) from error
+    return path
+
+
 def write_atomically(path: Path, text: str) -> None:
     """Write a text file under another name, then rename it: no reader sees half of it."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.NamedTemporaryFile(
-        "w", dir=path.parent, delete=False, encoding="utf-8"
-    ) as temporary:
-        temporary.write(text)
-    Path(temporary.name).replace(path)
+    beside = path.with_name(f".{path.name}.{uuid4().hex}")
+    beside.write_text(text, encoding="utf-8", newline="\n")
+    beside.replace(path)

@@ -167,9 +167,7 @@ def extra_required(extra: str, package: str) -> Generator[None]:
     hilt.ontology.errors.MissingExtraError: "no_such_package" is not installed. Run: ...
 
     The extra of Hilt ("sim", "report", ...) installs the package, which pip knows by this name.
-
-    Raises:
-        MissingExtraError: an import in the block failed.
+    MissingExtraError if an import in the block failed.
     """
     try:
         yield

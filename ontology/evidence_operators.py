@@ -5,8 +5,6 @@ b - a. Both the inference engine and the pragmatic rules of the language part us
 Factors are multiplied in sorted order, so that no result depends on the order of its arguments.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from math import log2, prod
 

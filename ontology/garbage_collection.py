@@ -1,7 +1,5 @@
 """The garbage collector of Python, paused while many values are made that all stay in use."""
 
-from __future__ import annotations
-
 import gc
 from collections.abc import Generator
 from contextlib import contextmanager

@@ -4,8 +4,6 @@ Each module that logs has the standard logger of its name (`hilt.kb.stores.oxigr
 are of level DEBUG, so that nothing is printed unless a handler is attached to `hilt` or below.
 """
 
-from __future__ import annotations
-
 import re
 import sys
 from collections.abc import Generator

@@ -6,26 +6,16 @@ and its named parts, each made of solids of one material. What an object is for 
 it is not defined here: that is learned.
 """
 
-from __future__ import annotations
-
 import re
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TypeAlias
 
+from . import part_shapes
 from .errors import UnknownNameError
-from .part_shapes import (
-    MAX_LENGTH,
-    Colour,
-    PlacedSolid,
-    Point3,
-    read_colour,
-    read_point,
-    read_solid,
-    read_turn,
-)
+from .part_shapes import MAX_LENGTH, Colour, PlacedSolid, Point3
 from .yaml_reader import YamlNode, read_yaml
 
 OBJECTS_FILE = Path(__file__).with_name("objects.yaml")
@@ -178,10 +168,8 @@ def load_household(path: Path | None = None, *, added_to: Household | None = Non
     """Return the contents of a file of objects: types, classes, roles and properties.
 
     The file, by default that of Hilt, may use the words of the household that it is `added_to`; the
-    result contains both.
-
-    Raises:
-        DataError: the file is invalid; gives the position and what was expected.
+    result contains both. DataError if the file is invalid; gives the position and what was
+    expected.
     """
     return read_household(read_yaml(path or OBJECTS_FILE), added_to=added_to)
 
@@ -193,11 +181,16 @@ def read_household(spec: YamlNode, *, added_to: Household | None = None) -> Hous
     top = spec.entries(required={"objects"} if added_to else {"objects", *words}, optional=words)
     given = {word: top[word].entries() if word in top else {} for word in words}
     materials = {name: _read_material(name, spec) for name, spec in given["materials"].items()}
+    names = {*given["classes"], *known.classes}
+    classes = {
+        name: None if above.value is None else above.text(choices=names - {name})
+        for name, above in given["classes"].items()
+    }
     declared = Household(
         known.objects,
-        {**known.classes, **_read_classes(given["classes"], known.classes)},
-        {**known.roles, **_read_glossary(given["roles"])},
-        {**known.properties, **_read_glossary(given["properties"])},
+        {**known.classes, **classes},
+        {**known.roles, **{word: meaning.text() for word, meaning in given["roles"].items()}},
+        {**known.properties, **{word: each.text() for word, each in given["properties"].items()}},
         {**known.materials, **materials},
     )
     fields = top["objects"].entries()
@@ -240,7 +233,7 @@ class _ObjectReader:
         keys = spec.entries(
             required={"role", "material", "colour", "mass", "shape"}, optional={"properties"}
         )
-        shape = tuple(read_solid(item) for item in keys["shape"].items())
+        shape = tuple(part_shapes.read_solid(item) for item in keys["shape"].items())
         if not any(solid.collides for solid in shape):
             problem = "expected at least one solid that can be touched (not `only: seen`)."
             raise keys["shape"].fail(problem)
@@ -249,7 +242,7 @@ class _ObjectReader:
             keys["role"].text(choices=self.declared.roles),
             self._words(keys),
             self.declared.materials[keys["material"].text(choices=self.declared.materials)],
-            read_colour(keys["colour"]),
+            part_shapes.read_colour(keys["colour"]),
             keys["mass"].number(low=1e-4, high=MAX_MASS),
             shape,
         )
@@ -265,18 +258,6 @@ def _check_name(name: str, spec: YamlNode) -> None:
         raise spec.fail(f'"{name}" is no name; expected lower-case words with single spaces.')
 
 
-def _read_glossary(fields: Mapping[str, YamlNode]) -> dict[str, str]:
-    return {word: meaning.text() for word, meaning in fields.items()}
-
-
-def _read_classes(fields: Mapping[str, YamlNode], known: Iterable[str]) -> dict[str, str | None]:
-    words = {*fields, *known}
-    return {
-        name: None if above.value is None else above.text(choices=words - {name})
-        for name, above in fields.items()
-    }
-
-
 def _read_material(name: str, spec: YamlNode) -> Material:
     keys = spec.entries(required={"friction", "shine"}, optional=())
     friction = keys["friction"].number(low=0, high=2)
@@ -288,7 +269,7 @@ def _read_rests(spec: YamlNode) -> tuple[RestingPose, ...]:
     for name, item in spec.entries().items():
         keys = item.entries(required={"turn_deg"}, optional={"usual"})
         usual = keys["usual"].truth() if "usual" in keys else True
-        rests.append(RestingPose(name, read_turn(keys["turn_deg"]), usual))
+        rests.append(RestingPose(name, part_shapes.read_turn(keys["turn_deg"]), usual))
     if not any(rest.usual for rest in rests):
         raise spec.fail("expected at least one rest that is usual.")
     return tuple(rests)
@@ -299,7 +280,7 @@ def _read_mount(spec: YamlNode, supports: set[str]) -> Fixture:
     deepest = keys["deepest"].number(low=0, high=MAX_LENGTH)
     return Fixture(
         keys["support"].text(choices=supports),
-        read_point(keys["at"]),
+        part_shapes.read_point(keys["at"]),
         keys["depth"].number(low=0, high=deepest),
         deepest,
         keys["resistance_N"].number(low=0, high=MAX_FORCE),

@@ -5,8 +5,6 @@ file) placed in the frame of the object. This module contains only numbers, from
 `hilt.sim.models.solids` makes surfaces. Lengths are in [m], angles in [rad]; in the file, degrees.
 """
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass
 from itertools import pairwise

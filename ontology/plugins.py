@@ -5,8 +5,6 @@ gets what is known and returns a vision. Installed distributions are looked thro
 name that is not one of Hilt's own, as that takes a while.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 
@@ -25,10 +23,8 @@ def call_plugin(
 ) -> Any:
     """Load a plug-in and call it; return what it makes, which must have these methods.
 
-    Raises:
-        UnknownNameError: there is none of that name.
-        PluginError: it cannot be loaded, fails, or makes something else; errors of Hilt that it
-            raises are passed on.
+    UnknownNameError if there is none of that name; PluginError if it cannot be loaded, fails, or
+    makes something else; errors of Hilt that it raises are passed on.
     """
     from importlib.metadata import entry_points
 

@@ -4,8 +4,6 @@ What is read has the positions of `yaml_reader`, so that an error names file, li
 is written changes one value and keeps all else, comments included.
 """
 
-from __future__ import annotations
-
 import re
 import sys
 from pathlib import Path
@@ -25,8 +23,7 @@ _PLACE = re.compile(r" \(at (?:line (\d+), column (\d+)|end of document)\)$")
 def read_toml(path: Path) -> YamlNode:
     """Read a file: a mapping of the values, with their positions.
 
-    Raises:
-        DataError: it cannot be read, is not UTF-8 or TOML, or has a table.
+    DataError if it cannot be read, is not UTF-8 or TOML, or has a table.
     """
     text, source = read_text(path), str(path)
     keys: list[YamlNode] = []
@@ -47,8 +44,7 @@ def read_toml(path: Path) -> YamlNode:
 def with_value(text: str, source: str, key: str, value: object) -> str:
     """Return the text of a file in which a key has this value; None removes the key.
 
-    Raises:
-        DataError: the text is not TOML.
+    DataError if the text is not TOML.
     """
     import tomlkit  # imported here: most commands only read
 
@@ -59,7 +55,6 @@ def with_value(text: str, source: str, key: str, value: object) -> str:
 
 
 def _key(key: str, text: str, source: str) -> YamlNode:
-    """A key where its line begins with it, bare, in quotes, or as the name of a table."""
     beginning = re.compile(rf"^\s*\[*\s*[\"']?{re.escape(key)}\b")
     lines = enumerate(text.split("\n"), start=1)
     number, line = next(((n, line) for n, line in lines if beginning.match(line)), (1, ""))

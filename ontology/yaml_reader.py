@@ -49,13 +49,13 @@ class YamlNode:
             problem, source=self.source, line=self.line, column=self.column, text=self.text_line
         )
 
-    def text(self, *, choices: Collection[str] = ()) -> str:
+    def text(self, *, choices: Collection[str] | None = None) -> str:
         """Return this value as a non-empty text; it must be one of `choices` if given."""
         if not isinstance(self.value, str) or not self.value:
             raise self.fail(f"expected a text, found {self.shown()}.")
-        if choices and self.value not in choices:
+        if choices is not None and self.value not in choices:
             raise self.fail(
-                f'expected one of {", ".join(sorted(choices))}, found "{self.value}"'
+                f'expected one of {", ".join(sorted(choices)) or "none"}, found "{self.value}"'
                 f"{_suggestion(self.value, choices)}."
             )
         return self.value
@@ -99,9 +99,14 @@ class YamlNode:
         """Return the items of a list, or this value alone if it is none."""
         return self.value if isinstance(self.value, tuple) else (self,)
 
-    def texts(self, *, choices: Collection[str] = ()) -> tuple[str, ...]:
-        """Return this value as a list of texts."""
-        return tuple(item.text(choices=choices) for item in self.items())
+    def texts(
+        self, *, count: int | None = None, choices: Collection[str] | None = None
+    ) -> tuple[str, ...]:
+        """Return this value as a list of (`count`) texts."""
+        values = tuple(item.text(choices=choices) for item in self.items())
+        if count is not None and len(values) != count:
+            raise self.fail(f"expected {count} texts, found {len(values)}.")
+        return values
 
     def entries(
         self, *, required: Collection[str] = (), optional: Collection[str] | None = None

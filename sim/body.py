@@ -16,20 +16,25 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..ontology.errors import UnknownNameError
 from ..ontology.objects import ObjectType
+from ..ontology.plugins import plugin_names
 from .manipulation.striking import Striking
 from .robot.interruption import Interruption
 from .robot.models import find_robot
 from .robot.robot import Robot
 from .scene.scene import Scene
 from .scene.world import SleepManager, World
+from .vision.learned_detector import LearnedDetector, Recogniser
+from .vision.mask_detector import MaskDetector
+from .vision.object_detector import ObjectDetector
 from .vision.percept import Percept, visible_features
 from .vision.perception_noise import NoiseLevels
-from .vision.vision_backends import open_vision
 
 if TYPE_CHECKING:
     from .media.recording import WorldRecorder
 
+VISIONS = ("mask", "learned")
 HAND_ABILITIES = {"graspObject", "moveTo", "handOver", "moveAbove", "raise", "lower"}
 
 
@@ -112,3 +117,27 @@ class Body(Striking, AbstractContextManager["Body"]):
         numbers = [self.world.pose(name) for name in self.world.kinds]
         numbers += [self.robot.joints, np.array(self.world.engine.steps)]
         return sha256(b"".join(each.tobytes() for each in numbers)).hexdigest()[:16]
+
+
+def open_vision(
+    world: World, *, source: str = "mask", noise: NoiseLevels | None = None
+) -> ObjectDetector:
+    """Open the detector that `--vision` names: "mask", "learned" or "learned:FILE".
+
+    "mask" uses the simulator's segmentation mask, as a perfect detector; "learned" only colours and
+    depths. The file is one of classifiers of one's own, a `DataError` when it cannot be read.
+    """
+    check_vision(source)
+    kind, _, file = source.partition(":")
+    if kind == "mask":
+        return MaskDetector(world, noise=noise)
+    recogniser = Recogniser.load(Path(file)) if file else None
+    return LearnedDetector(world, recogniser=recogniser, noise=noise)
+
+
+def check_vision(source: str) -> None:
+    """Check the name of a source of percepts before anything is made, by `UnknownNameError`."""
+    kind, _, file = source.partition(":")
+    if kind not in VISIONS or (file and kind != "learned"):
+        known = (*VISIONS, "learned:FILE", *plugin_names("hilt.vision"))
+        raise UnknownNameError("source of vision", source, known)

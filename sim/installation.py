@@ -1,7 +1,5 @@
 """Whether the packages of the simulator, which are an extra of Hilt, are installed."""
 
-from __future__ import annotations
-
 from importlib.util import find_spec
 
 from ..ontology.errors import MissingExtraError
@@ -20,8 +18,7 @@ PACKAGES = {  # module -> the package of the extra "sim" that has it
 def check_simulator() -> None:
     """Check that the packages of the simulator are installed; none of them is imported.
 
-    Raises:
-        MissingExtraError: one of them is not.
+    MissingExtraError if one of them is not.
     """
     for module, package in PACKAGES.items():
         if find_spec(module) is None:

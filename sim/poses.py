@@ -7,8 +7,6 @@ right-handed, lengths in [m], angles in [rad]. Most functions work on stacks of 
 scipy's `Rotation` takes two to eight times as long for the few rotations of one step.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import TypeAlias
 

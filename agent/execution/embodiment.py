@@ -56,18 +56,17 @@ class Embodiment:
 
             find_robot(self.robot)
         if self.vision != _DEFAULTS.vision and not is_plugin(self.vision):
-            from ...sim.vision import vision_backends
+            from ...sim.body import check_vision
 
-            vision_backends.check_source(self.vision)
+            check_vision(self.vision)
         self.noise_model()
 
     @classmethod
     def from_config(cls, config: AgentConfig) -> Embodiment:
         """Return the embodiment that a configuration names.
 
-        Raises:
-            DataError: the scene, the objects or the noise are wrong.
-            UnknownNameError: there is no such object, robot or source of percepts.
+        DataError if the scene, the objects or the noise are wrong; UnknownNameError if there is no
+        such object, robot or source of percepts.
         """
         kinds = household(config.objects)
         scene = parse_scene(config.scene, seed=config.seed, objects=kinds.objects)
@@ -77,9 +76,8 @@ class Embodiment:
     def open_body(self, interruption: Interruption | None = None) -> Body:
         """Return a new simulated body, whose motions can be interrupted.
 
-        Raises:
-            MissingExtraError: the simulator is not installed.
-            SimulationError: there is no room for all that is in the scene.
+        MissingExtraError if the simulator is not installed; SimulationError if there is no room for
+        all that is in the scene.
         """
         from ...sim.installation import check_simulator
 
@@ -100,10 +98,8 @@ class Embodiment:
     def open_plugins(self, motion: str) -> tuple[Vision | None, Motion | None]:
         """Return vision and motion where plug-ins make them; a motion by its name, "" for none.
 
-        Raises:
-            UnknownNameError: there is no such plug-in.
-            PluginError: one cannot be used.
-            DataError: there is a motion, but no vision that goes with it.
+        UnknownNameError if there is no such plug-in; PluginError if one cannot be used; DataError
+        if there is a motion, but no vision that goes with it.
         """
         if motion and not is_plugin(self.vision):
             known = ", ".join(plugin_names("hilt.vision")) or "none"

@@ -43,22 +43,6 @@ class LabelledPointCloud:
     centre_of_mass: Array
     mass: float
 
-    @classmethod
-    def of(
-        cls,
-        target: Array,
-        *,
-        other_parts: Array = _EMPTY,
-        neighbours: Array = _EMPTY,
-        table: float,
-        centre_of_mass: Array,
-        mass: float,
-    ) -> LabelledPointCloud:
-        """Join clouds (n, 3) of the part, the other parts of the object, and other objects."""
-        groups = [target, other_parts, neighbours]
-        labels = np.repeat(np.array(list(PointLabel)), [len(group) for group in groups])
-        return cls(np.vstack(groups), labels, table, centre_of_mass, mass)
-
     @property
     def target(self) -> Array:
         """The points of the part to be grasped (k, 3)."""
@@ -138,14 +122,10 @@ class GraspContext:
 
     def labelled_cloud(self, table: float) -> LabelledPointCloud:
         """The points that grasps are planned on, over a table of this height [m]."""
-        return LabelledPointCloud.of(
-            self.target,
-            other_parts=self.other_parts,
-            neighbours=self.neighbours,
-            table=table,
-            centre_of_mass=self.centre_of_mass,
-            mass=self.kind.mass,
-        )
+        groups = [self.target, self.other_parts, self.neighbours]
+        labels = np.repeat(np.array(list(PointLabel)), [len(group) for group in groups])
+        mass = self.kind.mass
+        return LabelledPointCloud(np.vstack(groups), labels, table, self.centre_of_mass, mass)
 
     def _cloud(self, *, allowed: bool) -> Array:
         parts = self.percept.parts.items()

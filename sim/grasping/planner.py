@@ -4,8 +4,6 @@ The part constraint is a filter: both contact bands must lie wholly on the part.
 left, `RankedGrasps.reason` says why.
 """
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -89,19 +87,14 @@ def plan_grasps(
     coarse = cloud.downsampled(COARSE_CELL, reach=COARSE_REACH, limit=COARSE_POINTS)
     fine = cloud.downsampled(FINE_CELL, reach=FINE_REACH, limit=FINE_POINTS)
     turn = (effort - 1) * OTHER_TURN
-    candidates = sample_grasps(coarse, gripper, rng=rng, count=effort * SAMPLES, turn=turn)
-    opening = np.minimum(candidates.width + 2 * scoring.SPARE, gripper.opening)
-    low = scoring.hits_table(candidates.world_from_grip, opening, cloud.table, gripper)
+    at, width, rejected = sample_grasps(coarse, gripper, rng=rng, count=effort * SAMPLES, turn=turn)
+    opening = np.minimum(width + 2 * scoring.SPARE, gripper.opening)
+    low = scoring.hits_table(at, opening, cloud.table, gripper)
     high = np.flatnonzero(~low)
-    centre, limit = cloud.centre_of_mass, effort * SCORED
-    chosen = high[_spread_out(candidates.world_from_grip[high], centre, rng, limit)]
-    scores = scoring.score_grasps(
-        candidates.world_from_grip[chosen], candidates.width[chosen], fine, gripper
-    )
-    rejected = Counter(scoring.REJECTIONS[index] for index in scores.rejection if index)
-    rejected.update(
-        {"table": int(low.sum()), "too_wide": candidates.too_wide, "part": candidates.blocked}
-    )
+    chosen = high[_spread_out(at[high], cloud.centre_of_mass, rng, effort * SCORED)]
+    scores = scoring.score_grasps(at[chosen], width[chosen], fine, gripper)
+    rejected["table"] += int(low.sum())
+    rejected.update(scoring.REJECTIONS[index] for index in scores.rejection if index)
     examples = scores[np.flatnonzero(scores.score <= 0)[:SHOWN]]
     scores = _refine(scores, fine, gripper)
     best = scores[_distinct(scores, count)]
@@ -149,24 +142,17 @@ def _corrections(scores: GraspScores) -> Array:
 
 
 def _distinct(scores: GraspScores, count: int, *, above: float = 0.0) -> np.ndarray:
-    chosen: list[int] = []
+    rotations, places = scores.world_from_grip[:, :3, :3], scores.world_from_grip[:, :3, 3]
+    chosen = np.zeros(0, dtype=int)
     for index in np.argsort(-scores.score, kind="stable"):
         if len(chosen) == count or scores.score[index] <= above:
             break
-        at = scores.world_from_grip
-        if not chosen or not _is_near(at[chosen], at[index]):
-            chosen.append(int(index))
-    return np.array(chosen, dtype=int)
-
-
-def _is_near(chosen: Array, candidate: Array) -> bool:
-    """Whether a pose (4, 4) nearly repeats one of (c, 4, 4)."""
-    aside = chosen[:, :3, 3] - candidate[:3, 3]
-    close = np.flatnonzero((aside * aside).sum(axis=1) < APART**2)
-    if not len(close):
-        return False
-    turned = poses.angle_between(chosen[close, :3, :3], candidate[:3, :3])
-    return bool((turned < APART_ANGLE).any())
+        aside = places[chosen] - places[index]
+        close = chosen[(aside * aside).sum(axis=1) < APART**2]
+        turned = poses.angle_between(rotations[close], rotations[index]) if len(close) else close
+        if not len(close) or turned.min() >= APART_ANGLE:
+            chosen = np.append(chosen, index)
+    return chosen
 
 
 def _as_grasps(scores: GraspScores) -> tuple[Grasp, ...]:

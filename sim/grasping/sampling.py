@@ -8,13 +8,14 @@ and alone. Orientations are enumerated because thin plates have no reliable surf
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass
 
 import numpy as np
 
 from .. import poses
 from ..poses import Array
-from ..robot.grasp_poses import hand_orientations
+from ..robot.grasp_poses import grasp_orientations
 from ..robot.models import Gripper
 from ..vision.point_cloud_operations import farthest_points, principal_direction
 from .context import LabelledPointCloud, PointLabel
@@ -26,23 +27,6 @@ TABLE_CLEARANCE = 0.001  # [m] between the tips and the table
 SIDE_CLEARANCE = 0.0035  # [m] between a finger and the part as the hand comes down
 
 
-@dataclass(frozen=True)
-class GraspCandidates:
-    """Poses of the open gripper.
-
-    Attributes:
-        world_from_grip: poses (c, 4, 4) of the grip frame.
-        width: width of what is between the fingers (c,) [m].
-        too_wide: number of samples that were wider than the gripper opens.
-        blocked: number of samples without room for the fingers.
-    """
-
-    world_from_grip: Array
-    width: Array
-    too_wide: int
-    blocked: int
-
-
 def sample_grasps(
     cloud: LabelledPointCloud,
     gripper: Gripper,
@@ -50,34 +34,33 @@ def sample_grasps(
     rng: np.random.Generator,
     count: int,
     turn: float = 0.0,
-) -> GraspCandidates:
+) -> tuple[Array, Array, Counter[str]]:
     """Return grasp candidates round `count` points of the target; `rng` chooses the first point.
 
-    All orientations are turned by `turn` [rad] about the vertical, to try those between the usual
-    ones.
+    These are poses (c, 4, 4) of the grip frame of the open gripper, and the width of what is
+    between its fingers (c,) [m]. The numbers of samples that were rejected come with their reasons:
+    "too_wide" for the gripper, or "part", without room for the fingers. All orientations are turned
+    by `turn` [rad] about the vertical, to try those between the usual ones.
     """
     target = cloud.target
     samples = target[farthest_points(target, count, first=int(rng.integers(len(target))))]
-    pieces = [GraspCandidates(np.zeros((0, 4, 4)), np.zeros(0), 0, 0)]
+    places, widths, rejected = [np.zeros((0, 4, 4))], [np.zeros(0)], Counter[str]()
     x, y = principal_direction(target)
-    rotations = hand_orientations(float(np.arctan2(y, x)) + turn)
+    rotations = grasp_orientations(float(np.arctan2(y, x)) + turn)
     depths = _tip_depths(rotations, samples, cloud.table, gripper)
     for rotation, tips in zip(rotations, depths, strict=True):
         possible = tips[:, 0] > 0
         if possible.any():
-            piece = _candidates(rotation, samples[possible], tips[possible], cloud, gripper)
-            pieces.append(piece)
-    return GraspCandidates(
-        np.concatenate([piece.world_from_grip for piece in pieces]),
-        np.concatenate([piece.width for piece in pieces]),
-        sum(piece.too_wide for piece in pieces),
-        sum(piece.blocked for piece in pieces),
-    )
+            found = _candidates(rotation, samples[possible], tips[possible], cloud, gripper)
+            places.append(found[0])
+            widths.append(found[1])
+            rejected += found[2]
+    return np.concatenate(places), np.concatenate(widths), rejected
 
 
 def _candidates(
     rotation: Array, samples: Array, tips: Array, cloud: LabelledPointCloud, gripper: Gripper
-) -> GraspCandidates:
+) -> tuple[Array, Array, Counter[str]]:
     points, starts = rotation.T @ cloud.points.T, samples @ rotation
     starts[:, :2] = np.rint(starts[:, :2] / BIN) * BIN  # bins begin where samples are
     heights = _HeightMap.of(points, cloud.labels, starts, gripper.finger_width / 2)
@@ -88,7 +71,9 @@ def _candidates(
     # There is room beyond the ends, so only what lies at an end can be in the way.
     clear = ~(heights.is_other(1 - left, below) | heights.is_other(right - 1, below))
     narrow = width + 2 * SIDE_CLEARANCE <= gripper.opening
-    nearest = np.minimum(heights.nearest() - starts[:, 2], 0.0)
+    beside = heights.y[:, None] + np.arange(-HALF_BINS, HALF_BINS + 1)
+    nearest = heights.first[0, heights.x[:, None], beside].min(axis=1)
+    nearest = np.minimum(nearest - starts[:, 2], 0.0)
     shallow = tips <= (nearest + gripper.tip - gripper.palm)[:, None]
     possible = clear & narrow & shallow
     ok = possible & (tips > 0) & (left < HALF_BINS) & (right < HALF_BINS)
@@ -100,7 +85,7 @@ def _candidates(
     too_wide = int(np.count_nonzero(alone_width > gripper.opening))
     blocked = max(0, int(np.count_nonzero(~possible)) - too_wide)
     at = poses.pose(rotation, centres @ rotation.T)
-    return GraspCandidates(at, width[row, depth], too_wide, blocked)
+    return at, width[row, depth], Counter(too_wide=too_wide, part=blocked)
 
 
 def _tip_depths(rotations: Array, samples: Array, table: float, gripper: Gripper) -> Array:
@@ -147,11 +132,6 @@ class _HeightMap:
         target, other = _running_min(first.reshape(2, columns, rows), 2 * int(margin[0]) + 1)
         at = middles - (margin[0], 0)
         return cls(np.stack([np.minimum(target, other), target]), other, at[:, 0], at[:, 1])
-
-    def nearest(self) -> Array:
-        """The first of all points beside each sample (s,) [m]."""
-        beside = np.arange(-HALF_BINS, HALF_BINS + 1)
-        return self.first[0, self.x[:, None], self.y[:, None] + beside].min(axis=1)
 
     def is_other(self, bins: np.ndarray, below: Array) -> np.ndarray:
         """Whether a point not of the target lies above `below` (s, t) [m], `bins` aside."""

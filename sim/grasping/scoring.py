@@ -98,9 +98,13 @@ def score_grasps(
         ahead=gripper.tip + max(BEYOND, PART_CLEARANCE),
     )
     shift, width = _centre(near, gripper)
-    near = near.shifted(shift)
+    near = replace(near, y=near.y - shift[near.hand])
     centred = world_from_grip @ poses.pose(np.eye(3), np.outer(shift, (0, 1, 0)))
-    wide, narrow = _openings(width, section_width + 2 * (np.abs(shift) + SPARE_ABOVE), gripper)
+    least = section_width + 2 * (np.abs(shift) + SPARE_ABOVE)
+    wide, narrow = (
+        np.minimum(np.maximum(width + 2 * spare, least), gripper.opening)
+        for spare in (SPARE, SPARE_TIGHT)
+    )
     heights = _contact_profiles(near, width, gripper)
     touched = heights >= (width / 2 - LEVEL)[:, None, None, None]
     first_pad, second_pad = np.moveaxis(_filled(touched), 1, 0)
@@ -115,13 +119,14 @@ def score_grasps(
     rejection[hits_table(centred, opening, cloud.table, gripper)] = _TABLE
     rejection[width > gripper.opening - 2 * SWEEP_CLEARANCE] = _TOO_WIDE
     slope, twist = _slope_and_twist(heights, gripper)
+    rows = (both.max(axis=1) * (CELLS_Z - np.arange(CELLS_Z))).max(axis=1)  # from the tips
     arm = cloud.centre_of_mass - centred[:, :3, 3]
     torque = cloud.mass * GRAVITY * gravity_lever(centred, arm)
     score = (
         _BASE
         + _AREA * overlap
         + _ACROSS * both.max(axis=2).mean(axis=1)
-        + _DEPTH * np.minimum(_rows_from_tip(both) / DEEP_ROWS, 1.0)
+        + _DEPTH * np.minimum(rows / DEEP_ROWS, 1.0)
         - _TORQUE * torque / TORQUE_SCALE
         - _DISTANCE * np.linalg.norm(arm, axis=1) / DISTANCE_SCALE
         - _TILT * (1 + centred[:, 2, 2])
@@ -177,10 +182,6 @@ class HandPointPairs:
         hand = np.repeat(np.arange(len(found)), [len(index) for index, _ in found])
         return cls(len(found), hand, x, y, z, cloud.labels[point])
 
-    def shifted(self, shift: Array) -> HandPointPairs:
-        """The pairs after the hands have moved along y by `shift` (c,) [m]."""
-        return replace(self, y=self.y - shift[self.hand])
-
     def hands_with(self, chosen: np.ndarray) -> np.ndarray:
         """Whether each hand (c,) has any of the chosen pairs (p,)."""
         result = np.zeros(self.hands, dtype=bool)
@@ -192,15 +193,6 @@ class HandPointPairs:
         across = np.abs(self.x) <= gripper.pad_width / 2
         along = np.abs(self.z) <= gripper.pad_length / 2
         return across & along & (self.label == PointLabel.TARGET)
-
-
-def _openings(width: Array, least: Array, gripper: Gripper) -> tuple[Array, Array]:
-    """Openings of the gripper (c,) for a part, with the usual and with little clearance [m]."""
-    wide, narrow = (
-        np.minimum(np.maximum(width + 2 * spare, least), gripper.opening)
-        for spare in (SPARE, SPARE_TIGHT)
-    )
-    return wide, narrow
 
 
 def _centre(near: HandPointPairs, gripper: Gripper) -> tuple[Array, Array]:
@@ -281,12 +273,6 @@ def _filled(touched: np.ndarray) -> np.ndarray:
     return touched
 
 
-def _rows_from_tip(cells: np.ndarray) -> np.ndarray:
-    """The number of rows (c,) from the tips to the highest one on which the pads rest."""
-    rows = cells.max(axis=1)  # (c, CELLS_Z)
-    return np.max(rows * (CELLS_Z - np.arange(CELLS_Z)), axis=1)
-
-
 def _rejection(near: HandPointPairs, width: Array, opening: Array, gripper: Gripper) -> np.ndarray:
     """Why each hand (c,) is rejected for the points near it, as an index in `REJECTIONS`."""
     x, y, z = np.abs(near.x), np.abs(near.y), near.z
@@ -334,14 +320,10 @@ def hits_table(
         (half_x, root, gripper.root),
         (palm_x, np.full_like(opening, palm_y), gripper.palm),
     )
-    lowest = np.minimum.reduce([_lowest(world_from_grip, *box) for box in boxes])
-    return lowest < table + TABLE_CLEARANCE
-
-
-def _lowest(world_from_grip: Array, x: float, y: Array, z: float) -> Array:
-    """The height (c,) of the lowest of the corners (+-x, +-y, z) of each hand [m]."""
-    up = world_from_grip[:, 2]
-    return up[:, 3] + z * up[:, 2] - x * np.abs(up[:, 0]) - y * np.abs(up[:, 1])
+    up_x, up_y, up_z, height = np.moveaxis(world_from_grip[:, 2], -1, 0)
+    # Of each box the lowest of the corners (+-x, +-y, z).
+    corners = [height + z * up_z - x * np.abs(up_x) - y * np.abs(up_y) for x, y, z in boxes]
+    return np.minimum.reduce(corners) < table + TABLE_CLEARANCE
 
 
 def gravity_lever(world_from_grip: Array, arm: Array) -> Array:

@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..robot.grasp_poses import Grasp
-from ..robot.models import Gripper
 from ..robot.path_planner import GraspPath, PathPlanner
 from .context import GraspContext
 from .planner import RankedGrasps, plan_grasps
@@ -54,7 +53,6 @@ def select_grasp(
     task: GraspAttempts,
     context: GraspContext,
     planner: PathPlanner,
-    gripper: Gripper,
     *,
     lift: float,
     rng: np.random.Generator,
@@ -67,7 +65,7 @@ def select_grasp(
     plan, reason, best = RankedGrasps((), {}), "", None
     cloud = context.labelled_cloud(planner.table)
     for effort, enough in EFFORTS.items():
-        plan = plan_grasps(cloud, gripper, rng=rng, effort=effort)
+        plan = plan_grasps(cloud, planner.robot.gripper, rng=rng, effort=effort)
         fresh = [grasp for grasp in plan.grasps if not task.has_tried(grasp)]
         path = next(planner.grasp_paths(fresh, lift=lift), None)
         if best is None or (path and path.grasp.score > best.grasp.score):

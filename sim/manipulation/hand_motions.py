@@ -4,8 +4,6 @@ Success is judged by the contacts of the fingers and the height of the object, n
 commanded. A motion that fails returns the reason and raises nothing.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
@@ -16,7 +14,7 @@ from ..grasping.context import GraspContext
 from ..physics.engine import GRAVITY, TIME_STEP
 from ..poses import Array
 from ..robot.collision import hand_spheres
-from ..robot.grasp_poses import DOWN
+from ..robot.grasp_poses import hand_orientations
 from ..robot.path_planner import MAX_PACE, GraspPath, PathPlanner
 from ..robot.robot import FingerContacts, Robot
 from ..vision.point_cloud_operations import voxel_downsample
@@ -37,7 +35,7 @@ PLACE_HEIGHT = 0.10  # [m] above a place, from where an object is lowered
 RELEASE_TIME = 0.4  # [s]
 RETREAT = 0.08  # [m] the open hand goes back
 POINTING_GAP = 0.05  # [m] between the finger tips and the object pointed at
-POINTING_TILTS_DEG = (30.0, 45.0, 15.0, 0.0)
+POINTING_TILTS_DEG = ((30.0, 8, 1), (45.0, 8, 1), (15.0, 8, 1), (0.0, 8, 1))  # headings, rolls
 MEETING = (0.58, 0.0, 0.40)  # [m], where objects are handed over
 AHEAD = (1.0, 0.0, 0.0)  # from there to the person who receives them, across the table
 MIN_FREE_LENGTH = 0.01  # [m] from the grip to the free part, else it has no direction
@@ -52,6 +50,8 @@ class HeldObject:
 
     Attributes:
         context: the object and its surroundings as seen before the grasp.
+        planner: of paths among these surroundings.
+        path: the path to the grasp.
         world_from_start: pose (4, 4) of the object before the grasp.
         hand_from_object: pose (4, 4) of the object in the hand when the fingers had closed.
         points: point cloud of the object (n, 3) in the hand frame [m].
@@ -60,6 +60,7 @@ class HeldObject:
     """
 
     context: GraspContext
+    planner: PathPlanner
     path: GraspPath
     world_from_start: Array
     hand_from_object: Array
@@ -79,10 +80,6 @@ class HandMotion:
 
     robot: Robot
 
-    def path_planner(self, context: GraspContext) -> PathPlanner:
-        """A planner of paths among the objects that were seen."""
-        return PathPlanner(self.robot, context.scene, context.obstacles)
-
     def grasp(self, path: GraspPath) -> FingerContacts:
         """Follow a path to a grasp, close the gripper, and return what the fingers touch."""
         self.robot.open(path.grasp.opening)
@@ -91,7 +88,9 @@ class HandMotion:
         self.robot.close()
         return self.robot.finger_contacts()
 
-    def held_object(self, context: GraspContext, path: GraspPath, before: Array) -> HeldObject:
+    def held_object(
+        self, context: GraspContext, planner: PathPlanner, path: GraspPath, before: Array
+    ) -> HeldObject:
         """Describe an object on which the gripper has closed; `before` was its pose then (4, 4)."""
         hand_from_object = self.hand_from_object(context.percept.name)
         hand_from_seen = hand_from_object @ poses.inverse(before)
@@ -101,6 +100,7 @@ class HandMotion:
         arm = poses.transform(hand_from_seen, context.centre_of_mass[None])[0] - grip
         return HeldObject(
             context,
+            planner,
             path,
             before,
             hand_from_object,
@@ -119,10 +119,10 @@ class HandMotion:
         home = planner.plan_transit(self.robot.kind.home, spheres, planner.scene, gap=-1.0)
         self._follow_if(home, TRANSIT_PACE)
 
-    def lift(self, held: HeldObject, height: float, planner: PathPlanner) -> bool:
+    def lift(self, held: HeldObject, height: float) -> bool:
         """Lift the held object by `height` [m]; return False as soon as it is lost."""
         above = poses.translation(0, 0, height) @ self.robot.world_from_grip
-        path = planner.plan_straight(above)
+        path = held.planner.plan_straight(above)
         path = held.path.lift if path is None else path
         return self.robot.follow(path, pace=LIFT_PACE, stop=self.loss_check(held.name))
 
@@ -167,55 +167,55 @@ class HandMotion:
 
         return is_lost
 
-    def plan_carry(self, held: HeldObject, goal: Array, planner: PathPlanner) -> Array | None:
+    def plan_carry(self, held: HeldObject, goal: Array) -> Array | None:
         """Plan a path to a posture on which neither the arm nor the held object hits anything."""
-        return planner.plan_transit(
+        return held.planner.plan_transit(
             goal,
             self.robot.body_spheres(self.robot.opening),
-            planner.obstacles,
+            held.planner.obstacles,
             gap=HELD_GAP,
             held=hand_spheres(self.robot.chain, held.points, HELD_RADIUS),
         )
 
-    def carry(self, held: HeldObject, path: Array) -> bool:
-        """Follow a path, slower where the object could turn; return False when it is lost."""
+    def carry(self, held: HeldObject, path: Array) -> str:
+        """Follow a path, slower where the object could turn; return "dropped" if it is, or ""."""
         pace = CARRY_PACE / (1 + held.torque / CAREFUL_TORQUE)
-        return self.robot.follow(path, pace=pace, stop=self.loss_check(held.name))
+        is_there = self.robot.follow(path, pace=pace, stop=self.loss_check(held.name))
+        return "" if is_there else "dropped"
 
-    def hand_over(self, held: HeldObject, planner: PathPlanner) -> str:
+    def hand_over(self, held: HeldObject) -> str:
         """Carry the held object to the receiver; return the reason of failure, or ""."""
-        for goal in self._hand_over_postures(held, planner):
-            path = self.plan_carry(held, goal, planner)
+        for goal in self._hand_over_postures(held):
+            path = self.plan_carry(held, goal)
             if path is not None:
-                return "" if self.carry(held, path) else "dropped"
+                return self.carry(held, path)
         return "unreachable"
 
-    def put_back(self, held: HeldObject, planner: PathPlanner) -> str:
+    def put_back(self, held: HeldObject) -> str:
         """Put the held object down where it lay; return the reason of failure, or ""."""
-        above = self.plan_carry(held, held.path.lift[-1], planner)
-        return "unreachable" if above is None else self._put_at(held, above, np.zeros(3), planner)
+        above = self.plan_carry(held, held.path.lift[-1])
+        return "unreachable" if above is None else self._put_at(held, above, np.zeros(3))
 
-    def put_down(self, held: HeldObject, planner: PathPlanner) -> str:
+    def put_down(self, held: HeldObject) -> str:
         """Put the held object on the nearest free place; return the reason of failure, or ""."""
-        for shift in self._free_places(held, planner):
+        for shift in self._free_places(held):
             raised = poses.translation(*shift) @ poses.translation(0, 0, PLACE_HEIGHT)
-            goal = planner.inverse_kinematics((raised @ held.path.grasp.world_from_grip)[None])
-            above = self.plan_carry(held, goal.joints[0], planner) if goal.found[0] else None
+            goal = held.planner.inverse_kinematics((raised @ held.path.grasp.world_from_grip)[None])
+            above = self.plan_carry(held, goal.joints[0]) if goal.found[0] else None
             if above is not None:
-                return self._put_at(held, above, shift, planner)
+                return self._put_at(held, above, shift)
         return "no_room"
 
-    def _put_at(self, held: HeldObject, above: Array, shift: Array, planner: PathPlanner) -> str:
-        """Carry the held object to a place, `shift` (3,) [m] from where it lay, and release it."""
-        if not self.carry(held, above):
-            return "dropped"
+    def _put_at(self, held: HeldObject, above: Array, shift: Array) -> str:
+        if reason := self.carry(held, above):
+            return reason
         down = poses.translation(*shift) @ poses.translation(0, 0, RELEASE_HEIGHT)
-        path = planner.plan_straight(down @ held.path.grasp.world_from_grip)
+        path = held.planner.plan_straight(down @ held.path.grasp.world_from_grip)
         self._follow_if(path, APPROACH_PACE)
-        self.release(planner)
+        self.release(held.planner)
         return ""
 
-    def _free_places(self, held: HeldObject, planner: PathPlanner) -> Iterator[Array]:
+    def _free_places(self, held: HeldObject) -> Iterator[Array]:
         """Shifts (3,) [m] from where the object lay to places with room, the nearest first."""
         start = held.path.grasp.world_from_grip[:2, 3]
         axes = (np.arange(low, high, PLACE_STEP) for low, high in PLACES)
@@ -223,15 +223,15 @@ class HandMotion:
         far = np.linalg.norm(places - self.robot.world_from_grip[:2, 3], axis=1)
         cloud = held.context.percept.cloud
         cloud = cloud[voxel_downsample(cloud, HELD_CELL), :2]
-        others = planner.obstacles[voxel_downsample(planner.obstacles, HELD_CELL), :2]
+        others = held.planner.obstacles
+        others = others[voxel_downsample(others, HELD_CELL), :2]
         for place in places[np.argsort(far, kind="stable")]:
             shift = place - start
             gaps = np.linalg.norm((cloud + shift)[:, None] - others[None], axis=-1)
             if gaps.min(initial=np.inf) > PLACE_GAP:
                 yield np.array([*shift, 0.0])
 
-    def _hand_over_postures(self, held: HeldObject, planner: PathPlanner) -> Iterator[Array]:
-        """Postures for handing over, the free part towards the receiver, then the nearest."""
+    def _hand_over_postures(self, held: HeldObject) -> Iterator[Array]:
         turns = poses.rotation_about((0, 0, 1), np.arange(HEADINGS) * 2 * np.pi / HEADINGS)
         towards = np.array(AHEAD)
         rotations = turns @ self.robot.world_from_grip[:3, :3]
@@ -244,9 +244,9 @@ class HandMotion:
             for level in np.unique(worse):
                 chosen = rotations[worse == level]
                 goals = poses.pose(chosen, MEETING + offset * towards)
-                answer = planner.inverse_kinematics(goals)
+                answer = held.planner.inverse_kinematics(goals)
                 reached = answer.joints[answer.found]
-                yield from reached[np.argsort(planner.travel_time(reached), kind="stable")]
+                yield from reached[np.argsort(held.planner.travel_time(reached), kind="stable")]
 
     def point_at(self, cloud: Array, planner: PathPlanner) -> str:
         """Point at a cloud (n, 3) without touching it; return the reason of failure, or "".
@@ -266,9 +266,7 @@ class HandMotion:
     def _pointing_postures(self, cloud: Array, planner: PathPlanner) -> Iterator[Array]:
         """Postures in which the hand points at the middle of a cloud (n, 3)."""
         middle = cloud.mean(axis=0)
-        lean = poses.rotation_about((0, 1, 0), np.radians(POINTING_TILTS_DEG))
-        around = poses.rotation_about((0, 0, 1), np.arange(8) * np.pi / 4)
-        rotations = (around[None] @ lean[:, None] @ DOWN).reshape(-1, 3, 3)
+        rotations = hand_orientations(POINTING_TILTS_DEG)
         along = rotations[..., 2]
         # The nearest point of the cloud along the approach direction keeps its distance.
         depth = np.min((cloud - middle) @ along.T, axis=0) - POINTING_GAP

@@ -1,7 +1,5 @@
 """Reports of motions, with the reasons of failures."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 REASONS = {

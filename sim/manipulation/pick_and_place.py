@@ -4,8 +4,6 @@ Each action returns a `MotionReport`. A failed grasp is followed by another one 
 are used up, and a lost object is grasped again; what is impossible is reported without trying.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from typing import TypeAlias
@@ -86,16 +84,9 @@ class PickAndPlace:
         """
         return self._moved("grasp", lambda: self._take(percept, part))
 
-    def lift(self, height_m: float = LIFT_HEIGHT) -> MotionReport:
-        """Lift the held object and hold it for a second; grasp it again when it slips.
-
-        Grasps are planned for `LIFT_HEIGHT`; a larger height may be out of reach.
-        """
-        return self._act("lift", lambda held: self._lift(held, height_m))
-
-    def hold(self, seconds: float) -> MotionReport:
-        """Stand still with the held object."""
-        return self._act("hold", lambda held: self._hold(held, "hold", seconds))
+    def lift(self) -> MotionReport:
+        """Lift the held object and hold it for a second; grasp it again when it slips."""
+        return self._act("lift", self._lift)
 
     def hand_over(self) -> MotionReport:
         """Bring the held object to the receiver, its free part first, and hold it there.
@@ -170,13 +161,12 @@ class PickAndPlace:
 
     def _put(self, held: HeldObject, action: str) -> MotionReport:
         put = self._motion.put_back if action == "put_back" else self._motion.put_down
-        reason = put(held, self._motion.path_planner(held.context))
+        reason = put(held)
         if not reason:
             self.in_hand = None
         return self._report(action, reason)
 
     def _clear_hand(self) -> None:
-        """Empty the hand: put what it holds back, or down; leave where it was interrupted."""
         held = self.in_hand
         if held and not self._put(held, "put_back").ok and not self._put(held, "put_down").ok:
             self._drop(held)
@@ -190,12 +180,11 @@ class PickAndPlace:
         context = self._observe(percept.name, None)
         if context is None:
             return MotionReport("point_at", ok=False, reason="nothing_seen")
-        planner = self._motion.path_planner(context)
-        reason = self._motion.point_at(context.percept.cloud, planner)
+        reason = self._motion.point_at(context.percept.cloud, self._path_planner(context))
         return MotionReport("point_at", ok=not reason, reason=reason)
 
     def _drop(self, held: HeldObject) -> MotionReport:
-        self._motion.release(self._motion.path_planner(held.context))
+        self._motion.release(held.planner)
         self.in_hand = None
         return self._report("release", "")
 
@@ -214,44 +203,45 @@ class PickAndPlace:
             return None
         return GraspContext(percept, self.world.kinds[name], part, self._vision.obstacles(name))
 
+    def _path_planner(self, context: GraspContext) -> PathPlanner:
+        return PathPlanner(self.robot, context.scene, context.obstacles)
+
     def _grasp(self) -> MotionReport:
         reason = "nothing_seen"
         while not self._task.is_given_up:
             context = self._observe(self._task.name, self._task.part)
             if context is None or not len(context.target):
                 break
-            reason, path = self._select(context)
+            planner = self._path_planner(context)
+            reason, path = self._select(context, planner)
             if path is None:
                 break
-            reason, contacts = self._close_on(path, context)
+            reason, contacts = self._close_on(path, context, planner)
             if not reason:
                 return self._report("grasp", "", touched=contacts.parts(self._task.name))
             self._task = self._task.with_failure(reason)
-            self._motion.release(self._motion.path_planner(context))
+            self._motion.release(planner)
             self.in_hand = None
         return self._report("grasp", reason)
 
-    def _select(self, context: GraspContext) -> tuple[str, GraspPath | None]:
+    def _select(self, context: GraspContext, planner: PathPlanner) -> tuple[str, GraspPath | None]:
         plan, path, reason = select_grasp(
-            self._task,
-            context,
-            self._motion.path_planner(context),
-            self.robot.gripper,
-            lift=LIFT_HEIGHT,
-            rng=self._rng,
+            self._task, context, planner, lift=LIFT_HEIGHT, rng=self._rng
         )
         if self.on_plan:
             self.on_plan(self._task.name, self._task.part, plan, path.grasp if path else None)
         return reason, path
 
-    def _close_on(self, path: GraspPath, context: GraspContext) -> tuple[str, FingerContacts]:
+    def _close_on(
+        self, path: GraspPath, context: GraspContext, planner: PathPlanner
+    ) -> tuple[str, FingerContacts]:
         name = self._task.name
         before = self.world.pose(name)
         try:
             contacts = self._motion.grasp(path)
         except MotionInterruptedError:
             if self.robot.finger_contacts().holds(name):
-                self.in_hand = self._motion.held_object(context, path, before)
+                self.in_hand = self._motion.held_object(context, planner, path, before)
             raise
         self._task = replace(self._task, tried=(*self._task.tried, path.grasp))
         allowed = {(name, part) for part in context.allowed_parts}
@@ -259,7 +249,7 @@ class PickAndPlace:
             return "wrong_part", contacts
         if not contacts.holds(name):
             return "missed", contacts
-        self.in_hand = self._motion.held_object(context, path, before)
+        self.in_hand = self._motion.held_object(context, planner, path, before)
         return "", contacts
 
     def _retry(
@@ -268,7 +258,6 @@ class PickAndPlace:
         act: Callable[[HeldObject], MotionReport],
         recover: Callable[[], MotionReport],
     ) -> MotionReport:
-        """Act with the held object; when it is lost, recover it and act again."""
         report = act(held)
         while report.reason in LOST:
             self._task = self._task.with_failure(report.reason)
@@ -282,16 +271,16 @@ class PickAndPlace:
             report = act(self.in_hand)
         return report
 
-    def _lift(self, held: HeldObject, height_m: float = LIFT_HEIGHT) -> MotionReport:
-        return self._retry(held, lambda held: self._lift_once(held, height_m), self._grasp)
+    def _lift(self, held: HeldObject) -> MotionReport:
+        return self._retry(held, self._lift_once, self._grasp)
 
-    def _lift_once(self, held: HeldObject, height_m: float) -> MotionReport:
+    def _lift_once(self, held: HeldObject) -> MotionReport:
         gained = self._motion.height_gained(held)
-        rest = height_m if gained < RAISED else max(0.0, height_m - gained)
-        if rest and not self._motion.lift(held, rest, self._motion.path_planner(held.context)):
+        rest = LIFT_HEIGHT if gained < RAISED else max(0.0, LIFT_HEIGHT - gained)
+        if rest and not self._motion.lift(held, rest):
             return self._report("lift", "slipped")
         report = self._hold(held, "lift", HOLD_TIME)
-        if report.ok and self._motion.height_gained(held) < min(MIN_LIFT, height_m):
+        if report.ok and self._motion.height_gained(held) < MIN_LIFT:
             return replace(report, ok=False, reason="slipped")
         return report
 
@@ -304,7 +293,7 @@ class PickAndPlace:
         return self._lift(self.in_hand) if self.in_hand else grasped
 
     def _hand_over(self, held: HeldObject) -> MotionReport:
-        reason = self._motion.hand_over(held, self._motion.path_planner(held.context))
+        reason = self._motion.hand_over(held)
         if reason:
             return self._report("hand_over", reason)
         report = self._hold(held, "hand_over", OFFER_TIME)

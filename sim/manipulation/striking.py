@@ -7,7 +7,7 @@ the hand. The blow is straight down and aims below the target, so that the face 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from itertools import chain
 
@@ -17,9 +17,8 @@ import shapely
 from .. import poses
 from ..poses import Array
 from ..robot.collision import CollisionSpheres
-from ..robot.grasp_poses import DOWN
+from ..robot.grasp_poses import hand_orientations
 from ..robot.kinematics import KinematicChain
-from ..robot.path_planner import PathPlanner
 from ..robot.robot import NAME
 from ..vision.percept import Percept
 from ..vision.point_cloud_operations import voxel_downsample
@@ -34,8 +33,7 @@ BEST_FACE = 4e-4  # [m^2], a larger one is no better
 LEVER_COST = 6.0  # [1/m] of score for the distance between face and hand
 TILT_COST = 0.15  # of score for a hand that does not look down
 HAND_CLEARANCE = 0.012  # [m] of the hand above the face
-TILTS_DEG = (0.0, 30.0, 60.0, 80.0, 90.0)
-HEADINGS, ROLLS = 12, 12
+TILTS_DEG = ((0, 1, 12), (30, 12, 12), (60, 12, 12), (80, 12, 12), (90, 12, 12))  # headings, rolls
 INWARDS = 0.4  # share of the way from the rim of a face to its middle, where it may strike
 MAX_POSES = 60  # that are tried
 
@@ -103,15 +101,13 @@ class Striking(PickAndPlace):
         return replace(report, depth_m=depth, driven=driven)
 
     def _carry_above(self, held: HeldObject, start: Array) -> str:
-        planner = self._motion.path_planner(held.context)
         for strike in self._strike_poses(held):
-            path = self._plan_strike(held, strike.world_from_grip(start), planner)
+            path = self._plan_strike(held, strike.world_from_grip(start))
             if path is not None:
-                return "" if self._motion.carry(held, path) else "dropped"
+                return self._motion.carry(held, path)
         return "unreachable"
 
     def _raise(self, held: HeldObject, start: Array) -> str:
-        planner = self._motion.path_planner(held.context)
         now = self.robot.world_from_grip[:3, :3]
         same_face = [
             strike
@@ -119,11 +115,11 @@ class Striking(PickAndPlace):
             if poses.angle_between(strike.rotation, now) < SAME_FACE
         ]
         goals = [strike.world_from_grip(start) for strike in [*same_face, self._present_pose(held)]]
-        paths = ((goal, planner.plan_straight(goal)) for goal in goals)
+        paths = ((goal, held.planner.plan_straight(goal)) for goal in goals)
         straight = [(goal, path) for goal, path in paths if path is not None]
-        best = (path for goal, path in straight if self._can_strike(path[-1], goal, planner))
+        best = (path for goal, path in straight if self._can_strike(held, path[-1], goal))
         # Where joint limits bar the straight path, a detour through free space is taken.
-        detours = (self._plan_strike(held, goal, planner) for goal in goals[:MAX_DETOURS])
+        detours = (self._plan_strike(held, goal) for goal in goals[:MAX_DETOURS])
         for path in chain(best, detours, (path for _, path in straight)):
             if path is not None:
                 is_lost = self._motion.loss_check(held.name)
@@ -132,10 +128,9 @@ class Striking(PickAndPlace):
         return "unreachable"
 
     def _blow(self, held: HeldObject, _: Array) -> str:
-        """Strike down on what is below the face; return the reason of failure, or ""."""
-        planner, grip = self._motion.path_planner(held.context), self.robot.world_from_grip
+        grip = self.robot.world_from_grip
         paths = (
-            planner.plan_straight(poses.translation(0, 0, -START_HEIGHT - through) @ grip)
+            held.planner.plan_straight(poses.translation(0, 0, -START_HEIGHT - through) @ grip)
             for through in THROUGH
         )
         path = next((path for path in paths if path is not None), None)
@@ -168,24 +163,22 @@ class Striking(PickAndPlace):
             grip_from_hand @ hand_from_object @ object_from_seen, held.context.percept.cloud
         )
 
-    def _plan_strike(self, held: HeldObject, goal: Array, planner: PathPlanner) -> Array | None:
-        """A path to a grip pose from which a blow is possible; None without one."""
-        answer = planner.inverse_kinematics(goal[None])
-        if not answer.found[0] or not self._can_strike(answer.joints[0], goal, planner):
+    def _plan_strike(self, held: HeldObject, goal: Array) -> Array | None:
+        answer = held.planner.inverse_kinematics(goal[None])
+        if not answer.found[0] or not self._can_strike(held, answer.joints[0], goal):
             return None
-        return self._motion.plan_carry(held, answer.joints[0], planner)
+        return self._motion.plan_carry(held, answer.joints[0])
 
-    def _can_strike(self, joints: Array, start: Array, planner: PathPlanner) -> bool:
+    def _can_strike(self, held: HeldObject, joints: Array, start: Array) -> bool:
         below = poses.translation(0, 0, -START_HEIGHT - THROUGH[0]) @ start
-        return planner.plan_straight(below, start=start, joints=joints) is not None
+        return held.planner.plan_straight(below, start=start, joints=joints) is not None
 
     def _hit_check(self, name: str) -> Callable[[], bool]:
-        """A function for each step that returns whether an object has hit and followed through."""
         after = 0
 
         def is_done() -> bool:
             nonlocal after
-            contacts = self.robot.engine.contacts.find(name)
+            contacts = self.robot.engine.bodies.contacts(name)
             hit = any(c.force > BLOW_FORCE and c.other != NAME for c in contacts)
             after += bool(after) or hit
             return after > FOLLOW_STEPS
@@ -216,7 +209,7 @@ def find_strike_poses(held: Array, hand: Array) -> list[StrikePose]:
     The points of both are in the grip frame [m].
     """
     cloud = held[voxel_downsample(held, POINT_CELL)]
-    found = (_strike_pose(rotation, cloud, hand) for rotation in _orientations())
+    found = (_strike_pose(rotation, cloud, hand) for rotation in hand_orientations(TILTS_DEG))
     good = [strike for strike in found if strike is not None]
     return sorted(good, key=lambda strike: -strike.score)[:MAX_POSES]
 
@@ -227,16 +220,6 @@ def hand_points(spheres: CollisionSpheres, chain: KinematicChain, hand_from_grip
     centres = poses.transform(poses.inverse(hand_from_grip), spheres.centre[own])
     around = np.vstack([np.eye(3), -np.eye(3)])
     return (centres[:, None] + spheres.radius[own, None, None] * around).reshape(-1, 3)
-
-
-def _orientations() -> Iterator[Array]:
-    """Orientations of the hand (3, 3), from looking down to level."""
-    for tilt in np.radians(TILTS_DEG):
-        lean = poses.rotation_about((0, 1, 0), tilt)
-        for heading in np.arange(HEADINGS if tilt else 1) * 2 * np.pi / HEADINGS:
-            for roll in np.arange(ROLLS) * 2 * np.pi / ROLLS:
-                around, turn = (poses.rotation_about((0, 0, 1), each) for each in (heading, roll))
-                yield around @ lean @ DOWN @ turn
 
 
 def _strike_pose(rotation: Array, held: Array, hand: Array) -> StrikePose | None:

@@ -7,8 +7,6 @@ Grasps are drawn as small hands: two fingers, what joins them, and the wrist. Re
 and red, accepted ones green, the chosen one thick.
 """
 
-from __future__ import annotations
-
 from collections.abc import Generator, Iterable, Mapping, Sequence
 from contextlib import contextmanager, nullcontext
 from dataclasses import replace
@@ -223,7 +221,6 @@ def _label_ends(
 
 
 def _free_label(text: Label, others: Sequence[Label]) -> Label:
-    """A label round a text (left, top, right, bottom), moved up until it covers no other."""
     left, top, right, bottom = text
     label = (left - LABEL_PAD, top - LABEL_PAD, right + LABEL_PAD, bottom + LABEL_PAD)
     while blocking := [other for other in others if _overlap(label, other)]:

@@ -21,24 +21,12 @@ from ..poses import Array
 from ..robot.grasp_poses import Grasp
 from ..scene.world import World
 from ..vision.camera import Camera
-from .pictures import (
-    OVERVIEW,
-    PICTURE_LIGHT,
-    Pen,
-    Picture,
-    add_caption,
-    check_writable,
-    closeup,
-    draw_grasps,
-    reporting_write_errors,
-    save_picture,
-    take_picture,
-    wrap_caption,
-)
+from . import pictures
+from .pictures import Pen, Picture
 
 RECORDING_SUFFIXES = (".gif", ".mp4", ".png")
-RECORDING_CAMERA = replace(OVERVIEW, width=480, height=360)
-LIGHT = replace(PICTURE_LIGHT, shadow=False)  # shadows would double the rendering time
+RECORDING_CAMERA = replace(pictures.OVERVIEW, width=480, height=360)
+LIGHT = replace(pictures.PICTURE_LIGHT, shadow=False)  # shadows would double the rendering time
 FRAME_RATE = 8  # [1/s] pictures of the recording
 SPEED = 2.0  # seconds of the world in one second of the recording
 SMOOTHING = 1.5  # smooth edges at half the cost of 2
@@ -59,7 +47,7 @@ class WorldRecorder:
     """
 
     def __init__(self, world: World, path: Path, *, camera: Camera = RECORDING_CAMERA) -> None:
-        check_writable(path, RECORDING_SUFFIXES)
+        pictures.check_writable(path, RECORDING_SUFFIXES)
         if path.suffix.lower() == ".mp4" and not find_spec("imageio_ffmpeg"):
             raise MissingExtraError("sim", "imageio-ffmpeg")
         self.caption = ""
@@ -97,12 +85,12 @@ class WorldRecorder:
         camera = self._camera
         if at is not None:
             x, y, z = (float(each) for each in at)
-            camera = closeup((x, y, z), width=camera.width, height=camera.height)
-        picture = take_picture(
+            camera = pictures.closeup((x, y, z), width=camera.width, height=camera.height)
+        picture = pictures.take_picture(
             self._world.engine, camera, light=LIGHT, smoothing=SMOOTHING, tint=self.tint
         )
         if self.grasps:
-            picture = draw_grasps(picture, camera, self.grasps)
+            picture = pictures.draw_grasps(picture, camera, self.grasps)
         self._taken.append((picture, self.caption))
         self._last = self._moment
 
@@ -126,10 +114,10 @@ class WorldRecorder:
         return strip(_with_captions(kept), freezes)
 
     def _write(self) -> None:
-        with reporting_write_errors(self._path):
+        with pictures.reporting_write_errors(self._path):
             match self._path.suffix.lower():
                 case ".png":
-                    save_picture(self._strip(), self._path)
+                    pictures.save_picture(self._strip(), self._path)
                 case ".gif":
                     _write_gif(self.pictures, self._path)
                 case _:
@@ -137,10 +125,10 @@ class WorldRecorder:
 
 
 def _with_captions(taken: Sequence[tuple[Picture, str]]) -> list[Picture]:
-    lines = max((len(wrap_caption(*each)) for each in taken if each[1]), default=0)
+    lines = max((len(pictures.wrap_caption(*each)) for each in taken if each[1]), default=0)
     if not lines:
         return [picture for picture, _ in taken]
-    return [add_caption(picture, text, lines=lines) for picture, text in taken]
+    return [pictures.add_caption(picture, text, lines=lines) for picture, text in taken]
 
 
 def strip(pictures: Sequence[Picture], always: Sequence[int] = ()) -> Picture:

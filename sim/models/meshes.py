@@ -8,8 +8,6 @@ them. So the pieces are few (neighbours are merged where their common hull adds 
 and are shrunk by the margin beforehand: every face moves inwards by it, exactly.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from math import radians
 from typing import Any

@@ -1,16 +1,12 @@
 """Object models: the files by which the simulator knows an object type, built once and cached.
 
 Each part becomes one link of a URDF, named after the part and fixed to the first one; all links
-share the frame of the object. A model is kept in a folder named after a hash of all it depends on,
-written under another name first and renamed when complete, so that processes that build the same
-model at the same time cannot spoil each other's files.
+share the frame of the object. A model is kept in a folder named after a hash of all it depends on.
 """
 
 from __future__ import annotations
 
 import re
-import shutil
-import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...ontology.disk_cache import cache_folder, content_key
+from ...ontology.disk_cache import cache_folder, cached, content_key
 from ...ontology.objects import ObjectType, PartType
 from ...ontology.part_shapes import MeshFile
 from .. import poses
@@ -72,9 +68,7 @@ def object_model(kind: ObjectType, *, cache: Path | None = None) -> ObjectModel:
     """
     stem = re.sub(r"[^A-Za-z0-9]+", "_", kind.name)  # a user's name need not be a file name
     folder = (cache or cache_folder()) / "objects" / f"{stem}-{_key(kind)}"
-    if not folder.is_dir():
-        with urdf.writing_cache(folder.parent):
-            _build_folder(kind, folder)
+    cached(folder, lambda draft: write_model(kind, draft))
     with np.load(folder / _NUMBERS_FILE) as kept:
         corners = {name: kept[f"part{i}"] for i, name in enumerate(kind.parts)}
         silhouette = float(kept["silhouette"])
@@ -92,23 +86,11 @@ def _key(kind: ObjectType) -> str:
     return content_key(what.encode(), *(path.read_bytes() for path in (*sources, *files)))
 
 
-def _build_folder(kind: ObjectType, folder: Path) -> None:
-    folder.parent.mkdir(parents=True, exist_ok=True)
-    draft = Path(tempfile.mkdtemp(prefix=".draft-", dir=folder.parent))
-    try:
-        write_model(kind, draft)
-        draft.rename(folder)
-    except OSError:
-        if not folder.is_dir():  # else another process was first: its files are the same
-            raise
-    finally:
-        shutil.rmtree(draft, ignore_errors=True)
-
-
 def write_model(kind: ObjectType, folder: Path) -> None:
-    """Build a model and write its files into a folder."""
+    """Build a model and write its files into a new folder."""
     from . import solids  # with scipy and trimesh, which take a second to import
 
+    folder.mkdir()
     parts = kind.parts.values()
     built = {part.name: [solids.build_solid(solid) for solid in part.shape] for part in parts}
     links = [_write_link(p, built[p.name], f"part{i}", folder) for i, p in enumerate(parts)]

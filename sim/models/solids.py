@@ -7,8 +7,6 @@ Thin-walled solids are cut into convex pieces by construction: a vessel into sta
 bent rod into segments, a plate into prisms.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise, product
@@ -18,17 +16,8 @@ import numpy as np
 import trimesh
 from scipy.interpolate import Akima1DInterpolator, CubicSpline
 
+from ...ontology import part_shapes as forms
 from ...ontology.errors import DataError
-from ...ontology.part_shapes import (
-    MAX_LENGTH,
-    Box,
-    Extrusion,
-    Form,
-    Lathe,
-    MeshFile,
-    PlacedSolid,
-    Sweep,
-)
 from .. import poses
 from ..poses import Array
 from . import meshes
@@ -56,7 +45,7 @@ class SolidGeometry:
     collision: tuple[Array, ...]
 
 
-def build_solid(solid: PlacedSolid) -> SolidGeometry:
+def build_solid(solid: forms.PlacedSolid) -> SolidGeometry:
     """Return the geometry of a solid at its place."""
     object_from_solid = poses.pose(poses.rotation_from_rpy(*solid.turn), solid.at)
     visual = None
@@ -68,34 +57,34 @@ def build_solid(solid: PlacedSolid) -> SolidGeometry:
     return SolidGeometry(visual, moved)
 
 
-def _surface(form: Form) -> trimesh.Trimesh:
+def _surface(form: forms.Form) -> trimesh.Trimesh:
     match form:
-        case Box():
+        case forms.Box():
             return meshes.hull(_box_corners(form))
-        case Lathe():
+        case forms.Lathe():
             return loft(_lathe_rings(form, form.sides or VISUAL_SIDES, VISUAL_STEPS))
-        case Extrusion():
+        case forms.Extrusion():
             rings = _plate_rings(form, VISUAL_STEPS)
             return loft(rings, caps=triangulate(rings[0][:, :2]))
-        case Sweep():
+        case forms.Sweep():
             return loft(_sweep_rings(form, VISUAL_SECTION, VISUAL_STEPS))
-        case MeshFile():
+        case forms.MeshFile():
             return _read_mesh(form)
 
 
-def _pieces(form: Form) -> Sequence[Array]:
+def _pieces(form: forms.Form) -> Sequence[Array]:
     match form:
-        case Box():
+        case forms.Box():
             return [_box_corners(form)]
-        case Lathe() if form.wall:
+        case forms.Lathe() if form.wall:
             return _vessel_pieces(form)
-        case Lathe():
+        case forms.Lathe():
             return _segments(_lathe_rings(form, form.sides or COLLISION_SIDES, COLLISION_STEPS))
-        case Extrusion():
+        case forms.Extrusion():
             return _plate_pieces(form)
-        case Sweep():
+        case forms.Sweep():
             return _segments(_sweep_rings(form, COLLISION_SECTION, COLLISION_STEPS))
-        case MeshFile():
+        case forms.MeshFile():
             bodies = _read_mesh(form).split(only_watertight=False)
             return [np.asarray(body.vertices) for body in bodies]
 
@@ -115,7 +104,7 @@ def _curve(points: Array, steps: int, *, closed: bool = False) -> Array:
     return Akima1DInterpolator(knots, through)(fine)
 
 
-def _box_corners(box: Box) -> Array:
+def _box_corners(box: forms.Box) -> Array:
     half, bevel = np.array(box.size) / 2, box.bevel
     signs = np.array(list(product((-1, 1), repeat=3)))
     if not bevel:
@@ -123,7 +112,7 @@ def _box_corners(box: Box) -> Array:
     return np.vstack([signs * (half - bevel * (1 - np.eye(3)[axis])) for axis in range(3)])
 
 
-def _lathe_rings(lathe: Lathe, sides: int, steps: int) -> list[Array]:
+def _lathe_rings(lathe: forms.Lathe, sides: int, steps: int) -> list[Array]:
     outer = np.array(lathe.profile)
     if lathe.smooth:
         outer = _curve(outer, steps)
@@ -133,15 +122,16 @@ def _lathe_rings(lathe: Lathe, sides: int, steps: int) -> list[Array]:
     return rings
 
 
-def _ring(lathe: Lathe, sides: int, radius: float, height: float, shift: float = 0.0) -> Array:
+def _ring(
+    lathe: forms.Lathe, sides: int, radius: float, height: float, shift: float = 0.0
+) -> Array:
     # Half a step of turn puts a flat side, not an edge, underneath.
     angles = (np.arange(sides) + 0.5) * 2 * np.pi / sides
     wide, deep = (max(radius * factor + shift, 0.0) for factor in lathe.stretch)
     return np.column_stack([wide * np.cos(angles), deep * np.sin(angles), np.full(sides, height)])
 
 
-def _inner_side(outer: Array, lathe: Lathe) -> Array:
-    """Return the inner side of a vessel from the rim down: rows of radius, height, radius shift."""
+def _inner_side(outer: Array, lathe: forms.Lathe) -> Array:
     floor_first = np.vstack([[0.0, outer[0, 1]], outer])
     ahead = np.diff(floor_first, axis=0)
     normals = np.column_stack([-ahead[:, 1], ahead[:, 0]])
@@ -153,7 +143,7 @@ def _inner_side(outer: Array, lathe: Lathe) -> Array:
     return np.column_stack([outer[:, 0], heights, lathe.wall * mitre[:, 0]])[::-1]
 
 
-def _vessel_pieces(lathe: Lathe) -> list[Array]:
+def _vessel_pieces(lathe: forms.Lathe) -> list[Array]:
     sides = lathe.sides or STAVES
     rings = _lathe_rings(lathe, sides, 1)
     count = len(rings) // 2
@@ -169,12 +159,12 @@ def _vessel_pieces(lathe: Lathe) -> list[Array]:
     return pieces
 
 
-def _plate_outline(plate: Extrusion, steps: int) -> Array:
+def _plate_outline(plate: forms.Extrusion, steps: int) -> Array:
     corners = np.column_stack([plate.outline, np.array(plate.thickness) / 2])
     return _curve(corners, steps, closed=True) if plate.smooth else corners
 
 
-def _plate_rings(plate: Extrusion, steps: int) -> list[Array]:
+def _plate_rings(plate: forms.Extrusion, steps: int) -> list[Array]:
     rim = _plate_outline(plate, steps)
     half, levels = rim[:, 2], [(rim, -rim[:, 2]), (rim, rim[:, 2])]
     if plate.bevel:
@@ -193,7 +183,7 @@ def _inset(rim: Array, distance: float) -> Array:
     return np.column_stack([rim[:, :2] + distance * mitre, rim[:, 2]])
 
 
-def _plate_pieces(plate: Extrusion) -> list[Array]:
+def _plate_pieces(plate: forms.Extrusion) -> list[Array]:
     rings = _plate_rings(plate, COLLISION_STEPS)
     prisms = [
         np.vstack([ring[triangle] for ring in rings])
@@ -202,7 +192,7 @@ def _plate_pieces(plate: Extrusion) -> list[Array]:
     return meshes.merge(prisms, tolerance=MERGE_TOLERANCE)
 
 
-def _sweep_rings(sweep: Sweep, corners: int, steps: int) -> list[Array]:
+def _sweep_rings(sweep: forms.Sweep, corners: int, steps: int) -> list[Array]:
     line = np.column_stack([sweep.path, sweep.sections])  # x, y, z, width, height
     if sweep.smooth:
         line = _curve(line, steps)
@@ -221,7 +211,7 @@ def _dome(row: tuple[Array, Array, Array], angle: float) -> tuple[Array, Array, 
     return centre + np.sin(angle) * size.min() / 2 * ahead, size * np.cos(angle), ahead
 
 
-def _section(sweep: Sweep, corners: int, centre: Array, size: Array, ahead: Array) -> Array:
+def _section(sweep: forms.Sweep, corners: int, centre: Array, size: Array, ahead: Array) -> Array:
     side = np.array(sweep.side) - np.dot(sweep.side, ahead) * ahead
     side /= np.linalg.norm(side)
     angles = np.arange(corners) * 2 * np.pi / corners
@@ -231,7 +221,7 @@ def _section(sweep: Sweep, corners: int, centre: Array, size: Array, ahead: Arra
     return centre + half[0] * across[:, None] * side + half[1] * up[:, None] * np.cross(ahead, side)
 
 
-def _read_mesh(form: MeshFile) -> trimesh.Trimesh:
+def _read_mesh(form: forms.MeshFile) -> trimesh.Trimesh:
     try:
         mesh: Any = trimesh.load_mesh(form.path)
     except Exception as error:  # each of its readers has errors of its own
@@ -240,10 +230,10 @@ def _read_mesh(form: MeshFile) -> trimesh.Trimesh:
         raise DataError("has no faces.", source=str(form.path))
     mesh.apply_scale(form.scale)
     largest = float(np.ptp(mesh.vertices, axis=0).max())
-    if not MIN_MESH_SIZE <= largest <= MAX_LENGTH:
+    if not MIN_MESH_SIZE <= largest <= forms.MAX_LENGTH:
         raise DataError(
             f"is {largest:g} m long with the scale {form.scale:g}; expected {MIN_MESH_SIZE:g} to "
-            f"{MAX_LENGTH:g} m. Many files are in millimetres: their scale is 0.001.",
+            f"{forms.MAX_LENGTH:g} m. Many files are in millimetres: their scale is 0.001.",
             source=str(form.path),
         )
     return mesh

@@ -5,10 +5,7 @@ that hangs on it. Soft contacts are removed (they let thin plates pop out of the
 meshes are named by whole paths, so that the file can stand anywhere. It is kept in the cache.
 """
 
-from __future__ import annotations
-
-from collections.abc import Generator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from xml.etree import ElementTree
@@ -16,8 +13,8 @@ from xml.sax.saxutils import quoteattr
 
 import numpy as np
 
-from ...ontology.disk_cache import cache_folder, content_key, write_atomically
-from ...ontology.errors import DataError, SimulationError
+from ...ontology.disk_cache import cache_folder, cached, content_key
+from ...ontology.errors import DataError
 from ...ontology.objects import PartType
 from ...ontology.part_shapes import Colour
 from ..poses import Array
@@ -130,26 +127,10 @@ def robot_file(
     what = repr((sources, attachment, tuple(speeds))).encode()
     key = content_key(_VERSION, what, *(path.read_bytes() for path in sources))
     path = cache_folder() / "robots" / f"{name}-{key}.urdf"
-    if not path.is_file():
-        text = _assembled(urdf, attachment, speeds)
-        with writing_cache(path.parent):
-            write_atomically(path, text)
-    return path
+    return cached(path, lambda draft: _assemble(urdf, attachment, speeds, draft))
 
 
-@contextmanager
-def writing_cache(folder: Path) -> Generator[None]:
-    """Raise an OSError in this block as a SimulationError about a folder of the cache."""
-    try:
-        yield
-    except OSError as error:
-        raise SimulationError(
-            f"The cache {folder} cannot be written: {error.strerror}. "
-            "Set HILT_CACHE to a folder that can."
-        ) from error
-
-
-def _assembled(urdf: Path, attachment: HandFile | None, speeds: Sequence[float]) -> str:
+def _assemble(urdf: Path, attachment: HandFile | None, speeds: Sequence[float], path: Path) -> None:
     root = _read(urdf)
     moving = [joint for joint in root.findall("joint") if joint.get("type") != "fixed"]
     for joint, speed in zip(moving, speeds, strict=False):
@@ -157,7 +138,7 @@ def _assembled(urdf: Path, attachment: HandFile | None, speeds: Sequence[float])
             limit.set("velocity", f"{speed:g}")
     if attachment:
         root.extend(_attached_elements(_read(attachment.urdf), attachment))
-    return ElementTree.tostring(root, encoding="unicode")
+    ElementTree.ElementTree(root).write(path, encoding="utf-8")
 
 
 def read_urdf(path: Path) -> ElementTree.Element:

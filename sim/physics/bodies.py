@@ -1,12 +1,11 @@
-"""Rigid bodies by name: loaded from URDF files, placed, and asked where they are.
+"""Rigid bodies by name: loaded from URDF files, placed, and asked what they touch.
 
 A body's frame is the frame of its URDF, not the centre of mass that PyBullet uses.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -20,6 +19,15 @@ BASE = -1  # PyBullet's index of a body's first link
 
 
 @dataclass(frozen=True)
+class Contact:
+    """What the body touches that was asked for, and with which force along the normal [N]."""
+
+    other: str
+    other_link: str
+    force: float
+
+
+@dataclass(frozen=True)
 class _BodyRecord:
     number: int
     links: dict[str, int]
@@ -28,7 +36,7 @@ class _BodyRecord:
 
 
 class Bodies:
-    """The bodies in one simulator, and PyBullet's numbers of them for the rest of the engine."""
+    """The bodies in one simulator, their contacts, and PyBullet's numbers of them."""
 
     def __init__(self, client: PhysicsClient) -> None:
         self._client = client
@@ -97,11 +105,46 @@ class Bodies:
         low, high = self._client.call("getAABB", *self.link_id(body, link))
         return np.array(low), np.array(high)
 
+    def contacts(self, body: str, link: str | None = None) -> tuple[Contact, ...]:
+        """A body's contacts in the last step: of one link, if it is given."""
+        options = {"bodyA": self.number(body)}
+        if link is not None:
+            options["linkIndexA"] = self.link_id(body, link)[1]
+        found = self._client.call("getContactPoints", **options)
+        return tuple(Contact(*self._names[raw[2], raw[4]], raw[9]) for raw in found)
+
+    def set_friction(self, body: str, link: str | None = None, **coefficients: float) -> None:
+        """Set friction coefficients of a link, or of all links when `link` is None.
+
+        `lateral` is that of sliding; between two surfaces the product counts. `spinning` and
+        `rolling` are the resistances against turning on the spot and rolling [m].
+        """
+        options = {f"{kind}Friction": value for kind, value in coefficients.items()}
+        for number, index in self.link_ids(body, link):
+            self._client.call("changeDynamics", number, index, **options)
+
+    def enable_contacts(self, body: str, other: str, *, enabled: bool) -> None:
+        """Compute contacts between two bodies from now on, or let them pass through each other."""
+        for (number, link), (other_number, other_link) in product(
+            self.link_ids(body), self.link_ids(other)
+        ):
+            numbers = number, other_number, link, other_link
+            self._client.call("setCollisionFilterPair", *numbers, int(enabled))
+
+    def set_sleeping(self, body: str, *, asleep: bool) -> None:
+        """Put a body that lies still to sleep, or wake it and compute it at every step from now on.
+
+        One that sleeps is computed once something touches it, until it has lain still for a while.
+        """
+        for state in ("ENABLE_SLEEPING", "SLEEP") if asleep else ("WAKE_UP", "DISABLE_SLEEPING"):
+            constant = self._client.constant(f"ACTIVATION_STATE_{state}")
+            self._client.call("changeDynamics", *self.link_id(body), activationState=constant)
+
     def number(self, body: str) -> int:
         """PyBullet's number of a body."""
         return self._record(body).number
 
-    def link_id(self, body: str, link: str | None) -> tuple[int, int]:
+    def link_id(self, body: str, link: str | None = None) -> tuple[int, int]:
         """PyBullet's numbers of a body and one of its links; the base when `link` is None."""
         record = self._record(body)
         if link is None:

@@ -3,12 +3,9 @@
 Poses are 4 x 4 matrices (`world_from_link`); lengths, angles and forces are in [m], [rad], [N].
 """
 
-from __future__ import annotations
-
 from contextlib import AbstractContextManager
 
 from .bodies import Bodies
-from .contacts import Contacts
 from .joints import Joints
 from .pybullet_client import PhysicsClient
 from .rendering import Rendering
@@ -21,7 +18,7 @@ GRAVITY = 9.81  # [m/s^2]
 
 
 class PhysicsEngine(AbstractContextManager["PhysicsEngine"]):
-    """One physics simulator, with its bodies, joints, contacts, rendering and count of steps.
+    """One physics simulator, with its bodies, joints, rendering and count of steps.
 
     Use it in a `with` block, or `close` it. Several can live in one process.
     """
@@ -30,7 +27,6 @@ class PhysicsEngine(AbstractContextManager["PhysicsEngine"]):
         self._client = PhysicsClient(gui=gui)
         self.bodies = Bodies(self._client)
         self.joints = Joints(self._client, self.bodies)
-        self.contacts = Contacts(self._client, self.bodies)
         self.rendering = Rendering(self._client, self.bodies)
         self.steps = 0
         self._configure()

@@ -1,15 +1,15 @@
 """Joints and motors: joint positions, motor targets, gears, and joints between bodies."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np
 
 from .. import poses
 from ..poses import Array
-from .bodies import BASE, Bodies
+from .bodies import Bodies
 from .pybullet_client import PhysicsClient
+
+_SAME = np.eye(4)
 
 
 class Joints:
@@ -87,33 +87,32 @@ class Joints:
         share of the difference that is corrected in one step, in [0, 1].
         """
         number, (index, other_index) = self._bodies.joint_ids(body, [joint, other])
-        gear = self._client.call(
-            "createConstraint",
-            number,
-            index,
-            number,
-            other_index,
-            jointType=self._client.constant("JOINT_GEAR"),
-            jointAxis=self._client.call("getJointInfo", number, index)[13],
-            parentFramePosition=(0, 0, 0),
-            childFramePosition=(0, 0, 0),
-        )
+        axis = self._client.call("getJointInfo", number, index)[13]
+        gear = self._join("GEAR", (number, index, number, other_index), axis=axis)
         self._client.call("changeConstraint", gear, gearRatio=ratio, erp=stiffness, maxForce=force)
 
     def fix_bodies(self, body: str, other: str, *, force: float) -> None:
         """Join the bases of two bodies by a fixed joint that bears at most `force` [N]."""
         world_from_other = self._bodies.centre_of_mass(other)
         other_from_body = poses.inverse(world_from_other) @ self._bodies.centre_of_mass(body)
-        constraint = self._client.call(
+        bases = (*self._bodies.link_id(other), *self._bodies.link_id(body))
+        joint = self._join("FIXED", bases, parent_from_child=other_from_body)
+        self._client.call("changeConstraint", joint, maxForce=force)
+
+    def _join(
+        self,
+        kind: str,
+        links: Sequence[int],
+        *,
+        axis: Sequence[float] = (0, 0, 0),
+        parent_from_child: Array = _SAME,
+    ) -> int:
+        return self._client.call(
             "createConstraint",
-            self._bodies.number(other),
-            BASE,
-            self._bodies.number(body),
-            BASE,
-            jointType=self._client.constant("JOINT_FIXED"),
-            jointAxis=(0, 0, 0),
-            parentFramePosition=other_from_body[:3, 3],
+            *links,
+            jointType=self._client.constant(f"JOINT_{kind}"),
+            jointAxis=axis,
+            parentFramePosition=parent_from_child[:3, 3],
             childFramePosition=(0, 0, 0),
-            parentFrameOrientation=poses.quaternion(other_from_body[:3, :3]),
+            parentFrameOrientation=poses.quaternion(parent_from_child[:3, :3]),
         )
-        self._client.call("changeConstraint", constraint, maxForce=force)

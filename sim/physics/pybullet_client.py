@@ -4,15 +4,13 @@ Several connections can live in one process: each call carries the number of its
 refuses is raised as an error of Hilt, and what it prints is kept out of the user's terminal.
 """
 
-from __future__ import annotations
-
 import ctypes
 import os
 import sys
 from collections.abc import Generator
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager
 from ctypes.util import find_library
-from typing import Any
+from typing import Any, BinaryIO
 
 from ...ontology.errors import SimulationError, extra_required
 
@@ -59,20 +57,18 @@ class PhysicsClient:
 @contextmanager
 def quiet() -> Generator[None]:
     """Suppress all output inside this block, that of C libraries included."""
-    with ExitStack() as stack, open(os.devnull, "wb") as nothing:
-        for number in (1, 2):
-            stack.enter_context(_redirected(number, nothing.fileno()))
+    with open(os.devnull, "wb") as none, _redirected(1, none), _redirected(2, none):
         yield
 
 
 @contextmanager
-def _redirected(number: int, target: int) -> Generator[None]:
+def _redirected(number: int, target: BinaryIO) -> Generator[None]:
     try:
         saved = os.dup(number)
     except OSError:  # the stream is closed: there is nothing to hide
         yield
         return
-    os.dup2(target, number)
+    os.dup2(target.fileno(), number)
     try:
         yield
     finally:
@@ -83,7 +79,6 @@ def _redirected(number: int, target: int) -> Generator[None]:
 
 
 def _has_display() -> bool:
-    """Whether the X server answers; True where its library is not found, as nobody knows then."""
     library = find_library("X11")
     if library is None:
         return True

@@ -1,7 +1,5 @@
 """Rendering: camera images of the bodies, and what is hidden or tinted in them."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Callable, Collection, Generator, Iterator, Mapping, Sequence
 from contextlib import contextmanager

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -36,15 +37,26 @@ class Grasp:
         return replace(self, world_from_grip=self.world_from_grip @ half)
 
 
-def hand_orientations(heading: float) -> Array:
+def grasp_orientations(heading: float) -> Array:
     """The orientations `world_from_grip` (d, 3, 3) that are tried, turned by `heading` [rad]."""
     rolls = poses.rotation_about((0, 0, 1), heading + np.arange(LEVEL_ROLLS) * np.pi / LEVEL_ROLLS)
-    result = [rolls @ DOWN]
-    for tilt_deg, headings, roll_count in TILTS_DEG:
-        tilt = poses.rotation_about((0, 1, 0), np.radians(tilt_deg))
-        around = poses.rotation_about(
-            (0, 0, 1), heading + np.arange(headings) * 2 * np.pi / headings
-        )
-        roll = poses.rotation_about((0, 0, 1), np.arange(roll_count) * np.pi / roll_count)
-        result.append((around[:, None] @ tilt @ DOWN @ roll[None]).reshape(-1, 3, 3))
+    tilted = hand_orientations(TILTS_DEG, heading=heading, turn=np.pi)
+    return np.concatenate([rolls @ DOWN, tilted])
+
+
+def hand_orientations(
+    tilts_deg: Iterable[tuple[float, int, int]], *, heading: float = 0.0, turn: float = 2 * np.pi
+) -> Array:
+    """Orientations `world_from_grip` (d, 3, 3) of a hand that looks down, but for some tilts.
+
+    With each tilt stands in how many directions it leans, the first at `heading` [rad], and in how
+    many rolls within `turn` [rad].
+    """
+    result: list[Array] = []
+    for tilt_deg, headings, rolls in tilts_deg:
+        lean = poses.rotation_about((0, 1, 0), np.radians(tilt_deg))
+        directions = heading + np.arange(headings) * 2 * np.pi / headings
+        around = poses.rotation_about((0, 0, 1), directions)
+        roll = poses.rotation_about((0, 0, 1), np.arange(rolls) * turn / rolls)
+        result.append((around[:, None] @ lean @ DOWN @ roll[None]).reshape(-1, 3, 3))
     return np.concatenate(result)

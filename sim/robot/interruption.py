@@ -3,8 +3,6 @@
 The robot checks it before every simulated step, so the arm comes to rest at once.
 """
 
-from __future__ import annotations
-
 from threading import Event
 
 from ...ontology.errors import MotionInterruptedError

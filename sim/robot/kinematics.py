@@ -6,8 +6,6 @@ A `KinematicChain` is read from the URDF file of a robot. `solve` is damped leas
 singular postures. Every solution is checked against its target and the joint limits.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -182,13 +180,15 @@ def read_chain(path: Path, tip: str) -> KinematicChain:
     kinds = [each.get("type", "fixed") for each in elements]
     moving = [each for each, kind in zip(elements, kinds, strict=True) if kind != "fixed"]
     axes = np.array([_triple(each, "axis", "xyz", "1 0 0") for each in moving])
+    turns = (_triple(each, "origin", "rpy") for each in elements)
+    rotations = [poses.rotation_from_rpy(*turn) for turn in turns]
     low, high, speed = np.array([_limits(each) for each in moving]).T
     return KinematicChain(
         links=tuple(links),
         names=tuple(each.get("name", "") for each in moving),
         moves=np.array([kind != "fixed" for kind in kinds]),
         turns=np.array([[float(each.get("type") != "prismatic")] for each in moving]),
-        parent_from_joint=np.stack([_origin(each) for each in elements]),
+        parent_from_joint=poses.pose(rotations, [_triple(e, "origin", "xyz") for e in elements]),
         axes=axes / np.linalg.norm(axes, axis=1, keepdims=True),
         low=low,
         high=high,
@@ -210,11 +210,6 @@ def _is_small(error: Array) -> np.ndarray:
     return (np.linalg.norm(error[:, :3], axis=1) < POSITION_TOLERANCE) & (
         np.linalg.norm(error[:, 3:], axis=1) < ROTATION_TOLERANCE
     )
-
-
-def _origin(joint: ElementTree.Element) -> Array:
-    rotation = poses.rotation_from_rpy(*_triple(joint, "origin", "rpy"))
-    return poses.pose(rotation, _triple(joint, "origin", "xyz"))
 
 
 def _limits(joint: ElementTree.Element) -> tuple[float, float, float]:

@@ -3,8 +3,6 @@
 The head of that file describes its entries. Joint limits come from the robot's URDF file.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from functools import cache, cached_property
@@ -49,8 +47,8 @@ class Gripper:
         palm_size: size of the hand along x and y [m].
     """
 
-    joints: tuple[str, str]
-    links: tuple[str, str]
+    joints: tuple[str, ...]
+    links: tuple[str, ...]
     grip: float
     opening: float
     force: float
@@ -71,7 +69,7 @@ class Gripper:
 
 
 _GRIPPER_LENGTHS = [
-    each.name for each in fields(Gripper) if each.type == "float" and each.name != "force"
+    each.name for each in fields(Gripper) if each.type is float and each.name != "force"
 ]
 
 
@@ -122,11 +120,7 @@ class RobotType:
 
 
 def load_robots(path: Path = ROBOTS_FILE) -> dict[str, RobotType]:
-    """Read all robots of a file, by name.
-
-    Raises:
-        DataError: an entry is missing or wrong.
-    """
+    """Read all robots of a file, by name; DataError if an entry is missing or wrong."""
     entries = read_yaml(path).entries()
     return {name: _read_robot(name, field) for name, field in entries.items()}
 
@@ -135,10 +129,8 @@ def find_robot(name: str) -> RobotType:
     """Return a robot that comes with Hilt or a plug-in, or one of a file like `robots.yaml`.
 
     A file is named as "mine.yaml", or as "mine.yaml:NAME" when it has several robots.
-
-    Raises:
-        UnknownNameError: there is no such robot.
-        DataError: an entry of the file is missing or wrong.
+    UnknownNameError if there is no such robot; DataError if an entry of the file is missing or
+    wrong.
     """
     file, mark, inside = name.partition(OWN_FILE)
     robots = load_robots(Path(file + mark)) if mark else _shipped()
@@ -172,7 +164,10 @@ def _read_robot(name: str, field: YamlNode) -> RobotType:
         home=home,
         turns=entries["turns"].numbers() if "turns" in entries else (),
         gripper=_read_gripper(entries["gripper"]) if "gripper" in entries else None,
-        spheres={link: _read_spheres(each) for link, each in entries["spheres"].entries().items()},
+        spheres={
+            link: np.array([each.numbers(count=4, low=-2.0, high=2.0) for each in spheres.items()])
+            for link, spheres in entries["spheres"].entries().items()
+        },
         attachment=_read_attachment(entries["attached"]) if "attached" in entries else None,
         speeds=entries["speeds"].numbers(low=0.0, high=20.0) if "speeds" in entries else (),
     )
@@ -207,22 +202,9 @@ def _read_gripper(field: YamlNode) -> Gripper:
     )
     along_x, along_y = entries["palm_size"].numbers(count=2, low=0.0, high=1.0)
     return Gripper(
-        joints=_pair(entries["joints"]),
-        links=_pair(entries["links"]),
+        joints=entries["joints"].texts(count=2),
+        links=entries["links"].texts(count=2),
         force=entries["force"].number(low=0.0, high=1000.0),
         palm_size=(along_x, along_y),
         **{key: entries[key].number(low=-1.0, high=1.0) for key in _GRIPPER_LENGTHS},
     )
-
-
-def _pair(field: YamlNode) -> tuple[str, str]:
-    texts = field.texts()
-    if len(texts) != 2:
-        raise field.fail(f"expected 2 names, found {len(texts)}.")
-    return texts[0], texts[1]
-
-
-def _read_spheres(field: YamlNode) -> Array:
-    spheres = np.array([each.numbers(count=4, low=-2.0, high=2.0) for each in field.items()])
-    spheres.flags.writeable = False
-    return spheres

@@ -5,8 +5,6 @@ straight approach, and a straight lift; a grasp that cannot be lifted is useless
 against the points that the cameras saw (`collision`).
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
@@ -17,7 +15,7 @@ from ..physics.engine import TIME_STEP
 from ..poses import Array
 from ..vision.point_cloud_operations import farthest_points
 from .collision import CollisionSpheres, clearance, self_clearance
-from .grasp_poses import Grasp, hand_orientations
+from .grasp_poses import Grasp, grasp_orientations
 from .kinematics import IkSolutions
 from .robot import Robot, resample, time_path
 
@@ -86,7 +84,6 @@ class PathPlanner:
                 yield path
 
     def _approaches(self, at: Array) -> IkSolutions:
-        """Straight paths to grip poses (m, 4, 4), with the posture before the grasp."""
         back = at @ poses.translation(0, 0, -RETREAT)
         before = self.inverse_kinematics(back)
         on = self._straight(back, at, before.joints)
@@ -162,7 +159,7 @@ class PathPlanner:
     def can_reach(self, points: Array) -> bool:
         """Whether the grip can come to any of the points (n, 3) in any orientation."""
         places = points[farthest_points(points, TRIED_POINTS, first=0)]
-        at = poses.pose(hand_orientations(0.0)[TRIED_ORIENTATIONS], places[:, None])
+        at = poses.pose(grasp_orientations(0.0)[TRIED_ORIENTATIONS], places[:, None])
         return bool(self.inverse_kinematics(at.reshape(-1, 4, 4)).found.any())
 
     def travel_time(self, joints: Array) -> Array:

@@ -5,8 +5,6 @@ A path is a list of postures. `time_path` executes it with a speed that starts a
 holds by friction alone; a gear couples its fingers, as in the real hand.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -163,8 +161,7 @@ class Robot:
     def advance(self, count: int) -> None:
         """Let `count` steps pass while the arm stands still."""
         for done in range(0, count, REACTION_STEPS):
-            if self.interruption.is_requested:
-                self.interruption.wait()
+            self.interruption.wait()
             self._step(min(REACTION_STEPS, count - done))
 
     def halt(self) -> None:
@@ -217,7 +214,7 @@ class Robot:
         return any(self._touched(link) for link in links)
 
     def _touched(self, link: str) -> frozenset[tuple[str, str]]:
-        found = (c for c in self.engine.contacts.find(NAME, link) if c.force > MIN_FORCE)
+        found = (c for c in self.engine.bodies.contacts(NAME, link) if c.force > MIN_FORCE)
         return frozenset((c.other, c.other_link) for c in found if c.other != NAME)
 
     def _hold_arm(self, position: Array, speed: Array | None = None) -> None:
@@ -231,8 +228,8 @@ class Robot:
             NAME, first, second, ratio=-1.0, force=GEAR_FORCE, stiffness=GEAR_STIFFNESS
         )
         for link in gripper.links:
-            self.engine.contacts.set_surface(
-                NAME, link, friction=FINGER_FRICTION, spinning=FINGER_SPINNING
+            self.engine.bodies.set_friction(
+                NAME, link, lateral=FINGER_FRICTION, spinning=FINGER_SPINNING
             )
         self.engine.joints.reset(NAME, gripper.joints, [gripper.opening / 2] * 2)
         self.open(gripper.opening)
@@ -260,7 +257,6 @@ def time_path(points: Array, limits: Array, *, step: float, pace: float) -> tupl
 
 
 def _rounded(positions: Array, start: Array, half: int) -> Array:
-    """The running mean over 2 half + 1 positions, from a standing start to a standing end."""
     before, after = (np.repeat(end[None], 2 * half, axis=0) for end in (start, positions[-1]))
     total = np.cumsum(np.vstack([0 * start[None], before, positions, after]), axis=0)
     window = 2 * half + 1

@@ -5,8 +5,6 @@ is clear of the others, the longest objects first; when one object finds no free
 drawn again. The same scene and seed always give the same placement.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -87,32 +85,24 @@ def _mount(placement: Placement, mount: Fixture, support: DropPose) -> DropPose:
     return DropPose(filled, support.world_from_object @ support_from_object, support.footprint)
 
 
-@dataclass(frozen=True)
-class _Laid:
-    placement: Placement
-    rotation: Array  # (3, 3)
-    height: float  # of its frame above the table [m]
-    corners: Array  # (k, 2) of its footprint, round its frame [m]
-
-
-def _lay(placement: Placement, model: ObjectModel, rng: np.random.Generator) -> _Laid:
+def _lay(placement: Placement, model: ObjectModel, rng: np.random.Generator) -> DropPose:
     usual = [rest.name for rest in model.kind.rests if rest.usual]
     drawn = usual[int(rng.integers(len(usual)))]  # always drawn, to keep the other draws the same
     rest = model.kind.rest(placement.rest or drawn)
     rotation = poses.rotation_from_rpy(*rest.turn)
     points = model.points @ rotation.T
     hull = shapely.MultiPoint(points[:, :2]).convex_hull
-    filled = replace(placement, rest=rest.name)
-    return _Laid(filled, rotation, DROP - float(points[:, 2].min()), shapely.get_coordinates(hull))
+    pose = poses.pose(rotation, (0, 0, DROP - float(points[:, 2].min())))
+    return DropPose(replace(placement, rest=rest.name), pose, hull)
 
 
-def _sort_key(laid: _Laid) -> tuple[bool, float]:
-    """Return a sort key: given positions first, then long objects."""
-    return laid.placement.at is None, -float(np.linalg.norm(np.ptp(laid.corners, axis=0)))
+def _sort_key(laid: DropPose) -> tuple[bool, float]:
+    extent = np.ptp(shapely.get_coordinates(laid.footprint), axis=0)
+    return laid.placement.at is None, -float(np.linalg.norm(extent))
 
 
 def _find_spot(
-    laid: _Laid, taken: list[DropPose], gap: float, rng: np.random.Generator
+    laid: DropPose, taken: list[DropPose], gap: float, rng: np.random.Generator
 ) -> DropPose | None:
     fixed = laid.placement.at is not None
     for _ in range(MAX_TRIES):
@@ -127,17 +117,17 @@ def _find_spot(
     return None
 
 
-def _draw_spot(laid: _Laid, rng: np.random.Generator) -> DropPose:
+def _draw_spot(laid: DropPose, rng: np.random.Generator) -> DropPose:
     placement = laid.placement
     yaw = placement.yaw if placement.yaw is not None else float(rng.uniform(-np.pi, np.pi))
     about_vertical = poses.rotation_from_rpy(0, 0, yaw)
-    corners = laid.corners @ about_vertical[:2, :2].T
+    corners = shapely.get_coordinates(laid.footprint) @ about_vertical[:2, :2].T
     if placement.at is None:
         middle = (corners.min(axis=0) + corners.max(axis=0)) / 2
         at = np.array([rng.uniform(*AREA[0]), rng.uniform(*AREA[1])]) - middle
     else:
         at = np.array(placement.at)
-    world_from_object = poses.pose(about_vertical @ laid.rotation, (*at, laid.height))
+    world_from_object = poses.pose(about_vertical, (*at, 0)) @ laid.world_from_object
     filled = replace(placement, at=(float(at[0]), float(at[1])), yaw=yaw)
     return DropPose(filled, world_from_object, shapely.Polygon(corners + at))
 

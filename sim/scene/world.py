@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ...ontology.errors import UnknownNameError
-from ...ontology.objects import Fixture, ObjectType
+from ...ontology.objects import ObjectType
 from .. import poses
 from ..models.object_models import ObjectModel, object_model
 from ..models.urdf import SOCKET_JOINT
@@ -67,24 +67,19 @@ class World(AbstractContextManager["World"]):
     def build(cls, scene: Scene, objects: Mapping[str, ObjectType], *, gui: bool = False) -> World:
         """Return a world with a scene on the table, after it has settled; with a window if `gui`.
 
-        Raises:
-            SimulationError: there is no room for all.
+        SimulationError if there is no room for all.
         """
         models = {name: object_model(objects[name]) for name in (FLOOR, TABLE, *scene.types)}
         spots = place_objects(scene, models)
         kinds = {spot.placement.name: objects[spot.placement.object] for spot in spots}
         world = cls(scene, PhysicsEngine(gui=gui), objects, kinds, models)
-        world._furnish()
+        for name, at in ((FLOOR, (0, 0, FLOOR_HEIGHT)), (TABLE, TABLE_CENTRE)):
+            world.engine.bodies.load(name, models[name].urdf, poses.translation(*at), fixed=True)
+        world.engine.bodies.set_friction(TABLE, rolling=ROLLING_FRICTION)
         for spot in sorted(spots, key=lambda spot: spot.placement.within is not None):
             world._add(spot)
         world.settle()
         return world
-
-    def _furnish(self) -> None:
-        for name, at in ((FLOOR, (0, 0, FLOOR_HEIGHT)), (TABLE, TABLE_CENTRE)):
-            world_from_base = poses.translation(*at)
-            self.engine.bodies.load(name, self.models[name].urdf, world_from_base, fixed=True)
-        self.engine.contacts.set_surface(TABLE, rolling=ROLLING_FRICTION)
 
     def _add(self, spot: DropPose) -> None:
         name, model = spot.placement.name, self.models[spot.placement.object]
@@ -92,16 +87,13 @@ class World(AbstractContextManager["World"]):
         if mount is None or support is None:
             self.engine.bodies.load(name, model.urdf, spot.world_from_object)
         else:
+            self._supports[name] = support
             self.engine.bodies.load(name, model.mounted, spot.world_from_object)
-            self._mount(name, mount, support)
-        self.engine.contacts.set_surface(name, spinning=SPINNING_FRICTION)
-
-    def _mount(self, name: str, mount: Fixture, support: str) -> None:
-        self.engine.contacts.enable(name, support, enabled=False)
-        self.engine.joints.fix_bodies(name, support, force=MOUNT_FORCE)
-        # A motor with target speed 0 and limited force acts as dry friction.
-        self.engine.joints.drive_at(name, SOCKET_JOINT, 0.0, force=mount.resistance)
-        self._supports[name] = support
+            self.engine.bodies.enable_contacts(name, support, enabled=False)
+            self.engine.joints.fix_bodies(name, support, force=MOUNT_FORCE)
+            # A motor with target speed 0 and limited force acts as dry friction.
+            self.engine.joints.drive_at(name, SOCKET_JOINT, 0.0, force=mount.resistance)
+        self.engine.bodies.set_friction(name, spinning=SPINNING_FRICTION)
 
     def close(self) -> None:
         """Stop the simulator."""
@@ -151,8 +143,7 @@ class World(AbstractContextManager["World"]):
     def depth(self, name: str) -> float:
         """Return how deep an object stands in another one [m], as a nail in its block.
 
-        Raises:
-            UnknownNameError: it does not stand in anything.
+        UnknownNameError if it does not stand in anything.
         """
         mount = self.kinds[name].mount if name in self._supports else None
         if mount is None:
@@ -221,18 +212,18 @@ class SleepManager:
         self._awake = {name: self._position(name) for name in self._awake}
 
     def _put_to_sleep(self, name: str) -> None:
-        contacts = self._world.engine.contacts
+        bodies = self._world.engine.bodies
         for other in self.asleep:
-            contacts.enable(name, other, enabled=False)
-        contacts.set_sleeping(name, asleep=True)
+            bodies.enable_contacts(name, other, enabled=False)
+        bodies.set_sleeping(name, asleep=True)
         self.asleep[name] = self._position(name)
 
     def _wake(self, name: str) -> None:
-        contacts = self._world.engine.contacts
+        bodies = self._world.engine.bodies
         self._awake[name] = self.asleep.pop(name)
-        contacts.set_sleeping(name, asleep=False)
+        bodies.set_sleeping(name, asleep=False)
         for other in self.asleep:
-            contacts.enable(name, other, enabled=True)
+            bodies.enable_contacts(name, other, enabled=True)
 
     def _position(self, name: str) -> Array:
         return self._world.engine.bodies.pose(name)[:3, 3]

@@ -2,9 +2,11 @@
 
 The confidence of a percept follows from the share of the expected silhouette that is visible.
 Known depth noise is removed before by fitting planes to each part.
-"""
 
-from __future__ import annotations
+Most of the time of an image is the robot's. So the objects are drawn first, without room and robot.
+Where links of the robot may be before them, by their bounding boxes, the image is drawn again with
+these: the pixels that show objects are those of an image of everything.
+"""
 
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import replace
@@ -12,10 +14,11 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ..physics.engine import PhysicsEngine
 from ..poses import Array
-from .camera import CAMERAS_ROUND_TABLE, CameraImage
+from ..scene.scene import ROOM
+from .camera import CAMERAS_ROUND_TABLE, Camera, CameraImage
 from .object_detector import ObjectDetector
-from .occlusion import capture_objects
 from .percept import Percept
 from .point_cloud_operations import voxel_downsample
 
@@ -23,6 +26,9 @@ FULL_CONFIDENCE = 0.95  # in a fully visible object; even that may be a good lik
 FULL_SIGHT = 0.75  # share of the expected silhouette that counts as all: views differ that much
 MIN_PIXELS = 40  # fewer pixels are not reported as an object
 CLOUD_SPACING = 0.0012  # [m], voxel size of the clouds of percepts
+
+BULGE = 0.02  # [m] that the visual shape of a link may exceed its collision shape
+_CORNERS = np.array([(i, j, k) for i in (0, 1) for j in (0, 1) for k in (0, 1)])  # of a box
 
 SMOOTHING_HALF = 2  # pixels to each side of the window that a plane is fitted to
 EDGE_FACTOR = 1.5  # times the noise; depths farther from their plane than that lie at an edge
@@ -67,7 +73,6 @@ class MaskDetector(ObjectDetector):
 def _surfaces(
     image: CameraImage, objects: Collection[str]
 ) -> dict[tuple[str, str], tuple[Array, float]]:
-    """The points (n, 3) [m] and the area [m^2] that an image shows of each part of objects."""
     mask = np.isin(image.labels, [n for n, (name, _) in image.names.items() if name in objects])
     points, labels = image.points(mask), image.labels[mask]
     areas = (image.depth[mask].astype(np.float64) / image.camera.focal) ** 2
@@ -75,6 +80,38 @@ def _surfaces(
         image.names[label]: (points[labels == label], float(areas[labels == label].sum()))
         for label in np.unique(labels)
     }
+
+
+def capture_objects(
+    engine: PhysicsEngine, objects: Collection[str], cameras: Sequence[Camera]
+) -> Iterator[CameraImage]:
+    """Take an image of some bodies with each camera; those of the room cannot hide anything."""
+    hidden = tuple(name for name in engine.bodies.names if name not in objects)
+    robot = [body for body in hidden if body not in ROOM]
+    links = [(body, link) for body in robot for link in engine.rendering.visible_links(body)]
+    ends = [np.add(engine.bodies.bounds(*each), [[-BULGE], [BULGE]]) for each in links]
+    boxes = np.array(ends).reshape(-1, 2, 3)[:, _CORNERS, [0, 1, 2]]
+    for camera in cameras:
+        with engine.rendering.hidden(hidden):
+            image = camera.capture(engine)
+        if occluders := [links[index] for index in _occluders(image, boxes)]:
+            with engine.rendering.hidden(hidden, but=occluders):
+                image = camera.capture(engine)
+        yield image
+
+
+def _occluders(image: CameraImage, boxes: Array) -> np.ndarray:
+    shown = np.nonzero(image.labels >= 0)
+    if not len(shown[0]):
+        return np.zeros(0, dtype=int)
+    camera, corners = image.camera, boxes.reshape(-1, 3)
+    depths = ((camera.eye - corners) @ camera.world_from_camera[:3, 2]).reshape(-1, 8)
+    near = depths.min(axis=1) <= image.depth[shown].max()
+    pixels = camera.pixels(corners).reshape(-1, 8, 2)
+    first, last = ([each(axis) for axis in reversed(shown)] for each in (np.min, np.max))
+    # Behind the camera pixels are NaN and no comparison holds, so that the link is kept.
+    outside = (pixels.max(axis=1) < first) | (pixels.min(axis=1) > np.add(last, 1))
+    return np.flatnonzero(near & ~outside.any(axis=1))
 
 
 def smooth_depth(

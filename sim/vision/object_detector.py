@@ -4,8 +4,6 @@ A detector sees a world through cameras. What it sees is searched by features ("
 "part:blade", "property:sharp"; others are not visible).
 """
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Sequence
 from dataclasses import replace

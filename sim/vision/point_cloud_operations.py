@@ -1,7 +1,5 @@
 """Point clouds: voxel downsampling, farthest point sampling, principal direction."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

@@ -142,6 +142,8 @@ def describe_segment(segment: Segment) -> Array:
     extent = quantiles[2] - quantiles[0]
     area = len(np.unique(voxel_keys(points[:, :2], CELL))) * CELL**2
     radius = np.linalg.norm(points[:, :2], axis=1)
+    shades = np.clip((segment.colours * SHADES).astype(int), 0, SHADES - 1)
+    shade = shades @ (SHADES**2, SHADES, 1)  # one number for each of SHADES^3 colours
     numbers = (
         SCALE * quantiles.ravel(),
         SCALE * extent,
@@ -152,7 +154,7 @@ def describe_segment(segment: Segment) -> Array:
         _histogram(points[:, 2] / MAX_HEIGHT_BIN, HEIGHT_BINS),
         segment.colours.mean(axis=0),
         segment.colours.std(axis=0),
-        _colour_histogram(segment.colours),
+        np.bincount(shade, minlength=SHADES**3) / len(shade),
     )
     return np.concatenate([np.ravel(each) for each in numbers])
 
@@ -202,10 +204,3 @@ def _histogram(values: Array, bins: int) -> Array:
     """The share of values in each of `bins` bins over [0, 1]; those beyond go to the last ones."""
     index = np.clip((values * bins).astype(int), 0, bins - 1)
     return np.bincount(index, minlength=bins) / len(values)
-
-
-def _colour_histogram(colours: Array) -> Array:
-    """The share of points with each of SHADES^3 colours."""
-    shade = np.clip((colours * SHADES).astype(int), 0, SHADES - 1)
-    index = (shade[:, 0] * SHADES + shade[:, 1]) * SHADES + shade[:, 2]
-    return np.bincount(index, minlength=SHADES**3) / len(colours)

@@ -33,12 +33,27 @@ def box(middle: tuple[float, float, float], size: tuple[float, float, float]) ->
     return grid[sides | np.isclose(grid[:, 2], high[2])]
 
 
+def labelled(
+    target: Array,
+    *,
+    other_parts: Array = NOTHING,
+    neighbours: Array = NOTHING,
+    table: float,
+    centre_of_mass: Array,
+    mass: float,
+) -> LabelledPointCloud:
+    """Clouds of the part, of the other parts of the object, and of other objects."""
+    groups = [target, other_parts, neighbours]
+    labels = np.repeat(np.array(list(PointLabel)), [len(group) for group in groups])
+    return LabelledPointCloud(np.vstack(groups), labels, table, centre_of_mass, mass)
+
+
 def bar(
     *, width: float = 0.02, others: Array = NOTHING, near: Array = NOTHING
 ) -> LabelledPointCloud:
     """A bar of 10 cm that lies along x."""
     cloud = box(BAR, (0.1, width, 0.022))
-    return LabelledPointCloud.of(
+    return labelled(
         cloud,
         other_parts=others,
         neighbours=near,
@@ -93,9 +108,7 @@ def test_other_part_is_never_between_the_pads():
     """With another part on one half of the bar, all grasps keep to the other half."""
     half = box((0.525, 0.0, 0.012), (0.05, 0.02, 0.022))
     target = box((0.475, 0.0, 0.012), (0.05, 0.02, 0.022))
-    scene = LabelledPointCloud.of(
-        target, other_parts=half, table=0.0, centre_of_mass=np.array(BAR), mass=0.1
-    )
+    scene = labelled(target, other_parts=half, table=0.0, centre_of_mass=np.array(BAR), mass=0.1)
 
     found = plan(scene).grasps
 
@@ -109,9 +122,7 @@ def test_other_part_is_never_between_the_pads():
 def test_part_wider_than_the_hand_is_too_wide():
     """A cube of 10 cm leaves no grasp, and the reason is its width."""
     cube = box((0.5, 0.0, 0.05), (0.1, 0.1, 0.1))
-    scene = LabelledPointCloud.of(
-        cube, table=0.0, centre_of_mass=np.array((0.5, 0, 0.05)), mass=0.5
-    )
+    scene = labelled(cube, table=0.0, centre_of_mass=np.array((0.5, 0, 0.05)), mass=0.5)
 
     found = plan(scene)
 
@@ -132,7 +143,7 @@ def test_part_walled_in_by_others_is_blocked():
 
 def test_part_hardly_seen_gives_no_grasp_and_no_reason():
     """Too few points give an empty plan."""
-    few = LabelledPointCloud.of(np.zeros((3, 3)), table=0.0, centre_of_mass=np.zeros(3), mass=0.1)
+    few = labelled(np.zeros((3, 3)), table=0.0, centre_of_mass=np.zeros(3), mass=0.1)
 
     found = plan(few)
 
@@ -145,15 +156,13 @@ def test_candidate_fingers_come_down_beside_all_points():
     block = box((0.5, 0.04, 0.012), (0.03, 0.02, 0.022))
     around = bar(near=block).downsampled(0.0035, reach=0.15, limit=2000)
 
-    found = sample_grasps(around, GRIPPER, rng=np.random.default_rng(2), count=20)
+    at, width, _ = sample_grasps(around, GRIPPER, rng=np.random.default_rng(2), count=20)
 
-    local = (around.points - found.world_from_grip[:, None, :3, 3]) @ found.world_from_grip[
-        :, :3, :3
-    ]
-    aside = np.abs(local[..., 1]) - found.width[:, None] / 2
+    local = (around.points - at[:, None, :3, 3]) @ at[:, :3, :3]
+    aside = np.abs(local[..., 1]) - width[:, None] / 2
     on_finger = np.abs(local[..., 0]) < GRIPPER.finger_width / 2 - BIN
     on_finger &= (aside > BIN) & (aside < GRIPPER.finger_thickness)
-    assert len(found.width) > 100
+    assert len(width) > 100
     assert not (on_finger & (local[..., 2] < GRIPPER.tip)).any()
 
 
@@ -179,9 +188,7 @@ def test_slope_leads_to_the_widest_place():
     angle = np.linspace(0, 2 * np.pi, 400, endpoint=False)
     rim = np.column_stack([0.5 + 0.03 * np.cos(angle), 0.03 * np.sin(angle), 0 * angle])
     disc = np.vstack([rim + np.array((0, 0, z)) for z in np.linspace(0.005, 0.02, 12)])
-    scene = LabelledPointCloud.of(
-        disc, table=0.0, centre_of_mass=np.array((0.5, 0, 0.01)), mass=0.1
-    )
+    scene = labelled(disc, table=0.0, centre_of_mass=np.array((0.5, 0, 0.01)), mass=0.1)
     beside = poses.pose(DOWN, (0.508, 0.0, 0.012))[None]
 
     scores = score_grasps(beside, np.array([0.06]), scene, GRIPPER)
@@ -193,9 +200,7 @@ def test_slope_leads_to_the_widest_place():
 def test_part_reached_by_the_ends_of_the_pads_only_is_held_worse():
     """A hand that just reaches a plate scores less than one 3 mm deeper, all else alike."""
     plate = box((0.5, 0.0, 0.03), (0.1, 0.02, 0.002))
-    scene = LabelledPointCloud.of(
-        plate, table=0.0, centre_of_mass=np.array((0.5, 0, 0.03)), mass=0.1
-    )
+    scene = labelled(plate, table=0.0, centre_of_mass=np.array((0.5, 0, 0.03)), mass=0.1)
     bottom = 0.029 + GRIPPER.pad_length / 2  # height of the grip when the pads end with the plate
     hands = np.stack([poses.pose(DOWN, (0.5, 0, bottom - z)) for z in (0.0, 0.003)])
 
@@ -206,9 +211,7 @@ def test_part_reached_by_the_ends_of_the_pads_only_is_held_worse():
 
 def test_object_that_would_turn_in_the_hand_is_not_rejected():
     """A heavy bar held far from its middle scores little, but more than nothing."""
-    far = LabelledPointCloud.of(
-        bar().target, table=0.0, centre_of_mass=np.array((0.6, 0.0, 0.012)), mass=0.6
-    )
+    far = labelled(bar().target, table=0.0, centre_of_mass=np.array((0.6, 0.0, 0.012)), mass=0.6)
 
     near_middle, far_from_it = (
         score_grasps(hand_over_bar(), np.array([0.02]), scene, GRIPPER).score[0]

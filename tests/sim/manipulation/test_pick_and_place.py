@@ -84,7 +84,7 @@ def test_object_that_always_slips_is_given_up():
     """Without friction every attempt fails and is reported, and the hand is empty afterwards."""
     with body_with("objects:screwdriver", seed=3) as body:
         for finger in body.robot.gripper.links:
-            body.world.engine.contacts.set_surface(NAME, finger, friction=0.0, spinning=0.0)
+            body.world.engine.bodies.set_friction(NAME, finger, lateral=0.0, spinning=0.0)
 
         report = grasped(body, "screwdriver", "handle")
         if report.ok:

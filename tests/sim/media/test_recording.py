@@ -125,7 +125,7 @@ def test_nothing_is_rendered_when_nobody_records(
 ):
     """After a recording, and without one, time passes without a picture."""
     recorded(world, tmp_path / "out.png", ("",))
-    monkeypatch.setattr(recording, "take_picture", lambda *_, **__: pytest.fail("rendered"))
+    monkeypatch.setattr(pictures, "take_picture", lambda *_, **__: pytest.fail("rendered"))
 
     world.step(60)
 

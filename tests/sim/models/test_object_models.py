@@ -71,6 +71,7 @@ def test_failed_build_leaves_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyP
     """When building fails half way, no folder looks like a model."""
 
     def fail(_kind: object, folder: Path) -> None:
+        folder.mkdir()
         (folder / "model.urdf").write_text("half", encoding="utf-8")
         raise OSError(28, "No space left on device")
 

@@ -93,7 +93,7 @@ def test_contact_names_the_other_side(engine: PhysicsEngine):
 
     engine.step(120)
 
-    contacts = engine.contacts.find("upper")
+    contacts = engine.bodies.contacts("upper")
     assert {(c.other, c.other_link) for c in contacts} == {("block", "body")}
     assert sum(c.force for c in contacts) == pytest.approx(0.9 * GRAVITY, rel=0.05)
 

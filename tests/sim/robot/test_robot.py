@@ -104,7 +104,7 @@ def test_closed_gripper_senses_what_is_between_its_fingers(robot: Robot, tmp_pat
 
     robot.close()
     touched = robot.finger_contacts()
-    pressed = robot.engine.contacts.find("robot", robot.gripper.links[0])
+    pressed = robot.engine.bodies.contacts("robot", robot.gripper.links[0])
     robot.wait(0.5)
 
     assert touched.holds("block")

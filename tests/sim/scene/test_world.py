@@ -40,7 +40,7 @@ def test_eight_objects_settle_without_touching():
     """In a scene of all objects nothing touches anything but the table."""
     with World.build(parse_scene("all", seed=2, objects=OBJECTS), OBJECTS) as world:
         touched = {
-            contact.other for name in world.kinds for contact in world.engine.contacts.find(name)
+            contact.other for name in world.kinds for contact in world.engine.bodies.contacts(name)
         }
 
         assert len(world.kinds) == 8
@@ -177,7 +177,7 @@ def test_moved_object_wakes_and_touches_sleeping_ones(knife_and_mug: World):
     touched: set[str] = set()
     for _ in range(10):
         sleeping.step(CHECK_INTERVAL)
-        touched |= {contact.other for contact in knife_and_mug.engine.contacts.find("knife")}
+        touched |= {contact.other for contact in knife_and_mug.engine.bodies.contacts("knife")}
 
     assert "knife" not in sleeping.asleep
     assert "mug" in touched

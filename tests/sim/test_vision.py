@@ -7,10 +7,10 @@ import pytest
 
 from hilt.ontology.errors import UnknownNameError
 from hilt.ontology.objects import load_objects
+from hilt.sim.body import VISIONS, open_vision
 from hilt.sim.scene.scene import parse_scene
 from hilt.sim.scene.world import World
 from hilt.sim.vision.perception_noise import NoiseLevels, NoisyDetector
-from hilt.sim.vision.vision_backends import SOURCES, open_vision
 
 pytestmark = pytest.mark.sim
 
@@ -26,7 +26,7 @@ def world() -> Iterator[World]:
         yield made
 
 
-@pytest.mark.parametrize("source", SOURCES)
+@pytest.mark.parametrize("source", VISIONS)
 def test_every_source_names_objects_as_the_world_does(world: World, source: str):
     """Each percept has the name of the object at its place."""
     percepts = open_vision(world, source=source).search(ALL)
@@ -37,7 +37,7 @@ def test_every_source_names_objects_as_the_world_does(world: World, source: str)
         assert np.linalg.norm((world.top(percept.name) - percept.centre)[:2]) < 0.03
 
 
-@pytest.mark.parametrize("source", SOURCES)
+@pytest.mark.parametrize("source", VISIONS)
 def test_every_source_works_with_noise(world: World, source: str):
     """With 1 mm of depth noise all objects are detected, but perhaps not a nail."""
     noise = NoiseLevels(depth_m=0.001, seed=1)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from hilt.sim.vision.neural_classifier import Classifier, NoveltyDetector, read_arrays
+from hilt.sim.vision.learned_detector import Classifier, NoveltyDetector, read_arrays
 
 
 def network(scale: float, temperature: float = 1.0) -> Classifier:
