@@ -9,8 +9,8 @@ The simulated body is made at the first command: teaching and asking need no rob
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Generator
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
@@ -24,23 +24,20 @@ from ..inference.norms import ALLOWED, NormChecker, NormVerdict
 from ..inference.taxonomy import Taxonomy
 from ..kb.knowledge_base import KnowledgeBase
 from ..nlu.language import Language
-from ..nlu.semantics.meaning import Command, Control, Meaning, ToolCommand
+from ..nlu.semantics.meaning import Command, Control, ToolCommand
 from ..ontology.actions import Actions
 from ..ontology.logs import timed
-from ..ontology.objects import ObjectType
 from ..sim.robot.interruption import Interruption
-from . import protocols
+from . import episodes, protocols
 from .config import AgentConfig, actions_with, load_language, open_base
 from .dialogue.conversation import Conversation
 from .dialogue.manager import DialogueManager
 from .dialogue.reply import Reply
 from .dialogue.translation import action_words
-from .episodes import EpisodeRecorder, embodiment_as_json, file_as_json, settings_as_choices
 from .execution.embodiment import Embodiment
 from .execution.goal_manager import GoalManager
 from .execution.norm_guard import NormGuard
 from .execution.outcome import GoalResult, Json, WalkStep
-from .execution.perception import LoggedVision
 from .execution.request import Request, review_arguments
 from .protocols import Motion, Vision
 
@@ -50,7 +47,7 @@ if TYPE_CHECKING:
     from .presentation.video import Film
 
 
-class Agent:
+class Agent(AbstractContextManager["Agent"]):
     """A robot that learns from sentences and acts on what it learned; also one that only decides.
 
     Most programs make one by `Agent.open`.
@@ -93,7 +90,8 @@ class Agent:
         self.watchers: list[Callable[[WalkStep], None]] = []
         self._hearing = Lock()
         self._film: Film | None = None
-        self._episodes = EpisodeRecorder(base, self.circumstances, self.state, self.robot)
+        self._last_episode: str | None = None
+        self._is_repeatable = True  # whether episodes alone changed the world
         conversation = Conversation(
             base,
             language.with_words(action_words(actions, language)),
@@ -105,7 +103,7 @@ class Agent:
         self.dialogue = DialogueManager(
             conversation,
             lambda: self.goals,
-            self._episodes.record,
+            self._record_episode,
             judge=self.judge,
             actions=actions,
         )
@@ -123,12 +121,10 @@ class Agent:
     ) -> Agent:
         """Return an agent over a knowledge base: `memory:`, a folder, or an endpoint.
 
-        Without a location it is the user's own base; the rest is as in the constructor.
-
-        Raises:
-            DataError: the scene, the objects, the noise, the actions or the lexicon are wrong.
-            UnknownNameError: there is no such object, robot or source of percepts.
-            StoreError: the base cannot be opened.
+        Without a location it is the user's own base; the rest is as in the constructor. DataError
+        if the scene, the objects, the noise, the actions or the lexicon are wrong; UnknownNameError
+        if there is no such object, robot or source of percepts; StoreError if the base cannot be
+        opened.
         """
         config = config or AgentConfig()
         embodiment = Embodiment.from_config(config)
@@ -137,6 +133,7 @@ class Agent:
             vision, plugged_in = embodiment.open_plugins(config.motion)
             motion = motion or plugged_in
         base = open_base(location, embodiment.household, actions)
+        base.taxonomies = config.taxonomy
         language = load_language(embodiment.household, config.lexicon)
         parts = (base, language, actions, embodiment, config)
         return cls(*parts, vision=vision, motion=motion, dialogue=dialogue)
@@ -169,11 +166,15 @@ class Agent:
             heard: the confidence of the speech recogniser, in [0, 1].
             keep: whether a command is written to the history and kept as an episode.
         """
-        said = self.dialogue.language.understand(text).meaning if self.is_busy else None
+        said = (
+            self.dialogue.conversation.language.understand(text).meaning if self.is_busy else None
+        )
         if isinstance(said, Control) and said.control in {"wait", "continue"}:
             self.interrupt(said.control)
             return self.dialogue.hear_aside(text, said, speaker=speaker, heard=heard, keep=keep)
-        if self.interruption.is_paused or isinstance(said, Control) or _forbids(said):
+        # "Stop passing me the knife" stops that, too.
+        is_forbidden = isinstance(said, (Command, ToolCommand)) and said.negated
+        if self.interruption.is_paused or isinstance(said, Control) or is_forbidden:
             self.interrupt("stop")
         with self._hearing:
             self.interruption.clear()
@@ -184,7 +185,7 @@ class Agent:
             self._film.begin(text)
         reply = self.dialogue.hear(text, speaker=speaker, only=only, heard=heard, keep=keep)
         if reply.understanding.kind == "control":
-            self._episodes.forget_state()
+            self._is_repeatable = False
         if self._film:
             self._film.end(reply.said)
             reply = reply.with_pictures(str(self._film.path))
@@ -218,16 +219,23 @@ class Agent:
         guard.enter(request.action, review_arguments(self.actions, request.action, request))
         return guard.verdicts[-1] if guard.verdicts else ALLOWED
 
-    def circumstances(self) -> Json | None:
-        """Return what is needed to make this agent again; None with vision or motion not Hilt's."""
-        if self._vision or self._motion:
+    def _record_episode(self, request: Request, reply: Reply, keep: bool) -> None:
+        self._is_repeatable = self._is_repeatable and keep and not reply.is_interrupted
+        if keep:
+            episode = episodes.episode_from_reply(reply, self._again(request), self.robot)
+            self._last_episode = self.base.record_episode(episode).id
+
+    def _again(self, request: Request) -> Json | None:
+        if self._vision or self._motion or not self._is_repeatable:
             return None
-        return {
-            "embodiment": embodiment_as_json(self.embodiment),
-            "actions": file_as_json(self.config.actions),
-            "settings": settings_as_choices(self.affordances.settings),
+        circumstances = {
+            "embodiment": episodes.embodiment_as_json(self.embodiment),
+            "actions": episodes.file_as_json(self.config.actions),
+            "settings": episodes.settings_as_choices(self.affordances.settings),
             "induces": self.config.induce,
         }
+        kept: Json = {"request": episodes.as_json(request), "state": self.state()}
+        return kept | {"circumstances": circumstances, "after": self._last_episode}
 
     def state(self) -> str:
         """Return a hash of the state of the simulation; empty when there is none yet."""
@@ -243,26 +251,21 @@ class Agent:
         if self._vision is None and self.embodiment.sees_all:
             return tuple(placement.object for placement in self.scene.placements)
         features = [f"object:{name}" for name in self.objects]
-        return tuple(percept.object for percept in self.goals.vision.search(features))
+        return tuple(percept.object for percept in self.goals.search(features))
 
     def holding(self) -> str | None:
         """Return the name of the object in the simulated hand; None when it is empty."""
         return self.body.holding if "body" in self.__dict__ else None
 
     def quote(self, utterance: int) -> str:
-        """Return the text of the utterance with this number.
-
-        Raises:
-            UnknownNameError: there is none.
-        """
+        """Return the text of the utterance with this number; UnknownNameError if there is none."""
         return self.base.utterance(utterance).text
 
     @cached_property
     def body(self) -> Body:
         """The simulated body, made at its first use.
 
-        Raises:
-            MissingExtraError: the simulator is not installed.
+        MissingExtraError if the simulator is not installed.
         """
         with timed(__name__, "build the simulated scene and robot"):
             return self.embodiment.open_body(self.interruption)
@@ -274,10 +277,15 @@ class Agent:
         return GoalManager(
             self.actions,
             self.affordances,
-            LoggedVision(self._vision or self.embodiment.open_vision(body)),
+            self._vision or self.embodiment.open_vision(body),
             body or self._motion,
             self.norms,
-            grips=_grips(self.objects),
+            grips={
+                name: part.name
+                for name, kind in self.objects.items()
+                for part in kind.parts.values()
+                if part.role == "grip"
+            },
             parts={name: frozenset(kind.parts) for name, kind in self.objects.items()},
             interruption=self.interruption,
             done=self._done,
@@ -289,7 +297,7 @@ class Agent:
         """Another agent for the block: with the same knowledge, in a scene of its own."""
         other = Agent(
             self.base,
-            self.dialogue.language,
+            self.dialogue.conversation.language,
             self.actions,
             replace(self.embodiment, scene=scene, simulate=simulate),
             replace(self.config, contexts=()),
@@ -303,8 +311,7 @@ class Agent:
     def filmed(self, path: Path) -> Generator[None]:
         """Record a film of the block, complete when it ends: .mp4, .gif, or .png for a strip.
 
-        Raises:
-            DataError: the file cannot be written.
+        DataError if the file cannot be written.
         """
         from .presentation.video import Film
 
@@ -324,23 +331,5 @@ class Agent:
         if "body" in self.__dict__:
             self.body.close()
 
-    def __enter__(self) -> Agent:
-        return self
-
     def __exit__(self, *_: object) -> None:
         self.close()
-
-
-def _forbids(said: Meaning | None) -> bool:
-    """Whether something must not be done: "stop passing me the knife"."""
-    return isinstance(said, (Command, ToolCommand)) and said.negated
-
-
-def _grips(objects: Mapping[str, ObjectType]) -> dict[str, str]:
-    """Object -> the part that is made for holding it, if there is one."""
-    return {
-        name: part.name
-        for name, kind in objects.items()
-        for part in kind.parts.values()
-        if part.role == "grip"
-    }

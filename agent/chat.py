@@ -73,13 +73,12 @@ def run(agent: Agent, out: Console, source: TextIO, speaker: str | None = None) 
 
 
 def _first_speaker(agent: Agent, name: str | None, out: Console | None) -> str:
-    """Who speaks first: the owner of the base, which the first one of all becomes."""
     conversation = agent.dialogue.conversation
     owner = conversation.people.owner
     if owner is None:
         owner = name or (_ask_name(agent, out) if out else DEFAULT_SPEAKER)
         owner = agent.base.match_speaker(owner)
-        if not conversation.trusts(owner):
+        if not conversation.people.trusts(owner):
             conversation.trust(owner, by=owner)
     return agent.base.match_speaker(name or owner)
 
@@ -88,7 +87,7 @@ def _ask_name(agent: Agent, out: Console) -> str:
     account = proper_name(os.environ.get("USER", DEFAULT_SPEAKER))
     while True:
         said = out.input(Text(f"What is your name? [{account}] ")).strip()
-        introduced = agent.dialogue.language.introduction(said)
+        introduced = agent.dialogue.conversation.language.introduction(said)
         name = proper_name(introduced.name) if introduced else said or account
         try:
             check_speaker(name)
@@ -133,7 +132,7 @@ class Chat:
 
     def completable(self) -> set[str]:
         """Return the words that the Tab key can complete."""
-        return {*self.agent.dialogue.language.known_words, *_COMMANDS, QUIT}
+        return {*self.agent.dialogue.conversation.language.known_words, *_COMMANDS, QUIT}
 
     def interrupt(self) -> None:
         """Stop what is being done, and drop the lines that wait to be heard."""
@@ -159,7 +158,7 @@ class Chat:
 
     def _converse(self, line: str) -> None:
         self._waiting = [each for each in self._waiting if not each.done()]
-        control = self.agent.dialogue.language.control(line) if self._waiting else None
+        control = self.agent.dialogue.conversation.language.control(line) if self._waiting else None
         if control is None:
             if self.agent.interruption.is_paused:
                 self.agent.interrupt()  # what is said in a pause ends the command
@@ -176,7 +175,6 @@ class Chat:
             each.cancel()
 
     def _do(self, work: Callable[[], None]) -> None:
-        """Do something in the other thread; return when it is done, or takes long."""
         if not self.is_interactive:
             work()
             return
@@ -193,7 +191,6 @@ class Chat:
             done.add_done_callback(lambda _: self._prompt_again())
 
     def _prompt_again(self) -> None:
-        """Show the prompt again below an answer that came while a line was typed."""
         if self._is_typing:
             self.out.print(Text(self.prompt() + typed_so_far()), end="")
 
@@ -207,12 +204,14 @@ class Chat:
             return
         # What was interrupted is said in the answer to the control.
         if not (reply.is_interrupted and self._is_interrupted):
-            self._show(reply)
+            spoken = Text.assemble(("Hilt: ", "bold green"), printable(reply.said))
+            self._tell(spoken if self.is_interactive else shown.turn(reply))
+            if reply.ending == "refused" and self.agent.base.trust(reply.speaker) is None:
+                self.out.print(Text(self.hint(reply.speaker), "dim"))
         if film:
             self.show_file("film", film)
 
     def _watched(self, line: str) -> Reply:
-        """Hear an utterance, with a line for each step while the arm moves."""
         is_shown = self.is_interactive and self.agent.simulate
         watchers = self.agent.watchers
         watchers += [self._report] * is_shown
@@ -228,12 +227,6 @@ class Chat:
         if said:
             self._tell(Text(f"... {said}", "dim"))
             self._prompt_again()
-
-    def _show(self, reply: Reply) -> None:
-        spoken = Text.assemble(("Hilt: ", "bold green"), printable(reply.said))
-        self._tell(spoken if self.is_interactive else shown.turn(reply))
-        if reply.ending == "refused" and self.agent.base.trust(reply.speaker) is None:
-            self.out.print(Text(self.hint(reply.speaker), "dim"))
 
     def _tell(self, what: RenderableType) -> None:
         if self._is_typing:
@@ -271,7 +264,7 @@ def _help(*_: object) -> RenderableType:
 
 
 def _rules(chat: Chat, _: str) -> RenderableType:
-    return shown.sentences(chat.agent.base.rules(), chat.agent.dialogue.describe)
+    return shown.sentences(chat.agent.base.rules(), chat.agent.dialogue.conversation.describe)
 
 
 def _scene(chat: Chat, _: str) -> RenderableType:
@@ -279,7 +272,7 @@ def _scene(chat: Chat, _: str) -> RenderableType:
 
 
 def _why(chat: Chat, _: str) -> RenderableType:
-    last = chat.agent.dialogue.last_done
+    last = chat.agent.dialogue.conversation.last_done
     if last is None or last.result is None:
         return Text("I have not done anything yet.")
     said, made = Text(printable(last.said)), last.result.decision
@@ -301,7 +294,7 @@ def _set_speaker(chat: Chat, name: str) -> RenderableType:
         check_speaker(name)
         chat.speaker = chat.agent.base.match_speaker(name)
         chat.agent.dialogue.conversation.people.leave(chat.speaker)
-    if chat.agent.dialogue.conversation.trusts(chat.speaker):
+    if chat.agent.dialogue.conversation.people.trusts(chat.speaker):
         return Text(f"{chat.speaker} is speaking.")
     doubt = f"{chat.speaker} is speaking, whom I do not trust yet."
     return Text(f"{doubt} {chat.hint(chat.speaker)}")

@@ -66,10 +66,8 @@ class AgentConfig:
     """What an agent starts with: its scene, its robot, its language and its inference.
 
     The help of each option says what it is. The seed is at least 0; `settings` may also be a value;
-    `overrides` replace single settings of it; files are YAML.
-
-    Raises:
-        DataError: a value is of the wrong type, or out of its range.
+    `overrides` replace single settings of it; files are YAML. DataError if a value is of the wrong
+    type, or out of its range.
     """
 
     scene: str = _option(
@@ -115,6 +113,14 @@ class AgentConfig:
         "KIND:NAME[=DEGREE]",
     )
 
+    taxonomy: tuple[str, ...] = _option(
+        tuple,
+        (),
+        "An ontology in the base whose kinds count as well (hilt import --as ontology).",
+        "--taxonomy",
+        "NAME",
+    )
+
     def __post_init__(self) -> None:
         for option in OPTIONS.values():
             value = getattr(self, option.name)
@@ -129,18 +135,15 @@ class AgentConfig:
     def from_yaml(cls, path: Path) -> AgentConfig:
         """Read a configuration from a YAML file whose keys are the names of the options.
 
-        Files that it names are looked up beside it.
-
-        Raises:
-            DataError: an unknown key or a wrong value; with file, line and column.
+        Files that it names are looked up beside it. DataError if an unknown key or a wrong value;
+        with file, line and column.
         """
         return cls(**read_values(path))
 
     def load_settings(self) -> Settings:
         """Return the settings of the inference, with the overrides applied.
 
-        Raises:
-            DataError: the file or an override is wrong.
+        DataError if the file or an override is wrong.
         """
         from ..inference.settings import SETTINGS_FILE, Settings
 
@@ -200,8 +203,7 @@ def _read_language(kinds: Household, lexicon: Path | None) -> Language:
 def household(path: Path | None = None) -> Household:
     """Return the object types that come with Hilt, and those of a file.
 
-    Raises:
-        DataError: the file is wrong; says where and what was expected.
+    DataError if the file is wrong; says where and what was expected.
     """
     from ..ontology.objects import load_household
 
@@ -211,8 +213,7 @@ def household(path: Path | None = None) -> Household:
 def load_language(kinds: Household, lexicon: Path | None = None) -> Language:
     """Return the language, with the names of these object types and the words of a lexicon file.
 
-    Raises:
-        DataError: the file is wrong; says where and what was expected.
+    DataError if the file is wrong; says where and what was expected.
     """
     is_own = lexicon is None and kinds is household()
     return _own_language() if is_own else _read_language(kinds, lexicon)
@@ -221,8 +222,7 @@ def load_language(kinds: Household, lexicon: Path | None = None) -> Language:
 def actions_with(path: Path | None) -> Actions:
     """Return the actions that come with Hilt, and those of a file.
 
-    Raises:
-        DataError: the file is wrong; says where and what was expected.
+    DataError if the file is wrong; says where and what was expected.
     """
     from ..ontology.actions import load_actions
 
@@ -248,10 +248,8 @@ def open_base(
     """Open a knowledge base and load the domain graph into it.
 
     The location is `memory:`, a folder, or an endpoint; None for the user's own base. The domain is
-    that of the object types and actions that come with Hilt, unless others are given.
-
-    Raises:
-        StoreError: it cannot be opened.
+    that of the object types and actions that come with Hilt, unless others are given. StoreError if
+    it cannot be opened.
     """
     from ..kb.knowledge_base import KnowledgeBase
 
@@ -286,32 +284,26 @@ def _fits(value: object, option: ConfigOption) -> bool:
 def read_value(value: YamlNode, option: ConfigOption, folder: Path) -> Any:
     """Return the value of an option; a file that it names is looked up in the folder.
 
-    Raises:
-        DataError: it is of the wrong type; with its place.
+    DataError if it is of the wrong type; with its place.
     """
     if option.kind is int:
         return value.integer(low=0)
     if option.kind is bool:
         return value.truth()
     if option.kind is tuple:
-        return _read_texts(value, option)
+        texts = value.items() if isinstance(value.value, tuple) else (value,)
+        for each in texts if option.name == "contexts" else ():
+            try:
+                _context(each.text())
+            except DataError as error:
+                raise each.fail(error.problem) from error
+        return tuple(each.text() for each in texts)
     if option.kind is str and not option.is_file(value.text()):
         return value.text()
     return option.kind(folder / Path(value.text()).expanduser())
 
 
-def _read_texts(value: YamlNode, option: ConfigOption) -> tuple[str, ...]:
-    texts = value.items() if isinstance(value.value, tuple) else (value,)
-    for each in texts if option.name == "contexts" else ():
-        try:
-            _context(each.text())
-        except DataError as error:
-            raise each.fail(error.problem) from error
-    return tuple(each.text() for each in texts)
-
-
 def _context(text: str) -> tuple[Atom, Interval]:
-    """Parse a context and the degree to which it holds: "place:kitchen=0.9"."""
     from ..kb.interval import Interval
     from ..kb.rule import Atom
 

@@ -6,8 +6,6 @@ the default. The keys are the names of the options of `AgentConfig`, `base` and 
 an environment variable, as HILT_ROBOT.
 """
 
-from __future__ import annotations
-
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -43,8 +41,7 @@ class Configured:
 def configured() -> dict[str, Configured]:
     """Return the value of each key.
 
-    Raises:
-        DataError: a file or a variable has a wrong value; with its place.
+    DataError if a file or a variable has a wrong value; with its place.
     """
     found = {name: Configured(option.default) for name, option in KEYS.items()}
     for origin, path in (("user", user_file()), ("project", project_file())):

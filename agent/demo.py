@@ -1,7 +1,5 @@
 """The paper's running example (section 3): three sentences, and a knife is passed by the blade."""
 
-from __future__ import annotations
-
 from collections.abc import Generator
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
@@ -9,7 +7,7 @@ from pathlib import Path
 
 from rich.console import Console
 from rich.panel import Panel
-from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.text import Text
 
 from .agent import Agent
 from .dialogue.reply import Reply
@@ -56,17 +54,13 @@ class ExampleReplies:
 
 def run(agent: Agent, progress: Console, folder: Path) -> ExampleReplies:
     """Run the example and write its pictures."""
-    columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
     replies: list[Reply] = []
-    with Progress(*columns, console=progress, transient=True) as bar:
-        task = bar.add_task("", total=len(LESSONS) + 1 + len(AFTERWARDS))
-        for text in (*LESSONS, COMMAND, *AFTERWARDS):
-            bar.update(task, description=text)
-            is_recorded = text == COMMAND and agent.simulate
-            with _recorded(agent, folder) if is_recorded else nullcontext([]) as pictures:
-                reply = agent.hear(text)
-            replies.append(reply.with_pictures(*pictures) if pictures else reply)
-            bar.advance(task)
+    for text in (*LESSONS, COMMAND, *AFTERWARDS):
+        is_recorded = text == COMMAND and agent.simulate
+        recorded = _recorded(agent, folder) if is_recorded else nullcontext([])
+        with progress.status(Text(text)), recorded as pictures:
+            reply = agent.hear(text)
+        replies.append(reply.with_pictures(*pictures) if pictures else reply)
     told = len(LESSONS)
     return ExampleReplies(tuple(replies[:told]), tuple(replies[told:]), agent.simulate)
 
@@ -88,7 +82,6 @@ def show(example: ExampleReplies, out: Console, agent: Agent) -> None:
 
 @contextmanager
 def _recorded(agent: Agent, folder: Path) -> Generator[list[str]]:
-    """Yield the files of pictures of the block and of its film; complete when it ends."""
     files = [str(agent.body.picture(folder / "before.png"))]
 
     def keep(step: WalkStep) -> None:

@@ -6,21 +6,18 @@ starts from. There a value is an object of its fields. Atoms are texts, an inter
 its bounds, a conclusion that of its functor and argument; sets are sorted.
 """
 
-from __future__ import annotations
-
 import json
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import fields, is_dataclass, replace
 from functools import cache
 from hashlib import sha256
 from pathlib import Path
-from typing import Any, TypeVar, get_args, get_origin, get_type_hints
+from typing import Any, get_args, get_origin, get_type_hints
 
 from ..inference.settings import CONTRADICTION, OPERATORS, THRESHOLD, Settings
 from ..inference.types import Conclusion
 from ..kb.episodes import Episode, EpisodeStep
 from ..kb.interval import Interval
-from ..kb.knowledge_base import KnowledgeBase
 from ..kb.rule import Atom
 from ..ontology.errors import DataError
 from ..sim.scene.scene import Scene
@@ -28,55 +25,13 @@ from .config import household
 from .dialogue.reply import Reply
 from .execution.embodiment import ROBOT_OPTIONS, Embodiment
 from .execution.outcome import Json, WalkStep
-from .execution.request import Request
 
 AGAIN = "again"  # key of the document
-T = TypeVar("T")
-
-
-class EpisodeRecorder:
-    """Records the episodes of one agent, each with what is needed to run it again."""
-
-    def __init__(
-        self,
-        base: KnowledgeBase,
-        circumstances: Callable[[], Json | None],
-        state: Callable[[], str],
-        robot: str,
-    ) -> None:
-        self._base = base
-        self._circumstances, self._state, self._robot = circumstances, state, robot
-        self._last: str | None = None
-        self._is_whole = True
-
-    def record(self, request: Request, reply: Reply, keep: bool) -> None:
-        """Keep the result of a request."""
-        if reply.is_interrupted:
-            self.forget_state()
-        if keep:
-            self._last = self._base.record_episode(
-                episode_from_reply(reply, self._again(request), self._robot)
-            ).id
-        else:
-            self._is_whole = False
-
-    def forget_state(self) -> None:
-        """Note that the world was changed by something that no request can repeat."""
-        self._is_whole = False
-
-    def _again(self, request: Request) -> Json | None:
-        circumstances = self._circumstances()
-        if circumstances is None or not self._is_whole:
-            return None
-        kept: Json = {"request": as_json(request), "state": self._state()}
-        return kept | {"circumstances": circumstances, "after": self._last}
 
 
 def episode_from_reply(reply: Reply, again: Json | None = None, robot: str = "") -> Episode:
     """Return the episode of a command: its steps and grasps, and the whole document as JSON."""
-    result = reply.result
-    decision = result.decision if result else None
-    best = decision.object.best if decision else None
+    result, decision, best = reply.result, reply.decision, reply.chosen
     world = result.world if result and result.world.executed else None
     document = reply.as_do_json() | {AGAIN: again}
     return Episode(
@@ -128,27 +83,23 @@ def as_json(value: object) -> Any:
             return {name: as_json(getattr(value, name)) for name in _types(type(value))}
 
 
-def from_json(kind: type[T], kept: Any) -> T:
+def from_json(kind: Any, kept: Any) -> Any:
     """Return the value of a type that `as_json` wrote; a field that is missing has its default."""
-    return _read(kind, kept)
-
-
-def _read(kind: Any, kept: Any) -> Any:
     wanted, inner = get_origin(kind), get_args(kind)
     if kind is Atom:
         return Atom.parse(kept)
     if isinstance(kind, type) and is_dataclass(kind):
         types = _types(kind)
         given = kept if isinstance(kept, dict) else dict(zip(types, kept, strict=False))
-        return kind(**{name: _read(types[name], each) for name, each in given.items()})
+        return kind(**{name: from_json(types[name], each) for name, each in given.items()})
     if wanted is Mapping:
-        return {_read(inner[0], key): _read(inner[1], each) for key, each in kept.items()}
+        return {from_json(inner[0], key): from_json(inner[1], kept[key]) for key in kept}
     if wanted in {tuple, frozenset}:
         of_each = inner if inner[-1] is not ... and wanted is tuple else (inner[0],) * len(kept)
-        return wanted(map(_read, of_each, kept))
+        return wanted(map(from_json, of_each, kept))
     structured = [each for each in inner if is_dataclass(each) or get_origin(each)]
     is_plain = kept is None or (isinstance(kept, str) and Atom not in inner)
-    return kept if is_plain or not structured else _read(structured[0], kept)
+    return kept if is_plain or not structured else from_json(structured[0], kept)
 
 
 @cache
@@ -169,9 +120,8 @@ def embodiment_as_json(embodiment: Embodiment) -> Json:
 def embodiment_from_json(kept: Mapping[str, Any], *, gui: bool = False) -> Embodiment:
     """Return the embodiment that was kept.
 
-    Raises:
-        DataError: the user's own file of objects is gone, or was changed.
-        UnknownNameError: the robot is gone.
+    DataError if the user's own file of objects is gone, or was changed; UnknownNameError if the
+    robot is gone.
     """
     objects = file_from_json(kept["objects"])
     kept = {"simulate": kept.get("simulated"), **kept}  # its name until version 0.1

@@ -1,7 +1,5 @@
 """Merging two bases, with a report of what in one contradicts what in the other."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
@@ -40,6 +38,7 @@ class MergeReport:
             "untrusted": list(self.summary.untrusted),
             "conflicts": [each.as_json() for each in self.conflicts],
             "kept": [{**rule.as_json(), "status": rule.status} for rule in self.kept],
+            "not_taken": dict(self.summary.not_taken),
             "dry_run": self.dry_run,
         }
 
@@ -47,8 +46,7 @@ class MergeReport:
 def merge(base: KnowledgeBase, other: KnowledgeBase, *, name: str, dry_run: bool) -> MergeReport:
     """Add to a base what another one knows, as one unit.
 
-    Raises:
-        ValidationError: the other base breaks a law; nothing has changed.
+    ValidationError if the other base breaks a law; nothing has changed.
     """
     found = _Findings({**other.trust_by_speaker(), **base.trust_by_speaker()})
     summary = merge_stores(base, other.store, source=name, dry_run=dry_run, observer=found)

@@ -4,8 +4,6 @@ A command starts from the scene that the commands before it left, so these are r
 rules are those that held then. Nothing is written into the base.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import nullcontext
@@ -52,7 +50,9 @@ class ReplayResult:
     @property
     def differences(self) -> tuple[str, ...]:
         """The differences, a line each; none when both are equal to the last bit."""
-        return tuple(_differences("", self.recorded, self.repeated))
+        was, now = dict(_leaves("", self.recorded)), dict(_leaves("", self.repeated))
+        paths = (path for path in sorted({*was, *now}) if was.get(path) != now.get(path))
+        return tuple(f"{path}: {was.get(path)}, now {now.get(path)}" for path in paths)
 
     def as_json(self) -> Json:
         """As `hilt replay --json` prints it."""
@@ -68,9 +68,7 @@ class ReplayResult:
 def find_episode(episodes: Sequence[Episode], name: str) -> Episode:
     """Return the episode with this id, or prefix of an id, or the last one for "last".
 
-    Raises:
-        UnknownNameError: there is none.
-        HiltError: there are several.
+    UnknownNameError if there is none; HiltError if there are several.
     """
     if name == LAST and episodes:
         return episodes[-1]
@@ -89,28 +87,21 @@ def replay(
 ) -> ReplayResult:
     """Run an episode again: that with this id, the start of it, or the "last" one.
 
-    A window of the simulator, and the file of a film, are optional.
-
-    Raises:
-        UnknownNameError: there is no such episode.
-        HiltError: it was recorded without what is needed to run it again.
+    A window of the simulator, and the file of a film, are optional. UnknownNameError if there is no
+    such episode; HiltError if it was recorded without what is needed to run it again.
     """
-    kept = list(base.episodes())
-    chain = _chain({each.id: each for each in kept}, find_episode(kept, name))
-    with _agent(_again(chain[0])["circumstances"], base.words(), gui=gui) as agent:
-        for earlier in chain[:-1]:
+    kept = {each.id: each for each in base.episodes()}
+    last = find_episode([*kept.values()], name)
+    chain = [last]  # with those before it, the first one at the end
+    while after := _again(chain[-1])["after"]:
+        if after not in kept:
+            raise HiltError(f"Episode {last.id} goes on from {after}, which is not in the base.")
+        chain.append(kept[after])
+    with _agent(_again(chain[-1])["circumstances"], base.words(), gui=gui) as agent:
+        for earlier in chain[:0:-1]:
             _run(agent, base, earlier)
         with agent.filmed(film) if film else nullcontext():
-            return _run(agent, base, chain[-1])
-
-
-def _chain(episodes: Mapping[str, Episode], last: Episode) -> list[Episode]:
-    chain = [last]
-    while after := _again(chain[-1])["after"]:
-        if after not in episodes:
-            raise HiltError(f"Episode {last.id} goes on from {after}, which is not in the base.")
-        chain.append(episodes[after])
-    return chain[::-1]
+            return _run(agent, base, last)
 
 
 def _again(episode: Episode) -> dict[str, Any]:
@@ -154,15 +145,13 @@ def _run(agent: Agent, base: KnowledgeBase, episode: Episode) -> ReplayResult:
     )
 
 
-def _differences(path: str, before: object, after: object) -> Iterator[str]:
-    if isinstance(before, dict) and isinstance(after, dict):
-        for key in sorted({*before, *after}):
-            if key != "pictures":
-                yield from _differences(
-                    f"{path}.{key}".lstrip("."), before.get(key), after.get(key)
-                )
-    elif isinstance(before, list) and isinstance(after, list) and len(before) == len(after):
-        for index, (one, other) in enumerate(zip(before, after, strict=True)):
-            yield from _differences(f"{path}[{index}]", one, other)
-    elif before != after:
-        yield f"{path}: {json.dumps(before)}, now {json.dumps(after)}"
+def _leaves(path: str, value: object) -> Iterator[tuple[str, str]]:
+    match value:
+        case dict():
+            for key in value.keys() - {"pictures"}:
+                yield from _leaves(f"{path}.{key}".lstrip("."), value[key])
+        case list():
+            for index, each in enumerate(value):
+                yield from _leaves(f"{path}[{index}]", each)
+        case _:
+            yield path, json.dumps(value)

@@ -1,7 +1,5 @@
 """Lines that are typed on a terminal: a prompt, a history over sessions, completion of words."""
 
-from __future__ import annotations
-
 import contextlib
 import sys
 from collections.abc import Callable, Collection, Generator, Iterator

@@ -6,8 +6,6 @@ the conclusion; "which context explains that it was passed by the blade?" return
 which that conclusion holds, the most plausible first.
 """
 
-from __future__ import annotations
-
 from collections import defaultdict
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -16,10 +14,9 @@ from ..kb.formats.value_notation import read_atom
 from ..kb.interval import Interval
 from ..kb.rule import ARGUMENT_KINDS, GRASP_OBJECT, USED_FOR, Atom, Rule
 from .interval_operators import Operators, relative_plausibility
+from .proof import Json
 from .taxonomy import FLAT, Taxonomy
 from .types import Conclusion
-
-Json = dict[str, object]
 
 _FUNCTORS = {"affordance": USED_FOR, "part": GRASP_OBJECT}
 

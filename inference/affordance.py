@@ -11,8 +11,6 @@ the same result. `NodeRules` selects the rules of one node for one goal; more sp
 override general ones (`specificity`).
 """
 
-from __future__ import annotations
-
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import chain
@@ -21,9 +19,9 @@ from typing import Protocol
 from ..kb.interval import CERTAIN, VACUOUS
 from ..kb.rule import GRASP_OBJECT, KIND_OF, Atom, Rule
 from .decision import DecisionRule, ObjectRules
-from .experience import Experience, OutcomeCounts
+from .experience import NO_TRIALS, Experience, OutcomeCounts
 from .node_rules import FIND, NodeRules, acting_for, features_of, implied_atoms
-from .proof import Proof, derive, rule_proof, unknown_proof
+from .proof import Proof, derive
 from .settings import Settings
 from .specificity import MATERIAL, ImpliedAtoms
 from .taxonomy import FLAT, Taxonomy
@@ -86,10 +84,8 @@ class Affordances:
 
         Observations are in the order of the scene, which breaks ties. The candidates are sorted,
         best first: at the find node one for each observation, at any other node one for each object
-        and each part (or other argument) that a rule names.
-
-        Raises:
-            ConflictError: the chosen operators are not defined for the given rules.
+        and each part (or other argument) that a rule names. ConflictError if the chosen operators
+        are not defined for the given rules.
         """
         here = self._node_context(node, goal)
         decision = DecisionRule(node, here.threshold(self.settings), self.settings.operators)
@@ -100,6 +96,10 @@ class Affordances:
         if any(each.accepted for each in found):
             return decision.ranked(found)
         return decision.ranked(found, list(self._absent_candidates(here, observations, decision)))
+
+    def outcomes(self, name: str, part: str, context: str) -> OutcomeCounts:
+        """Return what grasps of an object by a part, for an action, came to."""
+        return self.experience.of(name, part, context) if self.experience else NO_TRIALS
 
     def rules_at(self, keys: Iterable[str]) -> list[Rule]:
         """Return the active rules that are stored under some keys, as "pass.forbidden"."""
@@ -152,9 +152,9 @@ class Affordances:
     def _experience_with(
         self, argument: Atom | None, here: NodeRules, seen: Observation
     ) -> OutcomeCounts | None:
-        if self.experience is None or here.action != GRASP_OBJECT or argument is None:
+        if here.action != GRASP_OBJECT or argument is None:
             return None
-        counts = self.experience.of(seen.object, argument.name, acting_for(here.node))
+        counts = self.outcomes(seen.object, argument.name, acting_for(here.node))
         return counts if counts.outcomes else None
 
     def _absent_candidates(
@@ -179,19 +179,19 @@ class Affordances:
         self, rules: Sequence[Rule], here: NodeRules, seen: Observation, shown: ImpliedAtoms
     ) -> Proof:
         if not rules:
-            return unknown_proof(seen.name)
+            return Proof("unknown", VACUOUS, f"nothing was told of {seen.name}")
         operators = self.settings.operators
         concluded: list[Proof] = []
         for group in self._fusion_groups(rules):
             antecedent = sorted(_evidence_atoms(group[0]))
             known = [_evidence(atom, here, seen, shown) for atom in antecedent]
             premise = derive("and", known, operators)
-            rule = derive("fuse", [rule_proof(each) for each in group], operators)
+            told = [Proof("told", each.support, rule=each) for each in group]
+            rule = derive("fuse", told, operators)
             concluded.append(derive("modus ponens", (premise, rule), operators))
         return derive("fuse", concluded, operators)
 
     def _fusion_groups(self, rules: Sequence[Rule]) -> Iterable[Sequence[Rule]]:
-        """Group the rules that are fused before modus ponens; the newest is in the last group."""
         if len(rules) == 1:
             return [rules]
         in_time = sorted(rules, key=lambda rule: (rule.utterance or 0, rule.id))
@@ -209,7 +209,6 @@ def _evidence_atoms(rule: Rule) -> frozenset[Atom]:
 
 
 def _evidence(atom: Atom, here: NodeRules, seen: Observation, shown: ImpliedAtoms) -> Proof:
-    """Return the evidence for an antecedent; an action on the path of the node is certain."""
     if atom in shown:
         origin = shown[atom][1]
         label = f"{origin} seen on {seen.name}{_kind_of(origin, atom)}"

@@ -5,8 +5,6 @@ combined, K = a1·(1-b2) + (1-b1)·a2 (Shafer 1976), in [0, 1]. Two different pa
 not contradict each other: a knife can be held at either end.
 """
 
-from __future__ import annotations
-
 from collections import defaultdict
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -15,8 +13,7 @@ from itertools import combinations
 from ..kb.interval import Interval
 from ..kb.rule import Atom, Rule
 from .interval_operators import EPSILON
-
-Json = dict[str, object]
+from .proof import Json
 
 
 @dataclass(frozen=True)

@@ -31,11 +31,10 @@ from ..kb.rdf.terms import Term
 from ..kb.rule import Rule
 from ..kb.sparql.named_queries import named_query
 from ..ontology.vocabulary import Iri
+from .proof import Json
 
 CREDIBILITY = 0.95
 BISECTIONS, PRECISION = 60, 1e-16
-
-Json = dict[str, object]
 
 
 @lru_cache(maxsize=4096)
@@ -209,17 +208,15 @@ def teacher_records(
     rules: Iterable[Rule], trust: Mapping[str, Interval], records: Iterable[GraspRecord]
 ) -> list[TeacherRecord]:
     """Return the record of each speaker with a rule about a grasp, by name."""
-    found: dict[str, OutcomeCounts] = {}
+    found: list[TeacherRecord] = []
     known = list(records)
     grasping = [rule for rule in rules if rule.part and rule.asserts]
     for name in sorted({rule.speaker for rule in grasping}):
         own = [rule for rule in grasping if rule.speaker == name]
         followed = [each.counts for each in known if any(_says(rule, each) for rule in own)]
-        found[name] = sum(followed, NO_TRIALS)
-    return [
-        TeacherRecord(name, trust[name].lower if name in trust else 0.0, counts)
-        for name, counts in found.items()
-    ]
+        believed = trust[name].lower if name in trust else 0.0
+        found.append(TeacherRecord(name, believed, sum(followed, NO_TRIALS)))
+    return found
 
 
 def _says(rule: Rule, record: GraspRecord) -> bool:

@@ -4,8 +4,6 @@ Explanations consist of the proofs of the decision itself; evaluating these agai
 numbers.
 """
 
-from __future__ import annotations
-
 from bisect import bisect_left
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -55,13 +53,6 @@ class Counterfactual:
         }
 
 
-def explain_choice(inference: Inference) -> str:
-    """Return the proof of the best candidate as indented text; of the first if none is accepted."""
-    if not inference.candidates:
-        return "nothing was seen that could be meant"
-    return "\n".join(inference.candidates[0].proof.lines())
-
-
 def rejection_reason(inference: Inference, candidate: Candidate) -> str:
     """Return why a candidate was not chosen, or why it was, as the end of a spoken sentence."""
     best = inference.best
@@ -70,12 +61,6 @@ def rejection_reason(inference: Inference, candidate: Candidate) -> str:
     if candidate in inference.ties:
         return f"the {best.name} is as good, and I saw it first"
     return f"I am surer of the {best.name}"
-
-
-def candidate_names(candidate: Candidate) -> tuple[str, ...]:
-    """Return the names of a candidate: those of the object, its class and its argument."""
-    argument = (candidate.argument.name,) if candidate.argument else ()
-    return tuple(dict.fromkeys((candidate.name, candidate.object, *argument)))
 
 
 def counterfactuals(inference: Inference, settings: Settings) -> list[Counterfactual]:
@@ -140,7 +125,6 @@ class _CounterfactualSearch:
 
 
 def _paths(now: Interval) -> tuple[Sequence[Sequence[Interval]], ...]:
-    """Return the corners of the two increasing and of the two decreasing paths."""
     low, high, false = now.lower, now.upper, Interval(0.0, 0.0)
     increasing = (now, Interval(high, high), CERTAIN), (now, Interval(low, 1.0), CERTAIN)
     decreasing = (now, Interval(low, low), false), (now, Interval(0.0, high), false)

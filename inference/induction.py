@@ -27,6 +27,7 @@ from typing import TYPE_CHECKING, Protocol, TypeAlias
 from ..kb.rule import KIND_OF, Atom, Rule
 from ..ontology.objects import ObjectType, ObjectTypes
 from .affordance import RuleSource
+from .proof import Json
 
 if TYPE_CHECKING:
     import networkx as nx
@@ -36,7 +37,6 @@ LEAST_SIMILARITY = 0.3  # below this nothing is induced
 INDUCER = "induction"  # the speaker of induced rules
 GRIP = "grip"  # the role of a part for holding, on which no use rests
 
-Json = dict[str, object]
 Classes: TypeAlias = "Mapping[str, str | None]"  # a class of objects -> its superclass
 
 
@@ -183,13 +183,9 @@ def needed_features(rule: Rule, rules: Iterable[Rule], objects: ObjectTypes) -> 
 def _features(kind: ObjectType) -> frozenset[str]:
     working = [part for part in kind.parts.values() if part.role != GRIP]
     properties = {*kind.properties, *(prop for part in working for prop in part.properties)}
-    return frozenset(
-        (
-            *(f"property:{prop}" for prop in properties),
-            *(f"part:{name}" for name in kind.parts),
-            *(f"role:{part.role}" for part in working),
-        )
-    )
+    roles = (f"role:{part.role}" for part in working)
+    parts = (f"part:{name}" for name in kind.parts)
+    return frozenset((*(f"property:{prop}" for prop in properties), *parts, *roles))
 
 
 def _covers(general: Rule, induced: Rule, kind: ObjectType) -> bool:

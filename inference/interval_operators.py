@@ -11,8 +11,6 @@ Factors are multiplied in sorted order, so that results do not depend, not even 
 the order of teaching.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -102,10 +100,8 @@ def fuse_cautious(intervals: Sequence[Interval]) -> Interval:
 
     With t = min (b-a)/b and f = min (b-a)/(1-a), the weights of the masses that are not committed
     to true and to false, the result is [f·(1-t), f] / (t + f·(1-t)). No digits cancel in this form,
-    so that it is exact up to rounding for intervals of any width.
-
-    Raises:
-        ConflictError: a source is certain (a = b), for which the rule is not defined.
+    so that it is exact up to rounding for intervals of any width. ConflictError if a source is
+    certain (a = b), for which the rule is not defined.
     """
     for interval in intervals:
         if interval.upper - interval.lower <= 0:

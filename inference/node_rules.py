@@ -14,8 +14,6 @@ A rule that names a part of any object ("to pass anything, grab it by the handle
 objects that have such a part: the part is one of its features.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property
 from itertools import chain
@@ -110,7 +108,7 @@ class NodeRules:
             rules = [rule for rule in self._rules_at(key) if self._holds(rule)]
             name = self.goal.target.object
             if name is not None and self.action != FIND:
-                wanted = {above.name for above, _ in self.taxonomy.above(Atom("object", name))}
+                wanted = self.taxonomy.names_above("object", name)
                 rules = [rule for rule in rules if rule.object is None or rule.object in wanted]
             self._selected[key] = rules
         return self._selected[key]
@@ -154,7 +152,6 @@ class NodeRules:
     def _evidence(
         self, premises: Premises, seen: Observation, shown: ImpliedAtoms
     ) -> dict[Atom, Interval]:
-        """Return the evidence for premises; actions, arguments and materials are certain."""
         found: dict[Atom, Interval] = {}
         for _, atom in premises:
             if atom in shown:
@@ -176,7 +173,7 @@ class NodeRules:
 
     @cached_property
     def _material(self) -> frozenset[str]:
-        return material_kinds(self.goal.target.material, self.taxonomy)
+        return self.taxonomy.names_above("object", self.goal.target.material)
 
     def _holds(self, rule: Rule) -> bool:
         contexts = (atom for atom in rule.contexts if atom.kind != MATERIAL)
@@ -189,12 +186,6 @@ class NodeRules:
 def acting_for(node: str) -> str:
     """Return the action that a node is part of: "pass" for "pass/graspObject"."""
     return next(iter(Actions.contexts(node)), node)
-
-
-def material_kinds(name: str | None, taxonomy: Taxonomy) -> frozenset[str]:
-    """Return the names of a material and of its more general kinds: rye bread is bread."""
-    kinds = taxonomy.above(Atom("object", name)) if name else ()
-    return frozenset(kind.name for kind, _ in kinds)
 
 
 def implied_atoms(atoms: Iterable[Atom], taxonomy: Taxonomy) -> ImpliedAtoms:

@@ -18,7 +18,7 @@ from ..kb.rule import FORBIDDEN, NORMS, OBLIGED, PERMITTED, Atom, Rule
 from .affordance import Affordances
 from .interval_operators import EPSILON, Operators
 from .node_rules import implied_atoms
-from .proof import Json, Proof, derive, rule_proof
+from .proof import Json, Proof, derive
 from .specificity import ImpliedAtoms, Specificity
 from .taxonomy import Taxonomy
 
@@ -179,7 +179,6 @@ class _JudgedAct:
         return rule.part is None or rule.functor == OBLIGED or self._is_part(rule.part)
 
     def _premises(self, rule: Rule) -> list[Atom]:
-        """What must hold of an act beside its action; of an obligation not what comes first."""
         others = (atom for atom in rule.contexts if atom.kind not in {"action", "object"})
         return sorted((*rule.features, *others))
 
@@ -187,9 +186,7 @@ class _JudgedAct:
         return self._evidence[self._shown[atom][1]]
 
     def _is_part(self, wanted: str) -> bool:
-        held = self.act.part
-        kinds = self.taxonomy.above(Atom("part", held)) if held else ()
-        return any(kind.name == wanted for kind, _ in kinds)
+        return wanted in self.taxonomy.names_above("part", self.act.part)
 
     def unseen(self, rule: Rule) -> tuple[str, ...]:
         """Return the properties of a norm that nobody can see: whether a mug is hot."""
@@ -207,21 +204,18 @@ class _JudgedAct:
         return not self._is_met(rule)
 
     def _is_met(self, rule: Rule) -> bool:
-        """Whether what must come first was done, since the act itself was done last."""
         first = rule.argument.name if rule.argument else ""
         named = next((atom.name for atom in rule.contexts if atom.kind == "object"), None)
         held, thing = self.act.holding, named or self.act.object
+        kinds = self.taxonomy.names_above
         if first == PUT_DOWN:
-            return held is None or (thing is not None and thing not in self._kinds(held))
+            return held is None or (thing is not None and thing not in kinds("object", held))
         for action, done_with in reversed(self.act.done):
-            if action == first and thing in {None, *self._kinds(done_with)}:
+            if action == first and thing in {None, *kinds("object", done_with)}:
                 return True
             if action == rule.context and done_with == self.act.object:
                 return False
         return False
-
-    def _kinds(self, name: str) -> frozenset[str]:
-        return frozenset(kind.name for kind, _ in self.taxonomy.above(Atom("object", name)))
 
     def conflict(self, rule: Rule, permission: Rule) -> NormConflict:
         """Return which of a norm against the act and a permission prevails, and why."""
@@ -245,7 +239,7 @@ class _JudgedAct:
         premise = derive(
             "and", known or [Proof("given", CERTAIN, f"action:{rule.context}")], operators
         )
-        return derive("modus ponens", (premise, rule_proof(rule)), operators)
+        return derive("modus ponens", (premise, Proof("told", rule.support, rule=rule)), operators)
 
 
 def _is_likely(interval: Interval) -> bool:
@@ -253,5 +247,4 @@ def _is_likely(interval: Interval) -> bool:
 
 
 def _rank(rule: Rule) -> tuple[float, float, str]:
-    """The order of norms that are equally specific; what is said for now comes last."""
     return rule.trust, math.inf if rule.utterance is None else rule.utterance, rule.id

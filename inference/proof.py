@@ -10,9 +10,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
-from ..kb.interval import VACUOUS, Interval
+from ..kb.interval import Interval
 from ..kb.rule import Rule
 from .interval_operators import Operators
 
@@ -28,7 +28,7 @@ Step = Literal[
     "modus ponens",
     "discount",
 ]
-Json = dict[str, object]
+Json = dict[str, Any]
 
 LEAVES = ("seen", "given", "told", "unknown", "experienced")
 
@@ -74,8 +74,7 @@ class Proof:
     ) -> Interval:
         """Evaluate the proof again, with other intervals `instead` of those of some leaves.
 
-        Raises:
-            ConflictError: an operator is not defined for its inputs.
+        ConflictError if an operator is not defined for its inputs.
         """
         if self.step in LEAVES:
             return (instead or {}).get(self, self.interval)
@@ -105,11 +104,6 @@ class Proof:
             yield f"{'  ' * (depth + 1)}overruled by a more specific rule  {_told(rule)}"
 
 
-def unknown_proof(name: str) -> Proof:
-    """Return the proof of a conclusion about which no rule says anything."""
-    return Proof("unknown", VACUOUS, f"nothing was told of {name}")
-
-
 def apply_operator(step: Step, inputs: Sequence[Interval], operators: Operators) -> Interval:
     """Return the result of an operator."""
     if step == "and":
@@ -129,11 +123,6 @@ def derive(step: Step, inputs: Sequence[Proof], operators: Operators) -> Proof:
         return inputs[0]
     interval = apply_operator(step, [each.interval for each in inputs], operators)
     return Proof(step, interval, inputs=tuple(inputs))
-
-
-def rule_proof(rule: Rule) -> Proof:
-    """Return a rule as evidence, discounted by the trust in its speaker."""
-    return Proof("told", rule.support, rule=rule)
 
 
 def _told(rule: Rule) -> str:

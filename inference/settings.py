@@ -6,12 +6,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field, fields, replace
+from functools import reduce
 from pathlib import Path
 
 from ..kb.rule import Atom
-from ..ontology.errors import DataError, HiltError, UnknownNameError
+from ..ontology.errors import DataError, UnknownNameError, ValidationError
 from ..ontology.yaml_reader import YamlNode, read_yaml
 from .interval_operators import Operators
 
@@ -19,7 +21,10 @@ SETTINGS_FILE = Path(__file__).parents[1] / "ontology" / "settings.yaml"
 STAGES = ("rules", "conclusions")
 DETECTIONS = ("open", "point")
 OPERATORS = tuple(each.name for each in fields(Operators))
-THRESHOLD, CONTRADICTION = "threshold", "contradiction"
+THRESHOLD, CONTRADICTION = NUMBERS = "threshold", "contradiction"
+TEXTS = ("stage", "detection")
+
+Choice = tuple[str, YamlNode]  # the name of a setting, as on the command line, and its value
 
 
 @dataclass(frozen=True)
@@ -57,14 +62,8 @@ class Settings:
     @classmethod
     def load(cls, path: Path = SETTINGS_FILE) -> Settings:
         """Return the settings of a file; a DataError says where what was expected."""
-        top = read_yaml(path).entries(
-            optional=[*OPERATORS, "stage", "detection", CONTRADICTION, THRESHOLD]
-        )
-        chosen = cls()
-        for name, value in top.items():
-            if name != THRESHOLD:
-                chosen = _chosen(chosen, name, value)
-        return _with_thresholds(chosen, top[THRESHOLD]) if THRESHOLD in top else chosen
+        top = read_yaml(path).entries(optional=[*OPERATORS, *TEXTS, *NUMBERS])
+        return reduce(_with_choice, _choices(top), cls())
 
     def with_choices(self, choices: Iterable[str]) -> Settings:
         """Return a copy with some settings replaced.
@@ -75,13 +74,7 @@ class Settings:
         Raises:
             DataError: a choice does not have that form, or there is no such setting.
         """
-        chosen = self
-        for choice in choices:
-            name, equals, value = choice.partition("=")
-            if not equals:
-                raise DataError('expected NAME=VALUE, as "fusion=dempster".', source=choice)
-            chosen = _chosen(chosen, name.strip(), YamlNode(_plain(value), choice, 0, 0))
-        return chosen
+        return reduce(_with_choice, map(_parsed, choices), self)
 
     def threshold_of(self, actions: Iterable[str], others: Iterable[Atom] = ()) -> float:
         """Return Λ: that of the nearest action that has one, raised by those of places and roles.
@@ -93,46 +86,44 @@ class Settings:
         return max((next(own, self.threshold), *asked))
 
 
-def _chosen(settings: Settings, name: str, value: YamlNode) -> Settings:
+def _choices(top: Mapping[str, YamlNode]) -> Iterator[Choice]:
+    for name, value in top.items():
+        if name != THRESHOLD:
+            yield name, value
+            continue
+        keys = value.entries(required={"default"}, optional={"contexts"})
+        yield THRESHOLD, keys["default"]
+        for context, each in keys["contexts"].entries().items() if "contexts" in keys else ():
+            yield f"{THRESHOLD}.{context}", each
+
+
+def _parsed(choice: str) -> Choice:
+    name, equals, text = choice.partition("=")
+    if not equals:
+        raise DataError('expected NAME=VALUE, as "fusion=dempster".', source=choice)
+    value: object = text.strip()
+    with suppress(ValueError):
+        value = float(text)
+    return name.strip(), YamlNode(value, choice, 0, 0)
+
+
+def _with_choice(settings: Settings, choice: Choice) -> Settings:
+    name, value = choice
     first, _, context = name.partition(".")
-    if name == CONTRADICTION:
-        return replace(settings, contradiction=value.number(low=0, high=1))
-    if first == THRESHOLD:
-        return _with_threshold(settings, context, value.number(low=0, high=1))
-    known = (*OPERATORS, "stage", "detection", CONTRADICTION, THRESHOLD, f"{THRESHOLD}.CONTEXT")
+    if name in NUMBERS:
+        return replace(settings, **{name: value.number(low=0, high=1)})
     try:
         if name in OPERATORS:
             operators = replace(settings.operators, **{name: value.text()})
             return replace(settings, operators=operators)
-        if name in {"stage", "detection"}:
+        if name in TEXTS:
             return replace(settings, **{name: value.text()})
-        raise UnknownNameError("choice", name, known)
-    except UnknownNameError as error:
+        if first != THRESHOLD:
+            known = (*OPERATORS, *TEXTS, *NUMBERS, f"{THRESHOLD}.CONTEXT")
+            raise UnknownNameError("choice", name, known)
+        if ":" in context:
+            Atom.parse(context)
+    except (UnknownNameError, ValidationError) as error:
         raise value.fail(str(error)) from error
-
-
-def _with_thresholds(settings: Settings, spec: YamlNode) -> Settings:
-    keys = spec.entries(required={"default"}, optional={"contexts"})
-    settings = _with_threshold(settings, "", keys["default"].number(low=0, high=1))
-    contexts = keys["contexts"].entries() if "contexts" in keys else {}
-    for name, value in contexts.items():
-        if ":" in name:
-            try:
-                Atom.parse(name)
-            except HiltError as error:
-                raise value.fail(str(error)) from error
-        settings = _with_threshold(settings, name, value.number(low=0, high=1))
-    return settings
-
-
-def _with_threshold(settings: Settings, context: str, threshold: float) -> Settings:
-    if not context:
-        return replace(settings, threshold=threshold)
-    return replace(settings, thresholds={**settings.thresholds, context: threshold})
-
-
-def _plain(value: str) -> float | str:
-    try:
-        return float(value)
-    except ValueError:
-        return value.strip()
+    thresholds = {**settings.thresholds, context: value.number(low=0, high=1)}
+    return replace(settings, thresholds=thresholds)

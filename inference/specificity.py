@@ -13,8 +13,6 @@ own. But it does so only if the premises that it adds are more plausible than no
 blunt knives says nothing of a knife that does not look blunt. An overridden rule overrides none.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 
 from ..kb.rule import Atom, Rule
@@ -110,7 +108,6 @@ class Specificity:
         return any(kind == above for kind, _ in self._taxonomy.above(atom))
 
     def _competes(self, one: Rule, other: Rule) -> bool:
-        """Whether a rule replaces a more general one, where arguments are alternatives."""
         if one.argument is None or other.argument is None or one.argument == other.argument:
             return True
         return self._is_kind(one.argument, other.argument) or (one.asserts and other.asserts)

@@ -7,17 +7,28 @@ steps.
 
 from __future__ import annotations
 
+import re
 from collections import defaultdict
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from itertools import chain, product
+from typing import cast
+from urllib.parse import unquote
 
 from ..kb.interval import Interval
 from ..kb.knowledge_base import KnowledgeBase
-from ..kb.rule import KIND_OF, Atom, Rule
+from ..kb.rdf.terms import Literal
+from ..kb.rule import KIND_OF, MAX_NAME, Atom, Rule
 from ..ontology.errors import DataError
-from ..ontology.vocabulary import Iri, split
+from ..ontology.vocabulary import Iri, ontology_graph, split
 from .interval_operators import fuse_yager
 
 _IS_A = "SELECT ?kind ?above { GRAPH graph:domain { ?kind hilt:isA ?above } } ORDER BY ?kind ?above"
+_LABELS = """SELECT ?node ?label { VALUES ?key { rdfs:label skos:prefLabel }
+    GRAPH ?g { ?node ?key ?label } }"""
+_FOREIGN = """SELECT ?kind ?same ?above {
+    VALUES (?key ?same) { (rdfs:subClassOf false) (owl:sameAs true) (owl:equivalentClass true) }
+    GRAPH ?g { ?kind ?key ?above } FILTER(isIRI(?above)) }"""
+GENID = "/.well-known/genid/"
 _KINDS = ("object", "part", "property", "action", "place", "role")
 
 
@@ -32,22 +43,33 @@ class Taxonomy:
         DataError: the hierarchy has a cycle.
     """
 
-    def __init__(self, pairs: Iterable[tuple[Atom, Atom]] = ()) -> None:
+    def __init__(
+        self, pairs: Iterable[tuple[Atom, Atom]] = (), *, foreign: Iterable[tuple[Atom, Atom]] = ()
+    ) -> None:
+        """Make it of pairs, and of those of ontologies, which may have cycles: of synonyms."""
         self._parents: dict[Atom, list[Atom]] = defaultdict(list)
         self._children: dict[Atom, list[Atom]] = defaultdict(list)
-        for kind, above in pairs:
-            self._parents[kind].append(above)
-            self._children[above].append(kind)
+        for pair in pairs:
+            self._add(*pair)
         for kind in self._parents:
             if any(kind in _reachable(self._parents, above) for above in self._parents[kind]):
                 raise DataError(f'"{kind}" would be a kind of itself.', source="is-a")
         self._above: dict[Atom, tuple[tuple[Atom, int], ...]] = {}
+        own = {kind: [*above] for kind, above in self._parents.items()}
+        for kind, above in foreign:
+            if kind not in _reachable(own, above):  # else the household says the opposite
+                self._add(kind, above)
+
+    def _add(self, kind: Atom, above: Atom) -> None:
+        self._parents[kind].append(above)
+        self._children[above].append(kind)
 
     @classmethod
     def declared(cls, base: KnowledgeBase) -> Taxonomy:
         """Return the taxonomy in the domain graph of a knowledge base, without what was taught."""
         atoms = ((_atom(kind), _atom(above)) for kind, above in base.select(_IS_A))
-        return cls((kind, above) for kind, above in atoms if kind and above)
+        foreign = chain.from_iterable(_foreign_pairs(base, name) for name in base.taxonomies)
+        return cls(((kind, above) for kind, above in atoms if kind and above), foreign=foreign)
 
     @classmethod
     def from_base(cls, base: KnowledgeBase) -> Taxonomy:
@@ -68,16 +90,19 @@ class Taxonomy:
         told = [pair for pair, interval in fused if interval.lower + interval.upper > 1]
         if not told:
             return self
-        found = Taxonomy((kind, above) for kind, each in self._parents.items() for above in each)
+        found = Taxonomy()
+        for kind, each in self._parents.items():
+            for above in each:
+                found._add(kind, above)
         for kind, above in told:
             if kind not in _reachable(found._parents, above):
-                found._parents[kind].append(above)
-                found._children[above].append(kind)
+                found._add(kind, above)
         return found
 
-    def is_above(self, name: str, other: str) -> bool:
-        """Whether an object is another one, or a more general kind of it."""
-        return Atom("object", name) in _reachable(self._parents, Atom("object", other))
+    def names_above(self, kind: str, name: str | None) -> frozenset[str]:
+        """Return the name of an atom of a kind and those of its superclasses; of None nothing."""
+        above = self.above(Atom(kind, name)) if name else ()
+        return frozenset(atom.name for atom, _ in above)
 
     def above(self, atom: Atom) -> tuple[tuple[Atom, int], ...]:
         """Return the atom and its superclasses, each with its distance, nearest first."""
@@ -101,9 +126,36 @@ def _reachable(edges: Mapping[Atom, Iterable[Atom]], start: Atom) -> dict[Atom, 
 
 
 def _atom(node: object) -> Atom | None:
-    """Return the atom of a node; None if rules cannot refer to it (the blade of one knife type)."""
     kind, name = split(node) if isinstance(node, Iri) else ("", "")
     return Atom(kind, name) if kind in _KINDS and "." not in name else None
+
+
+def _foreign_pairs(base: KnowledgeBase, name: str) -> Iterator[tuple[Atom, Atom]]:
+    """The kinds in an ontology: each name of a class is below those of one above."""
+    graph = {"g": ontology_graph(name)}
+    names: dict[Iri, set[str]] = defaultdict(set)
+    for node, label in base.select(_LABELS, graph):
+        if isinstance(label, str) or (isinstance(label, Literal) and label.language[:2] == "en"):
+            names[cast(Iri, node)].add(_words(label if isinstance(label, str) else label.lexical))
+    for kind, is_same, above in base.select(_FOREIGN, graph):
+        ends = [_names(cast(Iri, node), names) for node in (kind, above)]
+        for lower, upper in product(*ends):
+            if lower != upper:
+                yield lower, upper
+                if is_same:
+                    yield upper, lower
+
+
+def _names(node: Iri, labels: Mapping[Iri, set[str]]) -> list[Atom]:
+    if GENID in node:
+        return []
+    words = {*labels.get(node, ()), _words(unquote(re.split(r"[/#]", node)[-1]))}
+    return [Atom("object", name) for name in sorted(words) if 0 < len(name) <= MAX_NAME]
+
+
+def _words(text: str) -> str:
+    apart = re.sub(r"(?<=[a-z])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])", " ", text)
+    return " ".join(re.findall(r"[^\W_]+", apart)).lower()
 
 
 FLAT = Taxonomy()  # without any is-a relation

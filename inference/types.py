@@ -6,8 +6,6 @@ reported by vision with an interval for each feature, and an `Inference` is the 
 the action tree: all candidates with interval and proof, the best one, and its ties.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property

@@ -4,8 +4,6 @@ A backup is a folder that can be opened like any base. On the same disk it share
 of the base, which never change once written; a backup against disk failure goes to another disk.
 """
 
-from __future__ import annotations
-
 import os
 import shutil
 import tempfile
@@ -16,7 +14,7 @@ from pathlib import Path
 from ..ontology.errors import InUseError, StoreError
 from .knowledge_base import KnowledgeBase
 from .stores.base import MEMORY
-from .stores.directory import replaced_place, sync
+from .stores.directory import replaced_place, sync, unfinished_name
 from .stores.opening import open_store
 from .stores.oxigraph import open_folder
 
@@ -28,10 +26,8 @@ _OCCUPIED = '"{}" holds a knowledge base. Say that it is to be replaced (--repla
 def backup(base: KnowledgeBase, target: Path) -> int:
     """Write a copy of a base into a new folder, and return the number of its last utterance.
 
-    The base may be in use; there must be no folder `target`.
-
-    Raises:
-        StoreError: it cannot be written, or cannot be read back.
+    The base may be in use; there must be no folder `target`. StoreError if it cannot be written, or
+    cannot be read back.
     """
     if target.exists():
         raise StoreError(f'"{target}" is there already. Name a new folder for the backup.')
@@ -48,10 +44,7 @@ def restore(source: Path, location: str, *, replace: bool = False) -> int:
     """Restore a base from a backup, and return the number of its last utterance.
 
     The location is a folder, or the address of an endpoint; `replace` allows that what is there is
-    lost.
-
-    Raises:
-        StoreError: the backup cannot be read; or the place holds a base, or is in use.
+    lost. StoreError if the backup cannot be read; or the place holds a base, or is in use.
     """
     number = check(source)
     if location == MEMORY:
@@ -81,7 +74,6 @@ def _restore_folder(source: Path, target: Path, *, replace: bool) -> None:
 
 
 def _check_free(target: Path, *, replace: bool) -> None:
-    """Check that a folder may be replaced; it exists, and is a base, afterwards."""
     owner = open_folder(target)
     holds_base = any(owner.quads())
     owner.close()  # it would go on compacting files under this name
@@ -105,7 +97,6 @@ def _locked(folder: Path) -> Generator[None]:
 
 
 def _exchange(place: Path, target: Path) -> None:
-    """Replace a folder by another; after a crash in between, the old one comes back."""
     old = replaced_place(target)
     target.rename(old)
     place.rename(target)
@@ -114,22 +105,25 @@ def _exchange(place: Path, target: Path) -> None:
 
 
 def _restore_endpoint(source: Path, location: str, *, replace: bool) -> None:
+    from .stores.remote import open_remote  # with a library that folders do not need
+
     with (
         closing(open_store(source, read_only=True)) as backup_store,
-        closing(open_store(location)) as store,
+        closing(open_remote(location)) as store,
+        store.writing(),
     ):
-        before = list(store.quads())
-        if before and not replace:
+        if not replace and any(store.select("SELECT ?s WHERE { ?s ?p ?o } LIMIT 1")):
             raise StoreError(_OCCUPIED.format(store.location))
-        with store.writing():
-            store.apply(delete=before, insert=list(backup_store.quads()))
+        store.replace(backup_store.quads())
 
 
 @contextmanager
 def _beside(target: Path) -> Generator[Path]:
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(prefix=f".{target.name}.", dir=target.parent) as folder:
+        with tempfile.TemporaryDirectory(
+            prefix=unfinished_name(target), dir=target.parent
+        ) as folder:
             yield Path(folder) / "base"
     except StoreError:
         raise

@@ -1,19 +1,17 @@
 """The rule changes of each utterance, and the difference between two bases."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from ..ontology.errors import NotFoundError, ValidationError
 from ..ontology.vocabulary import Iri
-from .history import IMPORT, Utterance
+from .history import HISTORY, IMPORT, KIND, Utterance, utterance_iri
 from .interval import Interval
 from .learned_words import LearnedWord
 from .rdf import rule_mapping
 from .reader import RuleReader
-from .rule import Rule
+from .rule import Atom, Rule
 
 _RULE_NAME = re.compile(r"(?:rule[/:])?([0-9a-f]{4,16})")
 _TOO_SHORT = re.compile(r"(?:rule[/:])?[0-9a-f]{0,3}")  # could be the number of an utterance
@@ -84,12 +82,21 @@ class BaseDifference:
         return found
 
 
-def rule_changes(base: RuleReader, *, since: int = 0) -> Iterator[UtteranceChanges]:
-    """The utterances after a number, with the rules that each changed."""
+def rule_changes(
+    base: RuleReader, *, since: int = 0, speaker: str | None = None, object: str | None = None
+) -> Iterator[UtteranceChanges]:
+    """The utterances after a number, with the rules that each changed.
+
+    Only those of a speaker, and those that changed a rule about an object, where these are given.
+    """
     for utterance in base.history(since=since):
+        if speaker is not None and utterance.speaker.casefold() != speaker.casefold():
+            continue
         changed = (utterance.asserts, utterance.retracts, utterance.supersedes)
         told, retracted, superseded = (tuple(map(base.rule, ids)) for ids in changed)
-        yield UtteranceChanges(utterance, told, retracted, superseded)
+        touched = (rule.features for rule in told + retracted + superseded)
+        if object is None or any(Atom("object", object) in features for features in touched):
+            yield UtteranceChanges(utterance, told, retracted, superseded)
 
 
 def compare_bases(before: RuleReader, after: RuleReader) -> BaseDifference:
@@ -134,9 +141,11 @@ def last_taught_rules(base: RuleReader, speaker: str) -> list[Rule]:
     An UnknownNameError lists other speakers when this one has no active rule.
     """
     others = set[str]()
-    for utterance in base.history(newest_first=True):
-        if utterance.kind == IMPORT:  # a file that attributes a rule to the speaker
+    for number in range(base.sequence, 0, -1):
+        kinds = base.store.quads(utterance_iri(number), KIND, None, HISTORY)
+        if all(quad.object == IMPORT for quad in kinds):  # a file; it may assert very many rules
             continue
+        utterance = base.utterance(number)
         rules = [base.rule(one) for one in utterance.asserts]
         active = [
             rule

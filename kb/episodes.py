@@ -5,12 +5,11 @@ which node, what each grasp came to); the complete record, as `hilt do --json` p
 beside them as one text. Experience is counted from the grasp trials, which are stored nowhere else.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from datetime import datetime
 from decimal import Decimal
+from itertools import groupby
 from numbers import Number
 from typing import cast
 
@@ -27,6 +26,7 @@ from .rdf.record_mapping import (
 )
 from .rdf.rule_mapping import (
     CONTEXT,
+    DERIVED,
     FEATURE,
     GENERATED_AT,
     LOWER,
@@ -38,7 +38,7 @@ from .rdf.rule_mapping import (
 )
 from .rdf.terms import Quad, Term
 from .rule import Atom
-from .stores.base import Store
+from .stores.base import ReadableStore, Store
 
 EPISODES = iri("graph", "episodes")
 
@@ -134,7 +134,14 @@ class Episode:
 
 
 def episode_quads(episode: Episode) -> Iterator[Quad]:
-    """The statements about a recorded episode, its steps and its grasp trials."""
+    """The statements about a recorded episode, its steps and its grasp trials, and what follows."""
+    stored = list(_stored_quads(episode))
+    yield from stored
+    for node, some in groupby(sorted(stored), key=lambda quad: quad.subject):
+        yield from observation_quads(node, [(quad.predicate, quad.object) for quad in some])
+
+
+def _stored_quads(episode: Episode) -> Iterator[Quad]:
     node = iri("episode", episode.id)
     yield from _EPISODES.quads(node, episode)
     for index, step in enumerate(episode.steps):
@@ -153,11 +160,23 @@ def episode_quads(episode: Episode) -> Iterator[Quad]:
         yield from _TRIALS.quads(trial_node, trial)
 
 
+def observation_quads(node: Iri, properties: Iterable[tuple[Iri, Term]]) -> Iterator[Quad]:
+    """What follows from an episode or a grasp trial with these properties: an observation."""
+    found = group_properties(properties)
+    if _TRIALS.type in found[TYPE]:
+        yield Quad(node, TYPE, external("sosa:Observation"), DERIVED)
+        for name, key in _OBSERVED.items():
+            yield from (Quad(node, key, value, DERIVED) for value in found[_TRIAL[name].predicate])
+    for trial in found[TRIAL]:
+        for time in found[GENERATED_AT]:
+            yield Quad(cast(Iri, trial), external("sosa:resultTime"), time, DERIVED)
+
+
 def read_episodes(store: Store) -> Iterator[Episode]:
     """All episodes of a store, the oldest first."""
     found = {quad.subject for quad in store.quads(None, TYPE, _EPISODES.type, EPISODES)}
     yield from sorted(
-        (_read(store, node) for node in found), key=lambda one: (one.utterance or 0, one.id)
+        (read_episode(store, node) for node in found), key=lambda one: (one.utterance or 0, one.id)
     )
 
 
@@ -171,14 +190,15 @@ def trial_nodes(store: Store, of: str | None, part: str | None) -> Iterator[Iri]
             yield quad.subject
 
 
-def _read(store: Store, node: Iri) -> Episode:
+def read_episode(store: ReadableStore, node: Iri) -> Episode:
+    """The episode of a node; ValidationError or KeyError if something of it is missing."""
     found = group_properties(store.properties(node, EPISODES))
     steps = tuple(map(_read_step, _in_order(store, found[STEP])))
     trials = tuple(map(_TRIALS.read, _in_order(store, found[TRIAL])))
     return _EPISODES.read(found, steps=steps, trials=trials, id=local_name(node))
 
 
-def _in_order(store: Store, nodes: Iterable[Term]) -> list[PropertyValues]:
+def _in_order(store: ReadableStore, nodes: Iterable[Term]) -> list[PropertyValues]:
     found = [group_properties(store.properties(cast(Iri, node), EPISODES)) for node in nodes]
     return sorted(found, key=lambda each: cast(int, each[INDEX][0]))
 
@@ -212,6 +232,10 @@ _TRIAL = {
     "outcome": FieldProperty(term("outcome"), str),
     "robot": FieldProperty(term("robot"), str),
     "forgotten_by": FieldProperty(FORGOTTEN_BY, Iri, utterance_iri, utterance_number, None),
+}
+_OBSERVED = {
+    "object": external("sosa:hasFeatureOfInterest"),
+    "outcome": external("sosa:hasSimpleResult"),
 }
 _EPISODE = {
     "goal": FieldProperty(term("goal"), str),

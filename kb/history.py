@@ -5,8 +5,6 @@ stays linked to the utterance that asserted it when it is later retracted or sup
 rules of any earlier time can be found (`views`).
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -16,9 +14,10 @@ from functools import partial
 from pathlib import PurePath
 
 from ..ontology.errors import ValidationError
-from ..ontology.vocabulary import Iri, iri, term
-from .rdf.record_mapping import FieldProperty, RecordMapping, group_properties, local_name
-from .rdf.rule_mapping import ATTRIBUTED_TO, GENERATED_AT, rule_id, rule_iri
+from ..ontology.vocabulary import Iri, external, iri, term
+from .interval import Interval
+from .rdf.record_mapping import TYPE, FieldProperty, RecordMapping, group_properties, local_name
+from .rdf.rule_mapping import ATTRIBUTED_TO, DERIVED, GENERATED_AT, rule_id, rule_iri
 from .rdf.terms import Quad, Term, lexical
 from .rule import MAX_NAME, check_speaker
 
@@ -29,6 +28,10 @@ MAX_TEXT = 100_000  # characters of an utterance or its predicate that are kept
 
 SEQUENCE, TEXT, PREDICATE, KIND = (term(n) for n in ("sequence", "text", "predicate", "kind"))
 ACCEPTED, ANSWER, HEARD = (term(n) for n in ("accepted", "answer", "heard"))
+TRUST_LOWER, TRUST_UPPER = term("trustLower"), term("trustUpper")
+_GENERATED_BY, _AGENT = external("prov:wasGeneratedBy"), external("prov:wasAssociatedWith")
+_STARTED = external("prov:startedAtTime")
+_TRUST = re.compile(r"trust\(([^,()]+),([0-9.e-]+),([0-9.e-]+)\)")  # as `set_trust` writes it
 ASSERTS, RETRACTS, SUPERSEDES = (term(n) for n in ("asserts", "retracts", "supersedes"))
 
 
@@ -100,8 +103,34 @@ def utterance_iri(sequence: int) -> Iri:
 
 
 def utterance_quads(utterance: Utterance) -> Iterator[Quad]:
-    """The statements about an utterance."""
-    return _UTTERANCES.quads(utterance_iri(utterance.sequence), utterance)
+    """The statements about an utterance, and what follows: an activity, and the trust that it set.
+
+    An utterance is what was said; the activity of saying it had a time and an agent.
+    """
+    node, activity = utterance_iri(utterance.sequence), iri("activity", str(utterance.sequence))
+    yield from _UTTERANCES.quads(node, utterance)
+    yield Quad(node, _GENERATED_BY, activity, DERIVED)
+    yield Quad(activity, TYPE, external("prov:Activity"), DERIVED)
+    yield Quad(activity, _AGENT, iri("speaker", utterance.speaker), DERIVED)
+    yield Quad(activity, _STARTED, utterance.time, DERIVED)
+    if found := parse_trust(utterance):
+        speaker, trust = found
+        yield Quad(node, term("trusted"), iri("speaker", speaker), DERIVED)
+        yield from trust_bounds(node, trust, DERIVED)
+
+
+def parse_trust(utterance: Utterance) -> tuple[str, Interval] | None:
+    """The speaker and the trust that an utterance set; None when it set none."""
+    found = _TRUST.fullmatch(utterance.predicate)
+    if utterance.kind != "trust" or found is None:
+        return None
+    return found[1], Interval(float(found[2]), float(found[3]))
+
+
+def trust_bounds(node: Iri, trust: Interval, graph: Iri) -> Iterator[Quad]:
+    """The statements of the bounds of a trust."""
+    yield Quad(node, TRUST_LOWER, Decimal(str(trust.lower)), graph)
+    yield Quad(node, TRUST_UPPER, Decimal(str(trust.upper)), graph)
 
 
 def read_utterance(properties: Iterable[tuple[Iri, Term]]) -> Utterance:

@@ -5,31 +5,37 @@ version of Hilt is never misread by an earlier one. A base of an earlier format 
 is opened for writing: each step is one SPARQL update, applied together with the new number, so a
 base is always wholly in one format. At an endpoint that does not apply both at once the number
 comes last, and the step is repeated. Steps are never changed after their release.
+
+What follows from the rules, the history and the episodes is in a graph of its own, which every
+write keeps up to date; it is made anew after a migration, and on request. A base names the version
+of that graph last of all, so that one that was made in part is made again.
 """
 
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import AbstractContextManager
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import AbstractContextManager, suppress
 from dataclasses import replace
 from datetime import datetime
+from itertools import groupby
 from pathlib import Path
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, TypeAlias, cast
 
-from ..ontology.errors import QueryError, StoreError
-from ..ontology.vocabulary import HILT, Iri, term
-from .episodes import Episode, episode_quads, read_episodes
+from ..ontology.errors import QueryError, StoreError, ValidationError
+from ..ontology.vocabulary import HILT, PREFIXES, Iri, term
+from .episodes import EPISODES, Episode, episode_quads, observation_quads, read_episodes
+from .history import HISTORY, read_utterance, utterance_quads
 from .interval import CERTAIN
-from .rdf.rule_mapping import TYPE
-from .rdf.terms import Quad, Term
+from .rdf.rule_mapping import BELIEFS, DERIVED, TYPE, read_rule, rule_quads
+from .rdf.terms import Quad, Term, as_sparql
 from .reader import BASE_GRAPH, BASE_NODE
 from .rule import DEFAULT_SPEAKER
+from .sparql import query_text
 from .sparql.named_queries import named_query
-from .sparql.query_text import Bindings, bind_variables, delete_insert, join_updates, query_form
 from .sparql.results import QueryLimits, QueryResult, SelectResult
 from .sparql.safety import refuse_external_access
-from .stores.base import Store
+from .stores.base import EmbeddedStore, ReadableStore, Store, batched
 from .stores.opening import open_store
 from .writer import RuleWriter, to_milliseconds, trust_quads
 
@@ -37,11 +43,37 @@ if TYPE_CHECKING:
     from ..ontology.actions import Actions
     from ..ontology.objects import ObjectTypes
 
-FORMAT = 1  # raised when earlier versions would misread what is written
+FORMAT = 2  # raised when earlier versions would misread what is written
 FORMAT_VERSION = term("formatVersion")
 
+_EPISODES = "SELECT (COUNT(*) AS ?n) WHERE { GRAPH graph:episodes { ?episode a hilt:Episode } }"
+
+# In format 1 what follows from rules stood among the beliefs; it is derived anew.
+_TO_2 = """
+DELETE { GRAPH graph:beliefs { ?node ?key ?value } }
+WHERE {
+  VALUES ?key { hilt:rule hilt:usedFor hilt:graspedBy hilt:affords }
+  GRAPH graph:beliefs { ?node ?key ?value }
+} ;
+DELETE { GRAPH graph:beliefs { ?node rdf:type ?class ; rdfs:label ?label } }
+WHERE {
+  VALUES ?class {
+    hilt:Object hilt:Part hilt:Property hilt:Action hilt:Place hilt:Role hilt:Affordance
+    hilt:Material hilt:Node hilt:Functor
+  }
+  GRAPH graph:beliefs { ?node rdf:type ?class ; rdfs:label ?label }
+}"""
+
 # Format -> the update to the next one. Add a step when FORMAT is raised.
-STEPS: Mapping[int, str] = {}
+STEPS: Mapping[int, str] = {1: _TO_2}
+
+_VERSION = 1  # raised when something else follows than before
+DERIVATION = term("derivation")
+MARK = Quad(BASE_NODE, DERIVATION, _VERSION, BASE_GRAPH)  # the derived graph is complete
+_BATCH = 1000  # statements
+_MAX_SEEN = 100_000  # statements that are not written again
+
+Properties: TypeAlias = "list[tuple[Iri, Term]]"
 
 
 class KnowledgeBase(RuleWriter, AbstractContextManager["KnowledgeBase"]):
@@ -54,25 +86,29 @@ class KnowledgeBase(RuleWriter, AbstractContextManager["KnowledgeBase"]):
     Attributes:
         store: where everything is kept.
         clock: gives the time of an utterance.
-        episodes_recorded: how many episodes were recorded since it was opened.
+        taxonomies: names of the ontologies whose kinds count as those of the household do.
     """
+
+    taxonomies: tuple[str, ...] = ()
 
     def __init__(self, store: Store, *, clock: Callable[[], datetime] | None = None) -> None:
         """Use an open store, which is closed with the base; an empty one becomes a base.
 
         A base of an earlier format is migrated. The clock gives the time of an utterance.
-
-        Raises:
-            StoreError: the store holds other data, or was written by a later version of Hilt.
+        StoreError if the store holds other data, or was written by a later version of Hilt.
         """
         super().__init__(store, clock=clock)
-        self.episodes_recorded = 0
+        self._recorded = 0
+        if base_format(store) == FORMAT and is_derived(store):
+            return  # without waiting for others who write
         with store.writing():
             found = base_format(store)
             if found is None:
                 self._initialize()
             elif found != FORMAT:
                 migrate(store, found)
+            if not is_derived(store):
+                self.derive()
 
     @classmethod
     def open(cls, location: str | Path, *, read_only: bool = False) -> KnowledgeBase:
@@ -101,7 +137,11 @@ class KnowledgeBase(RuleWriter, AbstractContextManager["KnowledgeBase"]):
         return f"<KnowledgeBase {self.store.location}>"
 
     def query(
-        self, text: str, bindings: Bindings | None = None, *, limits: QueryLimits | None = None
+        self,
+        text: str,
+        bindings: query_text.Bindings | None = None,
+        *,
+        limits: QueryLimits | None = None,
     ) -> QueryResult:
         """The result of a SPARQL query, in which the prefixes of the vocabulary are declared.
 
@@ -117,11 +157,12 @@ class KnowledgeBase(RuleWriter, AbstractContextManager["KnowledgeBase"]):
             QueryError: the query is wrong, reads anything else, or was stopped.
         """
         bound = _prepared(text, bindings)
-        if not query_form(bound):
+        if not query_text.query_form(bound):
             raise QueryError("Expected a SELECT, ASK, CONSTRUCT or DESCRIBE query.")
-        return self.store.run(bound, limits)
+        with query_text.errors_as_typed(text, bound):
+            return self.store.run(bound, limits)
 
-    def select(self, text: str, bindings: Bindings | None = None) -> SelectResult:
+    def select(self, text: str, bindings: query_text.Bindings | None = None) -> SelectResult:
         """The rows of a SELECT query; as `query` otherwise."""
         return self.store.select(_prepared(text, bindings))
 
@@ -130,8 +171,8 @@ class KnowledgeBase(RuleWriter, AbstractContextManager["KnowledgeBase"]):
     ) -> SelectResult:
         """The rows of a named query, whose parameters are given as texts; `limits` as for `query`.
 
-        >>> KnowledgeBase.open("memory:").answer("best-for", affordance="cutting").variables
-        ('affordance', 'object', 'lower', 'upper', 'speaker', 'rule', 'material')
+        >>> KnowledgeBase.open("memory:").answer("best-for", affordance="cutting").variables[:3]
+        ('affordance', 'object', 'features')
 
         Raises:
             UnknownNameError: there is no such query or parameter.
@@ -159,10 +200,11 @@ class KnowledgeBase(RuleWriter, AbstractContextManager["KnowledgeBase"]):
 
         new = domain_quads(objects, actions, classes)
         mark = Quad(BASE_NODE, DOMAIN_HASH, content_hash(new), BASE_GRAPH)
+        before = list(self.store.quads(BASE_NODE, DOMAIN_HASH, None, BASE_GRAPH))
+        if before == [mark]:
+            return False
         with self.store.writing():
-            before = list(self.store.quads(BASE_NODE, DOMAIN_HASH, None, BASE_GRAPH))
-            if before == [mark]:
-                return False
+            before = self.store.quads(BASE_NODE, DOMAIN_HASH, None, BASE_GRAPH)
             old = {*before, *self.store.quads(None, None, None, DOMAIN)} - set(new)
             self.store.apply(insert=[*new, mark], delete=old)
         return True
@@ -170,18 +212,33 @@ class KnowledgeBase(RuleWriter, AbstractContextManager["KnowledgeBase"]):
     def record_episode(self, episode: Episode) -> Episode:
         """Store the execution of the last command; returns it with its id, utterance and time."""
         with self.store.writing():
-            number, moment = self.sequence, to_milliseconds(self.clock())
+            number, moment = self.last_written, to_milliseconds(self.clock())
             mark = hashlib.sha256(f"{moment}{episode.document}".encode()).hexdigest()[:8]
             recorded = replace(
                 episode, id=f"{number}-{mark}", utterance=number or None, time=moment
             )
             self.store.apply(insert=episode_quads(recorded))
-            self.episodes_recorded += 1
+            self._recorded += 1
         return recorded
+
+    @property
+    def episodes_recorded(self) -> object:
+        """A number that changes with every episode, whoever records it."""
+        return self.store.select(_EPISODES).rows[0][0] if self.is_shared else self._recorded
 
     def episodes(self) -> Iterator[Episode]:
         """The episodes, oldest first."""
         return read_episodes(self.store)
+
+    def derive(self) -> None:
+        """Make anew what follows from the rules, the history and the episodes."""
+        if self.store.read_only:
+            raise StoreError(
+                f'What follows from the rules of "{self.store.location}" is not complete. '
+                "Open it once for writing: hilt validate --repair"
+            )
+        with self.store.writing():
+            derive(self.store)
 
     def _initialize(self) -> None:
         if any(self.store.quads()):
@@ -192,17 +249,18 @@ class KnowledgeBase(RuleWriter, AbstractContextManager["KnowledgeBase"]):
             insert=[
                 Quad(BASE_NODE, TYPE, term("Base"), BASE_GRAPH),
                 version_quad(FORMAT),
+                MARK,
                 *trust_quads(DEFAULT_SPEAKER, CERTAIN),
             ]
         )
 
 
-def _prepared(text: str, bindings: Bindings | None) -> str:
+def _prepared(text: str, bindings: query_text.Bindings | None) -> str:
     refuse_external_access(text)
-    return bind_variables(text, bindings or {})
+    return query_text.bind_variables(text, bindings or {})
 
 
-def base_format(store: Store) -> Term | None:
+def base_format(store: ReadableStore) -> Term | None:
     """The format in which a store was written; None when it holds no base."""
     found = store.quads(BASE_NODE, FORMAT_VERSION, None, BASE_GRAPH)
     return next((quad.object for quad in found), None)
@@ -226,10 +284,71 @@ def migrate(
             f"to bring it to format {to}."
         )
     for number in range(found, to):
-        renumber = delete_insert([version_quad(number)], [version_quad(number + 1)])
-        store.update(join_updates(steps[number], renumber))
+        renumber = query_text.delete_insert([version_quad(number)], [version_quad(number + 1)])
+        store.update(query_text.join_updates(steps[number], renumber))
 
 
 def version_quad(number: int) -> Quad:
     """The statement that names the format of a base."""
     return Quad(BASE_NODE, FORMAT_VERSION, number, BASE_GRAPH)
+
+
+def is_derived(store: Store) -> bool:
+    """Whether the derived graph of a base is complete, and of this version."""
+    return any(store.quads(*MARK))
+
+
+def derive(store: Store) -> None:
+    """Make the derived graph of a base anew; the caller holds the write lock."""
+    store.apply(delete=list(store.quads(BASE_NODE, DERIVATION, None, BASE_GRAPH)))
+    store.update(f"CLEAR SILENT GRAPH {as_sparql(DERIVED)}")
+    found = batched(_first_ones(derived_quads(store)), _BATCH)
+    if isinstance(store, EmbeddedStore):
+        store.load("".join(map(_line, some)).encode() for some in found)
+    else:
+        for some in found:
+            store.apply(insert=some)
+    store.apply(insert=[MARK])
+
+
+def derived_quads(store: Store, *graphs: Iri) -> Iterator[Quad]:
+    """What follows from graphs of a store, all by default; nothing follows from what is malformed.
+
+    A statement may come more than once.
+    """
+    for graph in graphs or _SOURCES:
+        kind, read = _SOURCES[graph]
+        for node, properties in _described(store, graph):
+            if node.startswith(PREFIXES.get(kind, "")):
+                with suppress(ValidationError):
+                    yield from (quad for quad in read(node, properties) if quad.graph == DERIVED)
+
+
+# Graph -> the kind of its nodes from which something follows, and the statements of such a node.
+_SOURCES: Mapping[Iri, tuple[str, Callable[[Iri, Properties], Iterable[Quad]]]] = {
+    BELIEFS: ("rule", lambda _, found: rule_quads(read_rule(found))),
+    HISTORY: ("utterance", lambda _, found: utterance_quads(read_utterance(found))),
+    EPISODES: ("", observation_quads),
+}
+
+
+def _described(store: Store, graph: Iri) -> Iterator[tuple[Iri, Properties]]:
+    found = store.quads(None, None, None, graph)
+    if not (isinstance(store, EmbeddedStore) and store.is_sorted):
+        found = iter(sorted(found, key=lambda quad: quad.subject))
+    for node, some in groupby(found, key=lambda quad: quad.subject):
+        yield node, [(quad.predicate, quad.object) for quad in some]
+
+
+def _first_ones(quads: Iterable[Quad]) -> Iterator[Quad]:
+    seen: set[Quad] = set()
+    for quad in quads:
+        if quad not in seen:
+            if len(seen) >= _MAX_SEEN:
+                seen.clear()
+            seen.add(quad)
+            yield quad
+
+
+def _line(quad: Quad) -> str:
+    return " ".join(as_sparql(part) for part in quad if part is not None) + " .\n"

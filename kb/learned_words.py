@@ -6,9 +6,8 @@ confirmed, is a pattern of words with slots for names, and the meaning with the 
 retracted stays in the graph with that status, as a rule does.
 """
 
-from __future__ import annotations
-
 import json
+from collections import defaultdict
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from hashlib import sha256
@@ -17,7 +16,7 @@ from ..ontology.vocabulary import Iri, external, iri, term
 from .history import SPEAKER, TEXT, utterance_iri, utterance_number
 from .rdf.record_mapping import FieldProperty, Record, RecordMapping, group_properties
 from .rdf.rule_mapping import DERIVED_FROM, LABEL, STATUS, TYPE, atom_from_iri, atom_iri, status_iri
-from .rdf.terms import Quad
+from .rdf.terms import Quad, Term
 from .rule import Atom, Status
 from .stores.base import Store
 
@@ -57,10 +56,14 @@ class LearnedMapping(RecordMapping[Record]):
 
     def active(self, store: Store) -> list[Record]:
         """The records of a store that were not retracted, sorted."""
-        nodes = [quad.subject for quad in store.quads(None, TYPE, self.type, self.graph)]
-        # As a dict, because what was learned again, or merged, has several utterances.
-        found = [group_properties(dict(store.properties(n, self.graph)).items()) for n in nodes]
-        known = [self.read(one) for one in found if status_iri("active") in one[STATUS]]
+        nodes, found = set[Iri](), defaultdict[Iri, dict[Iri, Term]](dict)
+        for node, predicate, value, _ in store.quads(None, None, None, self.graph):
+            if (predicate, value) == (TYPE, self.type):
+                nodes.add(node)
+            # One, because what was learned again, or merged, has several utterances.
+            found[node][predicate] = value
+        active = [found[node] for node in nodes if found[node].get(STATUS) == status_iri("active")]
+        known = [self.read(group_properties(one.items())) for one in active]
         return sorted(known)  # pyright: ignore[reportArgumentType] - ordered dataclasses
 
 

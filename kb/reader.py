@@ -15,21 +15,17 @@ from typing import TypeAlias, cast
 
 from ..ontology.errors import NotFoundError
 from ..ontology.vocabulary import Iri, iri, split, term
-from .history import HISTORY, SEQUENCE, Utterance, read_utterance, utterance_iri
+from . import history
 from .interval import Interval
 from .learned_words import PHRASES, WORDS, LearnedPhrase, LearnedWord
 from .rdf import rule_mapping
-from .rdf.rule_mapping import BELIEFS
-from .rdf.terms import Term, as_sparql
+from .rdf.rule_mapping import BELIEFS, DERIVED
+from .rdf.terms import BASE_GRAPH, BASE_NODE, Term, as_sparql
 from .rule import Atom, Rule, Status
 from .sparql.named_queries import named_query, node_iri
 from .sparql.query_text import bind_variables
 from .stores.base import Store
 from .taught_actions import TaughtAction, read_actions
-
-BASE_NODE = Iri("https://w3id.org/hilt/base")
-BASE_GRAPH = iri("graph", "base")
-TRUST_LOWER, TRUST_UPPER = term("trustLower"), term("trustUpper")
 
 MAX_LISTED = 10  # rules that an error message names
 
@@ -43,6 +39,11 @@ class RuleReader:
     def __init__(self, store: Store) -> None:
         self.store = store
 
+    @property
+    def is_shared(self) -> bool:
+        """Whether other processes may write to the store meanwhile."""
+        return not self.store.has_cheap_patterns  # that of an endpoint
+
     def rules_at_nodes(self, nodes: Sequence[str]) -> list[Rule]:
         """The active rules that are attached to action-tree nodes, sorted by id.
 
@@ -52,7 +53,7 @@ class RuleReader:
             edges = (
                 edge
                 for node in dict.fromkeys(nodes)
-                for edge in self.store.quads(node_iri(node), rule_mapping.RULE, None, BELIEFS)
+                for edge in self.store.quads(node_iri(node), rule_mapping.RULE, None, DERIVED)
             )
             found = [(rule := cast(Iri, edge.object), self.properties(rule)) for edge in edges]
         else:
@@ -128,21 +129,21 @@ class RuleReader:
             raise NotFoundError("rule", rule_id, self._some_rule_ids())
         return self.read_rules([(node, found)])[0]
 
-    def utterance(self, sequence: int) -> Utterance:
+    def utterance(self, sequence: int) -> history.Utterance:
         """The utterance with a number; UnknownNameError if there is none."""
-        found = self.store.properties(utterance_iri(sequence), HISTORY)
+        found = self.store.properties(history.utterance_iri(sequence), history.HISTORY)
         if not found:
             last = self.sequence
             raise NotFoundError("utterance", str(sequence), [f"1 to {last}"] if last else [])
-        return read_utterance(found)
+        return history.read_utterance(found)
 
-    def history(self, *, since: int = 0, newest_first: bool = False) -> Iterator[Utterance]:
+    def history(self, *, since: int = 0, newest_first: bool = False) -> Iterator[history.Utterance]:
         """The utterances after a number, in order or newest first."""
         numbers = range(since + 1, self.sequence + 1)
         for number in reversed(numbers) if newest_first else numbers:
-            found = self.store.properties(utterance_iri(number), HISTORY)
+            found = self.store.properties(history.utterance_iri(number), history.HISTORY)
             if found:
-                yield read_utterance(found)
+                yield history.read_utterance(found)
 
     def words(self) -> list[LearnedWord]:
         """The learned words that were not revoked."""
@@ -159,15 +160,17 @@ class RuleReader:
     @property
     def sequence(self) -> int:
         """The number of the last utterance; 0 before the first. Equal numbers mean equal rules."""
-        numbers = self.store.quads(BASE_NODE, SEQUENCE, None, BASE_GRAPH)
+        numbers = self.store.quads(BASE_NODE, history.SEQUENCE, None, BASE_GRAPH)
         return max((cast(int, quad.object) for quad in numbers), default=0)
 
     def trust(self, speaker: str) -> Interval | None:
         """The trust in a speaker; None when nobody has set it."""
         found = dict(self.store.properties(iri("speaker", speaker), BELIEFS))
-        if TRUST_LOWER not in found:
+        if history.TRUST_LOWER not in found:
             return None
-        return Interval(cast(float, found[TRUST_LOWER]), cast(float, found[TRUST_UPPER]))
+        return Interval(
+            cast(float, found[history.TRUST_LOWER]), cast(float, found[history.TRUST_UPPER])
+        )
 
     def match_speaker(self, speaker: str) -> str:
         """The known speaker whose name matches, whatever the case; else the name as given.
@@ -186,7 +189,9 @@ class RuleReader:
 
     def trust_by_speaker(self) -> dict[str, Interval]:
         """The trust in every speaker for whom it was set, sorted by name."""
-        nodes = {quad.subject for quad in self.store.quads(None, TRUST_UPPER, None, BELIEFS)}
+        nodes = {
+            quad.subject for quad in self.store.quads(None, history.TRUST_UPPER, None, BELIEFS)
+        }
         names = sorted(split(node)[1] for node in nodes)
         return {name: trust for name in names if (trust := self.trust(name))}
 
@@ -229,7 +234,7 @@ class RuleReader:
 
     def _weight(self, speaker: str) -> float:
         node = iri("speaker", speaker)
-        for quad in self.store.quads(node, TRUST_LOWER, None, BELIEFS):
+        for quad in self.store.quads(node, history.TRUST_LOWER, None, BELIEFS):
             return float(cast(float, quad.object))
         return 0.0
 
@@ -252,7 +257,6 @@ def _having_query(wanted: Sequence[tuple[Iri, Iri]], read: str = "?property ?val
 
 
 def _gathered(rows: Iterable[tuple[Term | None, ...]]) -> list[NodeProperties]:
-    """The properties of each rule, from rows of (rule, property, value)."""
     found: dict[Iri, dict[tuple[Iri, Term], None]] = {}
     for node, key, value in rows:
         found.setdefault(cast(Iri, node), {})[(cast(Iri, key), cast(Term, value))] = None

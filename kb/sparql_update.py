@@ -1,39 +1,60 @@
-"""SPARQL updates by hand: run and checked on a copy first, then applied to the base.
+"""SPARQL updates by hand: their difference is found first, checked, and only then applied.
 
-The text that is tried is the text that is applied, so an update must have the same effect each
-time. It is written together with an utterance, so that the history says who changed what and when.
-
-Run as a script, this module is the worker process (`stores.query_subprocess`) that updates a copy.
+What an update would delete and insert follows from the solutions of its WHERE groups, which are
+found by queries with limits. Only the nodes that it touches are checked, by the invariants of a
+base and the shapes. What was checked is what is written, as one unit with an utterance, so that the
+history says who changed what and when. The graphs that Hilt makes cannot be changed by hand.
 """
 
 from __future__ import annotations
 
+import contextlib
 import shutil
 import tempfile
-from collections.abc import Iterable, Iterator, Sequence
+import time
+from collections import defaultdict
+from collections.abc import Generator, Iterable, Iterator, Sequence
+from contextlib import closing, contextmanager
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import cast
 
-from ..ontology.errors import ValidationError
-from ..ontology.vocabulary import Iri, shortened, split
-from .history import HISTORY, SEQUENCE, Utterance, utterance_iri, utterance_quads
-from .knowledge_base import FORMAT, KnowledgeBase, base_format
-from .rdf.terms import Quad
-from .reader import BASE_GRAPH, BASE_NODE, RuleReader
-from .rule import DEFAULT_SPEAKER
-from .sparql.query_text import delete_insert, join_updates, with_prefixes
-from .sparql.results import QueryLimits
-from .sparql.safety import refuse_external_access, refuse_nondeterminism
-from .stores.base import Store
+from ..ontology.errors import QueryError, QueryLimitError, ValidationError
+from ..ontology.vocabulary import Iri, is_ontology, shortened, split
+from .episodes import EPISODES, observation_quads
+from .history import HISTORY, Utterance
+from .invariants import BASE_GRAPHS, TRUST, Invariants, ValidationFinding, trust_findings, written
+from .knowledge_base import KnowledgeBase
+from .rdf import rule_mapping
+from .rdf.domain import DOMAIN
+from .rdf.rule_mapping import BELIEFS, DERIVED
+from .rdf.terms import BLANK, Quad, Term
+from .reader import BASE_GRAPH
+from .rule import DEFAULT_SPEAKER, Rule
+from .sparql.results import QueryLimits, SelectResult
+from .sparql.safety import refuse_external_access
+from .sparql.update_operations import UpdateOperation, parse_update, readable_update
+from .stores.base import ReadableStore, Store
+from .stores.opening import open_store
 from .stores.query_subprocess import WorkerProcess
-from .validation import BASE_GRAPHS, check_invariants, rule_nodes
-from .writer import speaker_quads, to_milliseconds
-
-if TYPE_CHECKING:
-    from .stores.oxigraph import OxigraphStore
+from .validation import causes, check_shapes, raise_findings
+from .writer import to_milliseconds
 
 KIND = "update"  # of the utterance that keeps it in the history
-WORKER = f"{__package__}.sparql_update"
+MAX_CHANGED = 100_000  # solutions of an operation, and statements that change
+_KEPT_BY_HILT = {
+    HISTORY: "An update must not change the history; it only grows, by what is said.",
+    BASE_GRAPH: "An update must not change the format, the number of the last utterance, or "
+    "anything else that Hilt notes of the base itself.",
+    DERIVED: "What follows from rules is made by Hilt; insert rules, or change their hilt:status.",
+    DOMAIN: "The domain comes from the files of objects and actions; change those.",
+}
+_MUST_KEEP = "An update must keep every rule; a retracted one has a status."
+_ONLY_STATUS = (
+    "Of a rule only the hilt:status changes, from or to hilt:active; another content is another "
+    "rule. Retract it, and insert the other."
+)
+_NO_TRUST = "An update must not delete trust; set hilt:trustLower and hilt:trustUpper to 0.0."
 
 
 def update(
@@ -46,106 +67,262 @@ def update(
 ) -> Utterance | None:
     """Change the base by a SPARQL update, and return the utterance that records it.
 
-    What changes nothing is not recorded; then it returns None.
+    What changes nothing is not recorded; then it returns None. A rule that it inserts or makes
+    active is asserted by that utterance, and one whose status ends it is retracted or superseded.
 
     Args:
         base: what is changed.
-        text: the update; graphs are named (`GRAPH graph:beliefs { ... }`).
+        text: the update; graphs are named (`GRAPH graph:beliefs { ... }`). As in a query, what
+            stands in no GRAPH of a WHERE group is looked for in all graphs.
         speaker: who does it.
-        limits: time and memory for trying it.
-        dry_run: only try it; the utterance is the one that would record it.
+        limits: time and memory for finding out what it would change.
+        dry_run: change nothing; the utterance is the one that would record it.
 
     Raises:
-        QueryError: the update is wrong, reaches outside, or took too long.
+        QueryError: the update is wrong, reaches outside, changes too much, or took too long.
         ValidationError: it would break the base; says what is wrong.
         StoreError: it could not be written.
     """
     refuse_external_access(text)
-    refuse_nondeterminism(text)
     with base.store.writing():
-        moment = to_milliseconds(base.clock())
-        utterance = Utterance(base.sequence + 1, text, "", speaker, moment, KIND)
-        change, record = with_prefixes(text), _record_update(utterance)
-        joined = join_updates(change, record)
-        # One by one, so that an error is reported at its place in the text.
-        updates, sequence = (change, record), utterance.sequence
-        changes = try_updates(base.store, updates, sequence, limits or QueryLimits())
-        if changes and not dry_run:
-            base.store.update(joined)
-    return utterance if changes else None
+        change = find_difference(base.store, text, limits or QueryLimits())
+        if not change:
+            return None
+        plan = _Plan(base.store, change)
+        said = Utterance(
+            *(base.sequence + 1, text, "", speaker, to_milliseconds(base.clock()), KIND),
+            asserts=tuple(sorted(rule.id for rule in plan.asserted)),
+            retracts=tuple(sorted(plan.ended["retracted"])),
+            supersedes=tuple(sorted(plan.ended["superseded"])),
+        )
+        if dry_run:
+            return said
+        return base.write(said, plan.asserted, insert=plan.insert, delete=plan.delete)
 
 
-def try_updates(store: Store, updates: Sequence[str], sequence: int, limits: QueryLimits) -> bool:
-    """Run updates on a copy of a store in a worker process, and check the copy, as `update`.
+@dataclass
+class Difference:
+    """What an update deletes and inserts in the end; false when that is nothing."""
 
-    The first is that of the user; return whether it changes anything.
+    delete: set[Quad] = field(default_factory=set[Quad])
+    insert: set[Quad] = field(default_factory=set[Quad])
+
+    def __bool__(self) -> bool:
+        return bool(self.delete or self.insert)
+
+    def add(self, delete: set[Quad], insert: set[Quad]) -> None:
+        """Add what comes after, given as statements that are there and ones that are not."""
+        self.insert, self.delete = (
+            (self.insert - delete) | (insert - self.delete),
+            (self.delete - insert) | (delete - self.insert),
+        )
+
+
+def find_difference(store: Store, text: str, limits: QueryLimits) -> Difference:
+    """What an update would change in a store; errors as for `update`.
+
+    Of several operations each sees what those before it have changed, so these run on a copy.
     """
-    folder, worker = Path(tempfile.mkdtemp(prefix="hilt-")), WorkerProcess(WORKER)
+    readable, end, found = readable_update(text), time.monotonic() + limits.seconds, Difference()
+    try:
+        with closing(WorkerProcess()) as worker:
+            worker.request(limits, update=readable)  # an error says where it is in the whole text
+            operations = parse_update(text)
+            with _trial(store, len(operations)) as trial:
+                for operation in operations:
+                    left = replace(limits, seconds=max(0.001, end - time.monotonic()))
+                    delete, insert = _effect(trial, worker, operation, left)
+                    found.add(delete, insert)
+                    if trial is not store:
+                        trial.apply(insert=insert, delete=delete)
+    except QueryLimitError as error:
+        raise limits.time_error() if time.monotonic() >= end else error from None
+    return found
+
+
+@contextmanager
+def _trial(store: Store, operations: int) -> Generator[Store]:
+    if operations == 1:
+        yield store
+        return
+    folder = Path(tempfile.mkdtemp(prefix="hilt-"))
     try:
         store.save(folder / "copy")
-        report = worker.request(limits, source=folder / "copy", updates=updates)
+        with closing(open_store(folder / "copy")) as copy:
+            yield copy
     finally:
-        worker.close()
         shutil.rmtree(folder, ignore_errors=True)
-    if report["sequence"] != sequence:
-        raise ValidationError(["An update must not change the number of the last utterance."])
-    if report["findings"]:
-        raise ValidationError(report["findings"])
-    return report["changed"]
 
 
-def update_and_check(store: OxigraphStore, updates: Iterable[str]) -> dict[str, Any]:
-    """Update a copy and report what is wrong with it: the worker's side."""
-    history, rules = set(store.quads(None, None, None, HISTORY)), set(rule_nodes(store))
-    change, *others = updates
-    before = store.digest()
-    store.update(change)
-    is_changed = store.digest() != before
-    for each in others:
-        store.update(each)
-    findings = {*_findings(store, rules), *_history_findings(store, history)}
-    number = RuleReader(store).sequence
-    return {"sequence": number, "findings": sorted(findings), "changed": is_changed}
+def _effect(
+    store: Store, worker: WorkerProcess, operation: UpdateOperation, limits: QueryLimits
+) -> tuple[set[Quad], set[Quad]]:
+    rows = _solutions(store, operation, limits)
+    delete, insert = (
+        set[Quad](worker.request(limits, update=operation.insertion(template, rows)))
+        if template and rows
+        else set[Quad]()
+        for template in (operation.deleted, operation.inserted)
+    )
+    if max(len(delete), len(insert)) > MAX_CHANGED:
+        raise _too_large()
+    _check_places(delete | insert)
+    there = {quad for quad in delete | insert if any(store.quads(*quad))}
+    return (delete & there) - insert, insert - there
 
 
-def _findings(store: Store, rules: set[Iri]) -> Iterator[str]:
-    for graph in {quad.graph for quad in store.quads()} - BASE_GRAPHS:
-        name = shortened(graph) if graph else "without a name"
-        yield f"The graph {name} is not one of a base; write GRAPH graph:beliefs {{ ... }}."
-    if base_format(store) != FORMAT:
-        yield "An update must not change the format of the base."
-    for node in rules.difference(rule_nodes(store)):
-        yield f"{shortened(node)}: An update must keep every rule; a retracted one has a status."
-    yield from map(str, check_invariants(store))
+def _solutions(
+    store: Store, operation: UpdateOperation, limits: QueryLimits
+) -> Sequence[Sequence[Term | None]]:
+    if not operation.where:
+        return [(None,)]
+    found = cast(SelectResult, store.run(operation.query(MAX_CHANGED + 1), limits))
+    if len(found) > MAX_CHANGED:
+        raise _too_large()
+    for row in found:
+        _check_names(row)
+    return found.rows
 
 
-def _history_findings(store: Store, before: set[Quad]) -> Iterator[str]:
-    utterance = utterance_iri(RuleReader(store).sequence)
-    for quad in before.symmetric_difference(store.quads(None, None, None, HISTORY)):
-        kind, _ = split(quad.subject)
-        if quad.subject != utterance and not (kind == "speaker" and quad not in before):
-            yield f"{shortened(quad.subject)}: An update must not change the history."
-
-
-def _record_update(utterance: Utterance) -> str:
-    before = utterance.sequence - 1
-    number = Quad(BASE_NODE, SEQUENCE, utterance.sequence, BASE_GRAPH)
-    old = [number._replace(object=before)] if before else []
-    return delete_insert(
-        old, [number, *utterance_quads(utterance), *speaker_quads(utterance.speaker, HISTORY)]
+def _too_large() -> QueryError:
+    return QueryError(
+        f"The update changes more than {MAX_CHANGED} statements. Narrow it, or export the base, "
+        "and import what is to be."
     )
 
 
-def _answer(request: dict[str, Any]) -> dict[str, Any]:
-    from .stores.oxigraph import open_folder
-    from .stores.query_worker import limit_memory
+def _check_places(quads: Iterable[Quad]) -> None:
+    graphs = {quad.graph for quad in quads if not is_ontology(quad.graph)}
+    for graph in graphs - BASE_GRAPHS:
+        name = shortened(graph) if graph else "without a name"
+        raise ValidationError(
+            [f"The graph {name} is not one of a base; write GRAPH graph:beliefs {{ ... }}."]
+        )
+    for quad in quads:
+        _check_names(quad)
 
-    store = open_folder(request["source"])
-    limit_memory(request["megabytes"])
-    return update_and_check(store, request["updates"])
+
+def _check_names(terms: Iterable[Term | None]) -> None:
+    for one in terms:
+        if isinstance(one, Iri) and one.startswith(BLANK):
+            raise ValidationError(["A base has no blank nodes; give each a name."])
 
 
-if __name__ == "__main__":
-    from .stores.query_worker import serve
+class _Plan:
+    """Rules that an update asserts or ends, and statements besides; ValidationError if unlawful."""
 
-    serve(_answer)
+    def __init__(self, store: Store, change: Difference) -> None:
+        self.insert, self.delete = list[Quad](), list[Quad]()
+        self.asserted = list[Rule]()
+        self.ended: dict[str, list[str]] = {"retracted": [], "superseded": []}
+        self._before, self._after = store, _ChangedStore(store, change)
+        changes = change.insert | change.delete
+        touched = sorted({(quad.subject, cast(Iri, quad.graph)) for quad in changes})
+        raise_findings(
+            ValidationFinding(shortened(graph), _KEPT_BY_HILT[graph])
+            for _, graph in touched
+            if graph in _KEPT_BY_HILT
+        )
+        by_laws = list(self._findings(touched))
+        raise_findings(
+            causes(check_shapes(self._after, nodes=[node for node, _ in touched]), by_laws)
+        )
+
+    def _findings(self, touched: Iterable[tuple[Iri, Iri]]) -> Iterator[ValidationFinding]:
+        laws = Invariants(self._after, whole=True)
+        for node, graph in touched:
+            self._take(node, graph)
+            yield from laws.check(node, graph, self._after.properties(node, graph))
+            yield from self._status_findings(node, graph)
+
+    def _status_findings(self, node: Iri, graph: Iri) -> Iterator[ValidationFinding]:
+        match split(node)[0]:
+            case "rule" if graph == BELIEFS:
+                yield from self._rule_findings(node)
+            case "speaker":
+                yield from self._speaker_findings(node, graph)
+            case _:
+                pass
+
+    def _rule_findings(self, node: Iri) -> Iterator[ValidationFinding]:
+        name, before, after = (
+            shortened(node),
+            *(_rule(s, node) for s in (self._before, self._after)),
+        )
+        if not self._after.properties(node, BELIEFS):
+            yield ValidationFinding(name, _MUST_KEEP)
+        if after is None:
+            return
+        if after.status == "active" and (before is None or before.status != "active"):
+            self.asserted.append(after)
+        elif before and before.status != after.status and after.status in self.ended:
+            self.ended[after.status].append(after.id)
+        else:
+            yield ValidationFinding(name, _ONLY_STATUS)
+
+    def _speaker_findings(self, node: Iri, graph: Iri) -> Iterator[ValidationFinding]:
+        was, now = (
+            any(key in TRUST for key, _ in store.properties(node, graph))
+            for store in (self._before, self._after)
+        )
+        if was and not now:
+            yield ValidationFinding(shortened(node), _NO_TRUST)
+        elif was or now:
+            yield from trust_findings(self._after)
+
+    def _take(self, node: Iri, graph: Iri) -> None:
+        inserted = self._after.inserted
+        with contextlib.suppress(ValidationError):  # a finding will say it
+            known = written(self._after, node, graph, self._after.properties(node, graph))
+            inserted[node] = [known.get(quad, quad) for quad in inserted[node]]
+        if (graph, split(node)[0]) != (BELIEFS, "rule"):  # that is written with its utterance
+            self.insert += (quad for quad in inserted[node] if quad.graph == graph)
+            self.delete += (quad for quad in self._after.deleted[node] if quad.graph == graph)
+        if graph == EPISODES:
+            before, after = (
+                {*observation_quads(node, store.properties(node, graph))}
+                for store in (self._before, self._after)
+            )
+            self.insert += after - before
+            self.delete += before - after
+
+
+class _ChangedStore:
+    """What a store holds with a difference applied, as far as the laws read it."""
+
+    def __init__(self, store: Store, change: Difference) -> None:
+        self._store, self._change = store, change
+        self.inserted, self.deleted = _by_subject(change.insert), _by_subject(change.delete)
+
+    def quads(
+        self,
+        subject: Iri | None = None,
+        predicate: Iri | None = None,
+        object: Term | None = None,
+        graph: Iri | None = None,
+    ) -> Iterator[Quad]:
+        """All statements that match."""
+        wanted = (subject, predicate, object, graph)
+        yield from (q for q in self._store.quads(*wanted) if q not in self._change.delete)
+        subjects = list(self.inserted) if subject is None else [subject]
+        for quad in (quad for each in subjects for quad in self.inserted[each]):
+            if all(part in (None, there) for part, there in zip(wanted, quad, strict=True)):
+                yield quad
+
+    def properties(self, subject: Iri, graph: Iri) -> list[tuple[Iri, Term]]:
+        """The properties of a node."""
+        return [(quad.predicate, quad.object) for quad in self.quads(subject, graph=graph)]
+
+
+def _by_subject(quads: Iterable[Quad]) -> dict[Iri, list[Quad]]:
+    found: dict[Iri, list[Quad]] = defaultdict(list)
+    for quad in quads:
+        found[quad.subject].append(quad)
+    return found
+
+
+def _rule(store: ReadableStore, node: Iri) -> Rule | None:
+    try:
+        return rule_mapping.read_rule(store.properties(node, BELIEFS))
+    except ValidationError:
+        return None

@@ -6,8 +6,6 @@ of the actions of files, so that rules can be attached to them. A retracted acti
 status, as a rule does; of several with one name that which was told last holds.
 """
 
-from __future__ import annotations
-
 import json
 from dataclasses import dataclass, field
 from hashlib import sha256

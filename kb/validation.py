@@ -1,49 +1,41 @@
 """Staging of statements before they reach a base, and validation of a graph.
 
 `stage` puts the statements of a file into a store of their own, each into the graph where it
-belongs; each rule gets the id that its content makes. `check_invariants` reads every rule and
-utterance back as a value and compares what it would have written: fast, and strict about statements
-that belong to nothing. `check_shapes` runs SHACL over `shapes.ttl`: slower, and its messages are
-those that a person wrote for each constraint. `findings` does both.
+belongs; each rule gets the id that its content makes. `check_shapes` runs SHACL over `shapes.ttl`:
+its messages are those that a person wrote for each constraint, but it is slow. `findings` checks
+the invariants too (`hilt.kb.invariants`), and leads with the causes.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import replace
 from itertools import islice
 from typing import TYPE_CHECKING, Any
 
 from ..ontology.errors import DataError, ValidationError
-from ..ontology.vocabulary import (
-    ATOM_KINDS,
-    GRAPH_NAMES,
-    SHAPES_FILE,
-    Iri,
-    iri,
-    shortened,
-    split,
-    term,
-)
+from ..ontology.vocabulary import SHAPES_FILE, Iri, is_ontology, shortened, split, term
 from .episodes import EPISODES
-from .history import HISTORY, read_utterance, utterance_quads
+from .history import HISTORY
+from .invariants import BASE_GRAPHS, NAMED, ValidationFinding, check_invariants, is_name
+from .knowledge_base import DERIVATION
 from .learned_words import LEXICON
 from .rdf import rule_mapping
-from .rdf.rule_mapping import BELIEFS, TYPE
+from .rdf.rule_mapping import BELIEFS, DERIVED, TYPE
 from .rdf.terms import STRING, Quad, Term, lexical
-from .reader import BASE_GRAPH, TRUST_LOWER, TRUST_UPPER
+from .reader import BASE_GRAPH
 from .rule import Rule
-from .stores.base import MEMORY, Store
+from .stores.base import MEMORY, ReadableStore, Store
 from .stores.opening import open_store
 from .taught_actions import ACTIONS
-from .writer import speaker_quads
 
 if TYPE_CHECKING:
     from rdflib import Graph
 
 RULE_CLASSES = tuple(term(name) for name in ("Rule", "FunctionalRule", "ActionRule", "Norm"))
 MAX_SHACL = 200_000  # statements; SHACL on more takes minutes, and the laws find the same
+MAX_BY_HAND = 5_000  # statements that a person may have written, in a second by SHACL
 _WRONG_NAME = "A rule is a node rule:ID"  # how that message of shapes.ttl begins
 PORTION = 1000  # nodes that SHACL checks at a time
 Progress = Callable[[int, int], None]  # is told how many are done, and of how many
@@ -59,36 +51,8 @@ _GRAPHS = {
     "TaughtAction": ACTIONS,
     "Base": BASE_GRAPH,
 }
-BASE_GRAPHS = frozenset(iri("graph", name) for name in GRAPH_NAMES)
 
 _SUBJECT = re.compile(r"\s*(<[^<>\s]+>|[\w-]+:[^\s;,<>]+)\s")  # that of a statement, in Turtle
-_OF_SPEAKERS = frozenset({TYPE, rule_mapping.LABEL, TRUST_LOWER, TRUST_UPPER})
-_NAMED = frozenset((*ATOM_KINDS, "node", "functor"))
-
-
-@dataclass(frozen=True, order=True)
-class ValidationFinding:
-    """One thing that is wrong.
-
-    Attributes:
-        node: what it is about, as a prefixed name.
-        problem: what was expected, and what was found where that helps.
-        key: the property that is wrong, as a prefixed name; empty where it is more than one.
-        line: 1-based line of the file at which the node is described; 0 when not known.
-    """
-
-    node: str
-    problem: str
-    key: str = field(default="", compare=False)
-    line: int = field(default=0, compare=False)
-
-    def __str__(self) -> str:
-        return f"{self.node}: {self.problem}"
-
-    def as_json(self) -> dict[str, object]:
-        """As `hilt validate --json` prints it."""
-        where = {"node": self.node, "property": self.key or None, "line": self.line or None}
-        return {**where, "problem": self.problem}
 
 
 def stage(quads: Iterable[Quad], *, source: str) -> Store:
@@ -97,7 +61,8 @@ def stage(quads: Iterable[Quad], *, source: str) -> Store:
     def checked() -> Iterator[Quad]:
         for quad in quads:
             check_graph(quad.graph, source=source)
-            yield quad
+            if quad.graph != DERIVED and quad.predicate != DERIVATION:  # it follows from the rest
+                yield quad
 
     staging = open_store(MEMORY)
     staging.apply(insert=checked())
@@ -115,7 +80,7 @@ def stage_rules(rules: Iterable[Rule]) -> Store:
 
 def check_graph(graph: Iri | None, *, source: str) -> None:
     """Raise a DataError for a graph that a base has not."""
-    if graph not in BASE_GRAPHS:
+    if graph not in BASE_GRAPHS and not is_ontology(graph):
         raise DataError(
             f"the graph {shortened(str(graph))} is none of a base's; expected "
             f"{', '.join(sorted(map(shortened, BASE_GRAPHS)))}.",
@@ -123,17 +88,47 @@ def check_graph(graph: Iri | None, *, source: str) -> None:
         )
 
 
-def findings(staging: Store, *, progress: Progress | None = None) -> list[ValidationFinding]:
-    """Everything that is wrong with what was staged; `progress` as for `check_shapes`."""
-    few = sum(1 for _ in islice(staging.quads(), MAX_SHACL + 1)) <= MAX_SHACL
-    found = [*(check_shapes(staging, progress=progress) if few else ()), *check_invariants(staging)]
-    # A rule that a person named could not be given its own name because something else is wrong.
-    more = {finding.node for finding in found if not finding.problem.startswith(_WRONG_NAME)}
-    return [
-        finding
-        for finding in found
-        if finding.node not in more or not finding.problem.startswith(_WRONG_NAME)
-    ]
+def findings(
+    store: Store, *, whole: bool = False, most: int = MAX_BY_HAND, progress: Progress | None = None
+) -> list[ValidationFinding]:
+    """The causes of everything that is wrong with a store, node by node.
+
+    Of a `whole` base, what is missing is found too. Up to `most` statements are checked by SHACL,
+    with `progress` as for `check_shapes`.
+    """
+    if not store.has_cheap_patterns:  # an endpoint is read at once, not node by node
+        remote, store = store, open_store(MEMORY)
+        store.apply(insert=remote.quads())
+    few = sum(1 for _ in islice(store.quads(), most + 1)) <= most
+    by_shapes = check_shapes(store, progress=progress) if few else ()
+    return causes(by_shapes, check_invariants(store, whole=whole))
+
+
+def causes(
+    by_shapes: Iterable[ValidationFinding], by_laws: Iterable[ValidationFinding]
+) -> list[ValidationFinding]:
+    """One finding for each node and property that is wrong, sorted; what follows is left out.
+
+    A node that a shape complains of is in the words of the shapes. Of others the first law that is
+    broken is told, and how many more.
+    """
+    shaped: dict[str, dict[str, ValidationFinding]] = {}
+    for one in sorted(set(by_shapes), key=lambda one: (one.problem.startswith(_WRONG_NAME), one)):
+        # A rule that a person named has no name of its own where something else is wrong.
+        if one.node not in shaped or not one.problem.startswith(_WRONG_NAME):
+            shaped.setdefault(one.node, {}).setdefault(one.key, one)
+    lawless: dict[str, list[ValidationFinding]] = {}
+    for one in dict.fromkeys(by_laws):
+        if one.node not in shaped:
+            lawless.setdefault(one.node, []).append(one)
+    of_shapes = (one for several in shaped.values() for one in several.values())
+    return sorted([*of_shapes, *map(_with_count, lawless.values())])
+
+
+def _with_count(found: Sequence[ValidationFinding]) -> ValidationFinding:
+    first, *others = found
+    more = f" ({len(others)} more about it.)" if others else ""
+    return replace(first, problem=first.problem + more)
 
 
 def raise_findings(found: Iterable[ValidationFinding]) -> None:
@@ -143,22 +138,10 @@ def raise_findings(found: Iterable[ValidationFinding]) -> None:
         raise ValidationError(problems)
 
 
-def check_invariants(store: Store) -> Iterator[ValidationFinding]:
-    """What breaks the laws of rules and utterances, or belongs to none of them."""
-    expected = {graph: set[Quad]() for graph in (BELIEFS, HISTORY)}
-    for node in rule_nodes(store):
-        yield from _gather(node, store, BELIEFS, _rule_statements, expected[BELIEFS])
-    for node in _of_class(store, term("Utterance"), HISTORY):
-        yield from _gather(node, store, HISTORY, _utterance_statements, expected[HISTORY])
-    for graph, known in expected.items():
-        for quad in store.quads(None, None, None, graph):
-            if quad not in known and not _stands_alone(quad):
-                problem = f"{_shown(quad)} belongs to nothing known."
-                yield ValidationFinding(shortened(quad.subject), problem, shortened(quad.predicate))
-
-
-def check_shapes(store: Store, *, progress: Progress | None = None) -> Iterator[ValidationFinding]:
-    """What breaks the SHACL shapes.
+def check_shapes(
+    store: ReadableStore, *, nodes: Iterable[Iri] | None = None, progress: Progress | None = None
+) -> Iterator[ValidationFinding]:
+    """What breaks the SHACL shapes, at some nodes or at all.
 
     A shape looks at one node and what stands at it, so the nodes are checked in portions: that
     bounds the memory, and `progress` is told how many nodes are done, and of how many.
@@ -167,15 +150,16 @@ def check_shapes(store: Store, *, progress: Progress | None = None) -> Iterator[
     from rdflib import Graph
 
     shapes_graph = Graph().parse(SHAPES_FILE, format="turtle")
-    nodes = sorted({quad.subject for quad in store.quads()})
-    for start in range(0, len(nodes), PORTION):
-        quads = (quad for node in nodes[start : start + PORTION] for quad in store.quads(node))
+    own = (quad.subject for quad in store.quads() if not is_ontology(quad.graph))
+    chosen = sorted(set(own if nodes is None else nodes))
+    for start in range(0, len(chosen), PORTION):
+        quads = (quad for node in chosen[start : start + PORTION] for quad in store.quads(node))
         _, report, _ = pyshacl.validate(
             _as_rdflib(quads), shacl_graph=shapes_graph, inplace=True, do_owl_imports=False
         )
         yield from _reported(report)
         if progress:
-            progress(min(start + PORTION, len(nodes)), len(nodes))
+            progress(min(start + PORTION, len(chosen)), len(chosen))
 
 
 def locate_findings(found: Iterable[ValidationFinding], text: str) -> list[ValidationFinding]:
@@ -200,51 +184,6 @@ def rule_nodes(store: Store) -> list[Iri]:
 
 def _of_class(store: Store, kind: Iri, graph: Iri) -> list[Iri]:
     return sorted(quad.subject for quad in store.quads(None, TYPE, kind, graph))
-
-
-def _gather(
-    node: Iri,
-    store: Store,
-    graph: Iri,
-    read: Callable[[Iri, list[tuple[Iri, Term]]], Iterable[Quad]],
-    expected: set[Quad],
-) -> Iterator[ValidationFinding]:
-    properties = store.properties(node, graph)
-    try:
-        expected.update(read(node, properties))
-    except ValidationError as error:
-        yield from (ValidationFinding(shortened(node), problem) for problem in error.findings)
-        # What is said of it already is not said again, statement by statement.
-        expected.update(Quad(node, key, value, graph) for key, value in properties)
-
-
-def _rule_statements(node: Iri, properties: list[tuple[Iri, Term]]) -> Iterator[Quad]:
-    rule = rule_mapping.read_rule(properties)
-    if rule_mapping.rule_iri(rule.id) != node:
-        raise ValidationError([f"Its content makes it {rule.id.replace('/', ':')}."])
-    yield from rule_mapping.rule_quads(rule)
-
-
-def _utterance_statements(node: Iri, properties: list[tuple[Iri, Term]]) -> Iterator[Quad]:
-    utterance = read_utterance(properties)
-    yield from utterance_quads(utterance)
-    yield from speaker_quads(utterance.speaker, HISTORY)
-    if node != next(utterance_quads(utterance)).subject:
-        raise ValidationError([f"Its sequence number is {utterance.sequence}."])
-
-
-def _stands_alone(quad: Quad) -> bool:
-    """Types and names of what no rule speaks of any more, and speakers with their trust."""
-    kind, _ = split(quad.subject)
-    if kind == "speaker":
-        return quad.predicate in _OF_SPEAKERS
-    return kind in _NAMED and quad.predicate in {TYPE, rule_mapping.LABEL}
-
-
-def _shown(quad: Quad) -> str:
-    value = quad.object
-    shown = shortened(value) if isinstance(value, Iri) else f'"{lexical(value)[0][:60]}"'
-    return f"{shortened(quad.predicate)} {shown}"
 
 
 def _as_rdflib(quads: Iterable[Quad]) -> Graph:
@@ -281,7 +220,6 @@ def _reported(report: Any) -> Iterator[ValidationFinding]:
 
 
 def _sort(staging: Store) -> None:
-    """Move what a format without graphs has put among the beliefs to where it belongs."""
     places = {
         typed.subject: graph
         for name, graph in _GRAPHS.items()
@@ -289,11 +227,14 @@ def _sort(staging: Store) -> None:
     }
     moved = [q for node in places for q in staging.quads(node, None, None, BELIEFS)]
     there = [quad._replace(graph=places[quad.subject]) for quad in moved]
-    staging.apply(insert=there, delete=moved)
+    beliefs = staging.quads(None, None, None, BELIEFS)
+    edges = [q for q in beliefs if split(q.subject)[0] in NAMED and not is_name(q)]
+    # In format 1 the edge of "a ladle is a kind of spoon" was one of these.
+    there += [q._replace(graph=DERIVED) for q in edges if q.predicate != term("affords")]
+    staging.apply(insert=there, delete=[*moved, *edges])
 
 
 def _rename(staging: Store) -> None:
-    """Give rules that a person named (rule:1) the names that their content makes."""
     names: dict[Iri, Iri] = {}
     for node in rule_nodes(staging):
         try:

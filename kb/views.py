@@ -5,8 +5,6 @@ retract and supersede rules in their order. In the view of one speaker only that
 utterances count, and with full trust.
 """
 
-from __future__ import annotations
-
 import re
 from collections import defaultdict
 from collections.abc import Sequence
@@ -15,12 +13,11 @@ from datetime import datetime, timedelta
 
 from ..ontology.errors import DataError, NotFoundError
 from ..ontology.vocabulary import PREFIXES, Iri
-from .history import HISTORY, Utterance, read_utterance
+from .history import HISTORY, Utterance, parse_trust, read_utterance
 from .interval import CERTAIN, Interval
 from .rdf.terms import Term
 from .reader import RuleReader, atom_named
 from .rule import DEFAULT_SPEAKER, Rule
-from .writer import parse_trust
 
 _DATE = re.compile(r"\d{4}-\d{2}-\d{2}")
 
@@ -68,10 +65,8 @@ def view(
     """The rules at an earlier time, or according to one speaker, or both.
 
     `at` is a moment, or the number of the last utterance that counts; now by default. Only the
-    utterances of the speaker `according_to` count; everybody's by default.
-
-    Raises:
-        UnknownNameError: there is no such utterance, or no utterance of that speaker.
+    utterances of the speaker `according_to` count; everybody's by default. UnknownNameError if
+    there is no such utterance, or no utterance of that speaker.
     """
     events = _utterances(base)
     _check(base, events, at, according_to)
@@ -152,7 +147,6 @@ def _is_until(one: Utterance, at: datetime | int) -> bool:
 def _replayed(
     base: RuleReader, events: list[Utterance], according_to: str | None
 ) -> dict[str, Utterance]:
-    """The ids of the rules that are active after the events, with the last event of each."""
     active: dict[str, Utterance] = {}
     for one in events:
         if according_to is None or one.speaker == according_to:

@@ -4,31 +4,26 @@ Each utterance is one atomic write: the utterance, the rules it asserts, retract
 their edges and its number. A rule is never deleted: its status changes, and the history keeps it.
 """
 
-from __future__ import annotations
-
-import re
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from datetime import datetime, timezone
-from decimal import Decimal
 from functools import partial
+from typing import cast
 
 from ..ontology.errors import NotFoundError
-from ..ontology.vocabulary import Iri, iri, term
+from ..ontology.vocabulary import Iri, iri, split, term
 from .episodes import EPISODES, FORGOTTEN_BY, trial_nodes
-from .history import HISTORY, SEQUENCE, Utterance, utterance_iri, utterance_quads
+from .history import HISTORY, SEQUENCE, Utterance, trust_bounds, utterance_iri, utterance_quads
 from .interval import Interval
 from .learned_words import PHRASES, WORDS, LearnedMapping, LearnedPhrase, LearnedWord
 from .rdf import rule_mapping
 from .rdf.record_mapping import Record
 from .rdf.rule_mapping import BELIEFS
 from .rdf.terms import Quad
-from .reader import BASE_GRAPH, BASE_NODE, TRUST_LOWER, TRUST_UPPER, RuleReader
+from .reader import BASE_GRAPH, BASE_NODE, RuleReader
 from .rule import DEFAULT_SPEAKER, Rule, Status, check_speaker
 from .stores.base import Store
 from .taught_actions import TAUGHT_ACTIONS, TaughtAction
-
-_TRUST = re.compile(r"trust\(([^,()]+),([0-9.e-]+),([0-9.e-]+)\)")  # as `set_trust` writes it
 
 
 @dataclass
@@ -43,10 +38,15 @@ class _Change:
 
 
 class RuleWriter(RuleReader):
-    """Writes rules and utterances into `store`, at the times that `clock` gives."""
+    """Writes rules and utterances into `store`, at the times that `clock` gives.
+
+    The clocks of processes that share a store may differ a little; an utterance is never older than
+    the one before it.
+    """
 
     def __init__(self, store: Store, *, clock: Callable[[], datetime] | None = None) -> None:
         super().__init__(store)
+        self._own = 0
         self.clock = clock or partial(datetime.now, timezone.utc)
 
     def believe(
@@ -71,17 +71,15 @@ class RuleWriter(RuleReader):
         The same rule said again by the same speaker stays one rule. The caller decides whether the
         speaker is to be believed (`trust`).
 
-        The arguments are those of `Utterance`; its time is now by default. The rules are
-        attributed to its speaker, or to the `source` whose words the speaker reports; `words` and
-        `actions` are what else was learned from it. `heard` is already part of the intervals of
-        the rules.
-
-        Raises:
-            UnknownNameError: a rule to retract does not exist.
-            StoreError: it could not be written; nothing has changed.
+        The arguments are those of `Utterance`; its time is now by default. The rules are attributed
+        to its speaker, or to the `source` whose words the speaker reports; `words` and `actions`
+        are what else was learned from it. `heard` is already part of the intervals of the rules.
+        UnknownNameError if a rule to retract does not exist; StoreError if it could not be written;
+        nothing has changed.
         """
         teller = source or speaker
         asserted = {rule.id: rule for rule in (replace(one, speaker=teller) for one in rules)}
+        gone = set(retracts) - set(asserted)
         utterance = Utterance(
             0,
             text,
@@ -91,8 +89,8 @@ class RuleWriter(RuleReader):
             kind,
             answer=answer,
             asserts=tuple(sorted(asserted)),
-            retracts=tuple(sorted(set(retracts) - set(asserted))),
-            supersedes=tuple(sorted(set(supersedes) - set(asserted))),
+            retracts=tuple(sorted(gone)),
+            supersedes=tuple(sorted(set(supersedes) - gone - set(asserted))),
             heard=heard,
         )
         with self.store.writing():
@@ -132,6 +130,18 @@ class RuleWriter(RuleReader):
             text, predicate, speaker, [], retracts=[rule_id], kind="correction", answer=answer
         )
 
+    def write(
+        self,
+        utterance: Utterance,
+        rules: Sequence[Rule],
+        *,
+        insert: Iterable[Quad],
+        delete: Iterable[Quad],
+    ) -> Utterance:
+        """Number an utterance and write it, the rules it asserts or ends, and other statements."""
+        with self.store.writing():
+            return self._write(utterance, rules, _Change([*insert], [*delete]))
+
     def set_trust(
         self, speaker: str, lower: float, *, upper: float | None = None, by: str = DEFAULT_SPEAKER
     ) -> Interval:
@@ -160,7 +170,7 @@ class RuleWriter(RuleReader):
     def learn_phrase(self, phrase: LearnedPhrase) -> None:
         """Store a phrase that the last utterance confirmed; durable when this returns."""
         with self.store.writing():
-            kept, change = replace(phrase, utterance=self.sequence), _Change()
+            kept, change = replace(phrase, utterance=self.last_written), _Change()
             before = PHRASES.stored_quads(self.store, kept)
             change.replace(before, PHRASES.learned_quads(kept))
             self.store.apply(insert=change.insert, delete=change.delete)
@@ -228,15 +238,19 @@ class RuleWriter(RuleReader):
         before = mapping.stored_quads(self.store, record)
         change.replace(before, mapping.learned_quads(record, status="retracted"))
 
+    @property
+    def last_written(self) -> int:
+        """The number of the last utterance of this process; of all, if it has written none."""
+        return self._own or self.sequence
+
     def _said(self, text: str, predicate: str, speaker: str, kind: str) -> Utterance:
         return Utterance(0, text, predicate, speaker, to_milliseconds(self.clock()), kind)
 
     def _write(
         self, utterance: Utterance, rules: Sequence[Rule], change: _Change | None = None
     ) -> Utterance:
-        """Number an utterance and write it with all its changes; the caller holds the lock."""
         last = self.sequence
-        numbered = replace(utterance, sequence=last + 1)
+        numbered = replace(utterance, sequence=last + 1, time=self._time_after(last, utterance))
         change = change or _Change()
         change.replace(
             [Quad(BASE_NODE, SEQUENCE, last, BASE_GRAPH)] if last else [],
@@ -245,13 +259,20 @@ class RuleWriter(RuleReader):
         change.insert += utterance_quads(numbered)
         change.insert += speaker_quads(utterance.speaker, HISTORY)
         for rule in rules:
-            asserted = replace(rule, utterance=last + 1, time=utterance.time, status="active")
+            asserted = replace(rule, utterance=last + 1, time=numbered.time, status="active")
             before = self.store.quads(rule_mapping.rule_iri(rule.id), None, None, BELIEFS)
             change.replace(before, rule_mapping.rule_quads(asserted))
         self._end(change, numbered.retracts, "retracted", rules)
         self._end(change, numbered.supersedes, "superseded", rules)
         self.store.apply(insert=change.insert, delete=change.delete)
+        self._own = last + 1
         return numbered
+
+    def _time_after(self, last: int, utterance: Utterance) -> datetime:
+        if not last or not self.is_shared:
+            return utterance.time
+        times = self.store.quads(utterance_iri(last), rule_mapping.GENERATED_AT, None, HISTORY)
+        return max([utterance.time, *(cast(datetime, quad.object) for quad in times)])
 
     def _end(
         self, change: _Change, rule_ids: Sequence[str], status: Status, new: Sequence[Rule]
@@ -264,36 +285,26 @@ class RuleWriter(RuleReader):
                 rule_mapping.property_quads(replace(rule, status=status)),
             )
             change.delete.append(rule_mapping.node_edge(rule))
-            for edge in rule_mapping.plain_edges(rule):
-                if not self._is_asserted(edge, without=gone, new=new):
-                    change.delete.append(edge)
+            gone_edges = {*rule_mapping.edges(rule)} - self._asserted(rule, gone, new)
+            change.delete += sorted(gone_edges, key=str)
 
-    def _is_asserted(self, edge: Quad, *, without: set[str], new: Sequence[Rule]) -> bool:
-        if any(edge in rule_mapping.plain_edges(rule) for rule in new):
-            return True
+    def _asserted(self, ended: Rule, gone: set[str], new: Sequence[Rule]) -> set[Quad]:
         active = (rule_mapping.STATUS, rule_mapping.status_iri("active"))
-        nodes = self.nodes_with([(rule_mapping.FEATURE, edge.subject), active])
-        left = (node for node in nodes if rule_mapping.rule_id(node) not in without)
-        rules = self.read_rules((node, self.properties(node)) for node in left)
-        return any(edge in rule_mapping.plain_edges(rule) for rule in rules)
+        found = {quad for rule in new for quad in rule_mapping.edges(rule)}
+        for edge in rule_mapping.plain_edges(ended):
+            end = cast(Iri, edge.object)
+            concludes = (rule_mapping.argument_property(split(end)[0]), end)
+            nodes = self.nodes_with([(rule_mapping.FEATURE, edge.subject), concludes, active])
+            left = (node for node in nodes if rule_mapping.rule_id(node) not in gone)
+            for rule in self.read_rules((node, self.properties(node)) for node in left):
+                found.update(rule_mapping.edges(rule))
+        return found
 
 
 def trust_quads(speaker: str, trust: Interval) -> list[Quad]:
     """The statements of the trust in a speaker."""
     node = iri("speaker", speaker)
-    return [
-        *speaker_quads(speaker, BELIEFS),
-        Quad(node, TRUST_LOWER, Decimal(str(trust.lower)), BELIEFS),
-        Quad(node, TRUST_UPPER, Decimal(str(trust.upper)), BELIEFS),
-    ]
-
-
-def parse_trust(utterance: Utterance) -> tuple[str, Interval] | None:
-    """The speaker and the trust that an utterance set; None when it set none."""
-    found = _TRUST.fullmatch(utterance.predicate)
-    if utterance.kind != "trust" or found is None:
-        return None
-    return found[1], Interval(float(found[2]), float(found[3]))
+    return [*speaker_quads(speaker, BELIEFS), *trust_bounds(node, trust, BELIEFS)]
 
 
 def speaker_quads(speaker: str, graph: Iri) -> list[Quad]:

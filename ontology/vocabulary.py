@@ -5,8 +5,6 @@ instances. Terms of the vocabulary are `hilt:...` (`term("lower")`). Individuals
 one path for each kind: `object:knife`, `part:blade`, `rule:3f9c...` (`iri("part", "blade")`).
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 from functools import lru_cache
@@ -35,17 +33,21 @@ RECORD_KINDS = (
     "word",
     "phrase",
     "taught",
+    "relation",
+    "activity",
 )
 KINDS = (*ATOM_KINDS, *RECORD_KINDS, "graph")
 
-# The named graphs of a knowledge base; `base` holds its format version and sequence number.
-GRAPH_NAMES = ("base", "domain", "beliefs", "history", "lexicon", "episodes", "actions")
+# The named graphs of a knowledge base; `base` holds its format version and sequence number, and
+# `derived` what follows from the others.
+GRAPH_NAMES = ("base", "domain", "beliefs", "history", "lexicon", "episodes", "actions", "derived")
 
 _FOREIGN = {
     "rdf": "http://www.w3.org/1999/02/22-rdf-syntax-ns#",
     "rdfs": "http://www.w3.org/2000/01/rdf-schema#",
     "xsd": "http://www.w3.org/2001/XMLSchema#",
     "owl": "http://www.w3.org/2002/07/owl#",
+    "sosa": "http://www.w3.org/ns/sosa/",
     "prov": "http://www.w3.org/ns/prov#",
     "skos": "http://www.w3.org/2004/02/skos/core#",
     "sh": "http://www.w3.org/ns/shacl#",
@@ -57,6 +59,8 @@ _FOREIGN = {
 PREFIXES: Mapping[str, str] = MappingProxyType(
     {"hilt": HILT} | {kind: f"{INDIVIDUALS}{kind}/" for kind in KINDS} | _FOREIGN
 )
+
+ONTOLOGIES = f"{PREFIXES['graph']}ontology."  # how the graphs of ontologies of others begin
 
 _UNSAFE = re.compile(r"[^\w.-]|_")
 
@@ -93,6 +97,21 @@ def iri(kind: str, name: str) -> Iri:
     if kind not in KINDS:
         raise KeyError(f'there is no kind "{kind}"; known: {", ".join(KINDS)}.')
     return Iri(PREFIXES[kind] + _UNSAFE.sub(_escape, name))
+
+
+def ontology_graph(name: str) -> Iri:
+    """Return the graph of an ontology of others beside those of Hilt (`GRAPH_NAMES`).
+
+    >>> print(prefixed(ontology_graph("SOMA")))
+    graph:ontology.soma
+    """
+    given = name.removeprefix(ONTOLOGIES).removeprefix("graph:").removeprefix("ontology.")
+    return Iri(ONTOLOGIES + (re.sub(r"[^a-z0-9]+", "-", given.lower()).strip("-") or "unnamed"))
+
+
+def is_ontology(graph: Iri | None) -> bool:
+    """Return whether a graph holds an ontology of others, which is kept and never interpreted."""
+    return graph is not None and graph.startswith(ONTOLOGIES)
 
 
 def term(name: str) -> Iri:

@@ -6,8 +6,6 @@ line on stderr; `--debug` adds the traceback, `--verbose` the log. What a comman
 when it runs, so that `hilt --help` answers at once.
 """
 
-from __future__ import annotations
-
 import atexit
 import gc
 import sys
@@ -19,39 +17,21 @@ from typing import Any
 
 import typer
 
-from ...ontology.errors import (
-    DataError,
-    HiltError,
-    IntervalError,
-    NotFoundError,
-    QueryError,
-    QueryLimitError,
-    UnknownNameError,
-)
+from ...ontology import errors
 
 # Each module adds its commands to `app`; help lists them in this order.
-from . import conversation, language, rules, files, history  # isort: skip
-from . import query, reasoning, scene, configuration, evaluate  # isort: skip
+# pyright: reportUnusedImport=false
+from . import conversation, language, rules, files, history  # isort: skip  # noqa: F401
+from . import query, reasoning, scene, configuration, evaluate  # isort: skip  # noqa: F401
 from .common import FAILED, report_error
 from .options import app
 
 WRONG_USAGE, INTERRUPTED = 2, 130
 MAY_LEAD = {"--kb": 1, "--scene": 1, "--seed": 1, "--speaker": 1, "--json": 0}  # option: values
 ANYWHERE = ("--debug", "--verbose")
-UNREADABLE = (DataError, IntervalError, QueryError, UnknownNameError)
-MISSED = (NotFoundError, QueryLimitError)  # what was asked for in the right way, and not got
-COMMANDS = (
-    conversation,
-    language,
-    rules,
-    files,
-    history,
-    query,
-    reasoning,
-    scene,
-    configuration,
-    evaluate,
-)
+UNREADABLE = (errors.DataError, errors.IntervalError, errors.QueryError, errors.UnknownNameError)
+# What was asked for in the right way, and not got.
+MISSED = (errors.NotFoundError, errors.QueryLimitError)
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -73,7 +53,6 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
 
 def _command(found: Any, words: Sequence[str]) -> Any:
-    """The command, or the group of commands, that some words are; None where they are more."""
     for word in words:
         found = getattr(found, "commands", {}).get(word)
     return found
@@ -108,14 +87,13 @@ def _run(command: Any, arguments: Sequence[str], *, debug: bool) -> int:
             raise  # no mistake of who typed this
         if debug:
             traceback.print_exc()
-        told = error if isinstance(error, HiltError) else _in_words(error)
+        told = error if isinstance(error, errors.HiltError) else _in_words(error)
         report_error(told, as_json="--json" in arguments)
         return code
 
 
 def _code_of(error: Exception) -> int | None:
-    """The exit code for what went wrong; None where nobody foresaw it."""
-    if isinstance(error, HiltError):
+    if isinstance(error, errors.HiltError):
         is_wrong = isinstance(error, UNREADABLE) and not isinstance(error, MISSED)
         return WRONG_USAGE if is_wrong else FAILED
     if hasattr(error, "format_message"):
@@ -135,7 +113,6 @@ def _in_words(error: Exception) -> str:
 
 
 def _reordered(arguments: Sequence[str]) -> list[str]:
-    """Options that lead the command moved behind it, where they are declared."""
     at = 0
     while at < len(arguments) and arguments[at].split("=")[0] in MAY_LEAD:
         name, _, value = arguments[at].partition("=")

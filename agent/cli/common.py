@@ -16,7 +16,7 @@ import typer
 
 from ...ontology.errors import DataError, HiltError, StoreError, ValidationError
 from ...ontology.yaml_reader import read_text
-from .. import config, presentation
+from .. import config, config_files, presentation
 from ..config import open_base
 from ..presentation.plain_text import printable
 
@@ -32,10 +32,10 @@ STDIN = "-"  # instead of a text
 MOST_MISTAKES = 20  # that are reported one by one
 
 
-def open_for_reading(kb: str | None, *, must_exist: bool = False) -> KnowledgeBase:
+def open_for_reading(kb: str | None) -> KnowledgeBase:
     """Open a knowledge base (None: the user's own) for reading, without waiting for writers.
 
-    It is not created: a missing base counts as empty unless it must exist.
+    StoreError if there is none, or it cannot be read; nothing is created.
     """
     from ...kb.knowledge_base import KnowledgeBase
 
@@ -45,13 +45,41 @@ def open_for_reading(kb: str | None, *, must_exist: bool = False) -> KnowledgeBa
     try:
         return KnowledgeBase.open(location, read_only=True)
     except StoreError:
-        folder = Path(location).expanduser()
-        if folder.is_file() or (folder.is_dir() and any(folder.iterdir())):
-            return open_base(location)  # an older format, or it reports what is wrong
-        if must_exist or ":" in location:
+        require_base(kb)
+        if ":" in location:
             raise
+    return open_base(location)  # an older format, or it reports what is wrong
+
+
+def require_base(kb: str | None) -> None:
+    """Check that there is something at a location; StoreError, with what to do, if not."""
+    location = kb or str(config.default_location())
+    if ":" in location or is_something(location):
+        return
+    named = (
+        f" --kb {shlex.quote(location)}" if kb != config_files.configured()["base"].value else ""
+    )
+    raise StoreError(
+        f'There is no knowledge base "{location}". Teach it something, which creates it '
+        f'(hilt tell{named} "A knife is used for cutting."), or name another with --kb.'
+    )
+
+
+def open_to_change(kb: str | None, *, dry_run: bool) -> KnowledgeBase:
+    """Open or create a knowledge base; for a dry run only read it, one that is missing as empty."""
+    if not dry_run:
+        return open_base(kb)
+    location = kb or str(config.default_location())
+    if ":" in location or is_something(location):
+        return open_for_reading(kb)
     typer.echo(f'There is no knowledge base "{location}" yet.', err=True)
     return open_base("memory:")
+
+
+def is_something(location: str) -> bool:
+    """Whether there is a file, or a folder that is not empty."""
+    place = Path(location).expanduser()
+    return place.is_file() or (place.is_dir() and any(place.iterdir()))
 
 
 def terminal(*, stderr: bool = False) -> Console:
@@ -182,8 +210,7 @@ def announce(document: object, text: str, *, as_json: bool, err: bool = False) -
 def write_svg(path: Path, svg: str) -> None:
     """Write a picture to a file, whose name must end in .svg.
 
-    Raises:
-        DataError: it does not, or the file cannot be written.
+    DataError if it does not, or the file cannot be written.
     """
     if path.suffix.lower() != ".svg":
         raise DataError("expected a file ending in .svg.", source=str(path))
@@ -191,11 +218,7 @@ def write_svg(path: Path, svg: str) -> None:
 
 
 def write_bytes(path: Path | str, content: bytes) -> None:
-    """Write a file; "-" is standard output.
-
-    Raises:
-        DataError: it cannot be written.
-    """
+    """Write a file; "-" is standard output; DataError if it cannot be written."""
     from ...kb.formats.file_streams import open_output
 
     with open_output(str(path)) as stream:

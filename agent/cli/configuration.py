@@ -1,7 +1,5 @@
 """Commands on what options are when they are not given: config show, config set, config path."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 from typing import Annotated
@@ -96,10 +94,7 @@ def _file(*, project: bool) -> Path:
 
 
 def _checked(key: str, text: str, *, beside: Path | None) -> object:
-    """What stands in the file for a value that an agent can be made with.
-
-    A file is named absolutely, or relatively to the folder that it shall be `beside`.
-    """
+    """What stands in the file for a value; a file is named absolutely, or as seen from `beside`."""
     from ..execution.embodiment import Embodiment
 
     node = parse_value(KEYS[key], text, f"hilt config set {key}")

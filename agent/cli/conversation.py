@@ -13,33 +13,22 @@ import typer
 
 from .. import presentation
 from ..config import AgentConfig
+from . import options
 from .common import converse, exit_with, open_for_reading, print_json, show, terminal
-from .options import (
-    EVERY,
-    LANGUAGE,
-    ROBOT,
-    SCENE,
-    AsJson,
-    Heard,
-    Host,
-    Kb,
-    Out,
-    Record,
-    Speaker,
-    Utterance,
-    app,
-    example,
-    with_config,
-)
+from .options import AsJson, Kb, Speaker, app, example, with_config
 
 if TYPE_CHECKING:
     from ..agent import Agent
 
 
 @app.command(epilog=example("demo --no-sim"))
-@with_config("seed", *ROBOT)
+@with_config("seed", *options.ROBOT)
 def demo(
-    *, config: AgentConfig, kb: Kb = "memory:", out: Out = Path("out/demo"), as_json: AsJson = False
+    *,
+    config: AgentConfig,
+    kb: Kb = "memory:",
+    out: options.Out = Path("out/demo"),
+    as_json: AsJson = False,
 ) -> None:
     """Run the paper's running example: three sentences, and a knife passed by the blade."""
     from .. import demo as example
@@ -55,14 +44,14 @@ def demo(
 
 
 @app.command(epilog=example('tell "To pass a knife, grab it by the blade"'))
-@with_config(*LANGUAGE)
+@with_config(*options.LANGUAGE)
 def tell(
-    text: Utterance,
+    text: options.Utterance,
     *,
     config: AgentConfig,
     kb: Kb = None,
     speaker: Speaker = "sam",
-    heard: Heard = 1.0,
+    heard: options.Heard = 1.0,
     as_json: AsJson = False,
 ) -> None:
     """Teach a rule: "A knife is used for cutting"."""
@@ -73,15 +62,15 @@ def tell(
 
 
 @app.command(epilog=example('do "pass me something used for cutting" --no-sim'))
-@with_config(*EVERY)
+@with_config(*options.EVERY)
 def do(
-    text: Utterance,
+    text: options.Utterance,
     *,
     config: AgentConfig,
     kb: Kb = None,
     speaker: Speaker = "sam",
-    heard: Heard = 1.0,
-    record: Record = None,
+    heard: options.Heard = 1.0,
+    record: options.Record = None,
     as_json: AsJson = False,
 ) -> None:
     """Ask for something to be done: "pass me something used for cutting"."""
@@ -109,9 +98,9 @@ def _filmed(agent: Agent, path: Path | None) -> Generator[None]:
 
 
 @app.command(epilog=example('ask "how do you pass a knife?"'))
-@with_config(*SCENE, "lexicon")
+@with_config(*options.SCENE, "lexicon")
 def ask(
-    text: Utterance,
+    text: options.Utterance,
     *,
     config: AgentConfig,
     kb: Kb = None,
@@ -126,8 +115,8 @@ def ask(
 
 
 @app.command(epilog=example("chat --no-sim"))
-@with_config(*EVERY)
-def chat(*, config: AgentConfig, kb: Kb = None, speaker: Host = None) -> None:
+@with_config(*options.EVERY)
+def chat(*, config: AgentConfig, kb: Kb = None, speaker: options.Host = None) -> None:
     """Talk: teach, ask and command, a line each; /help shows what can be said."""
     from ..agent import Agent
     from ..chat import run
@@ -139,11 +128,9 @@ def chat(*, config: AgentConfig, kb: Kb = None, speaker: Host = None) -> None:
 @app.command(epilog=example("actions --json"))
 def actions(*, kb: Kb = None, as_json: AsJson = False) -> None:
     """List the actions that were taught, with their steps and their teachers."""
-    from ..presentation import console
-
     with open_for_reading(kb) as base:
         found = base.actions()
-    show(found, console.actions, as_json=as_json)
+    show(found, presentation.console.actions, as_json=as_json)
 
 
 @app.command(epilog=example("words --json"))

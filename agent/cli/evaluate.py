@@ -91,7 +91,7 @@ def evaluate(  # noqa: PLR0917 - every option is a parameter
         raise typer.BadParameter("name an evaluation.")
     if resume and out is None:
         raise typer.BadParameter("--resume needs --out, the folder of the run.")
-    from ..evaluation.experiments.registry import make_experiment
+    from ..evaluation.experiment import make_experiment
     from ..evaluation.reports.export import check_format, write_report
     from ..evaluation.reports.summary import EvaluationReport
     from ..evaluation.runners.experiment_run import make_runner, run_experiment

@@ -11,7 +11,7 @@ import typer
 
 from ...ontology.errors import DataError
 from ..presentation.plain_text import counted
-from .common import announce, exit_with, open_base, open_for_reading, print_json, terminal
+from .common import announce, exit_with, open_for_reading, open_to_change, print_json, terminal
 from .options import AsJson, DryRun, Kb, app, example
 
 if TYPE_CHECKING:
@@ -52,21 +52,53 @@ def export_(
 @app.command(name="import", epilog=example("import rules.yaml --dry-run"))
 def import_(
     file: Annotated[str, typer.Argument(help='A file, packed or not, or "-" for stdin.')],
+    *,
     kb: Kb = None,
     file_format: FileFormat = None,
+    as_: Annotated[
+        str, typer.Option("--as", help='"rules", or "ontology": any RDF, beside the rules.')
+    ] = "rules",
+    name: Annotated[
+        str | None, typer.Option("--name", help="The name of the ontology; by default the file's.")
+    ] = None,
     dry_run: DryRun = False,
     as_json: AsJson = False,
 ) -> None:
-    """Read rules or a whole base: checked first, applied whole or not at all."""
+    """Read rules, a whole base or an ontology: checked first, applied whole or not at all."""
+    if as_ == "ontology":
+        _import_ontology(kb, file, name, file_format, dry_run=dry_run, as_json=as_json)
+        return
+    if as_ != "rules":
+        raise DataError(f'expected "rules" or "ontology", found "{as_}".', source="--as")
     from ...kb.formats.import_export import import_file
 
-    opened = open_for_reading if dry_run else open_base
-    with opened(kb) as base, _progress("Reading", _size(file)) as advance:
+    with open_to_change(kb, dry_run=dry_run) as base, _progress("Reading", _size(file)) as advance:
         found = import_file(base, file, format=file_format, dry_run=dry_run, progress=advance)
     if as_json:
         print_json({"applied": not dry_run, **found.as_json()})
     else:
         _show(found, file, dry_run=dry_run)
+
+
+def _import_ontology(
+    kb: str | None,
+    file: str,
+    name: str | None,
+    file_format: str | None,
+    *,
+    dry_run: bool,
+    as_json: bool,
+) -> None:
+    from ...kb.formats.ontology import import_ontology
+
+    with open_to_change(kb, dry_run=dry_run) as base:
+        found = import_ontology(base, file, name=name, format=file_format, dry_run=dry_run)
+    summary = {"applied": not dry_run, **found.as_json()}
+    text = (
+        f"{'Would read' if dry_run else 'Read'} {counted(found.statements, 'statement')} into "
+        f"{summary['graph']}: {found.added} new, {found.removed} gone."
+    )
+    announce(summary, text, as_json=as_json, err=True)
 
 
 def _show(found: ImportSummary, file: str, *, dry_run: bool) -> None:
@@ -80,6 +112,8 @@ def _show(found: ImportSummary, file: str, *, dry_run: bool) -> None:
         typer.echo(f"  {conflict.new} contradicts {conflict.believed}", err=True)
     if found.conflicting > len(found.conflicts):
         typer.echo(f"  ... and {found.conflicting - len(found.conflicts)} more", err=True)
+    for what, number in found.not_taken.items():
+        typer.echo(f"Not taken: {counted(number, 'statement')} with {what}.", err=True)
     if found.untrusted:
         typer.echo(
             f"Nobody trusts {', '.join(found.untrusted)}, so what they say weighs nothing. "
@@ -97,7 +131,6 @@ def _size(file: str) -> int | None:
 
 @contextmanager
 def _progress(doing: str, total: int | None = None) -> Generator[Callable[..., None]]:
-    """A bar on stderr, for a terminal only; yields what is called with the units done, and all."""
     from rich import progress
 
     out = terminal(stderr=True)
@@ -124,10 +157,21 @@ def validate(
     ] = None,
     *,
     file_format: FileFormat = None,
+    deep: Annotated[
+        bool, typer.Option("--deep", help="First read every table of a base that is a folder.")
+    ] = False,
+    repair: Annotated[
+        bool, typer.Option("--repair", help="First make anew what follows from the rules.")
+    ] = False,
     kb: Kb = None,
     as_json: AsJson = False,
 ) -> None:
-    """Check a file, or the base, against the shapes and the laws of rules; change nothing."""
+    """Check a file, or the base, against the shapes and the laws of rules; change nothing else."""
+    if repair:
+        with open_to_change(kb, dry_run=False) as base:
+            base.derive()
+    if deep and file is None:
+        _check_tables(kb)
     try:
         found = _findings_in_base(kb) if file is None else _findings_in_file(file, file_format)
     except DataError as error:
@@ -151,26 +195,33 @@ def _as_json(error: DataError) -> dict[str, object]:
 
 def _findings_in_file(file: str, file_format: str | None) -> list[ValidationFinding]:
     from ...kb.formats.import_export import read_file
-    from ...kb.validation import findings, locate_findings
+    from ...kb.validation import MAX_SHACL, findings, locate_findings
 
     staged = read_file(file, format=file_format)
     try:
         with _progress("Checking") as progress:
-            found = findings(staged, progress=progress)
+            found = findings(staged, most=MAX_SHACL, progress=progress)
     finally:
         staged.close()
     return locate_findings(found, _text(file) if found else "")
 
 
+def _check_tables(kb: str | None) -> None:
+    from ...kb.stores.base import EmbeddedStore
+
+    with open_for_reading(kb) as base:
+        if isinstance(base.store, EmbeddedStore):
+            base.store.check_tables()
+
+
 def _findings_in_base(kb: str | None) -> list[ValidationFinding]:
-    from ...kb.validation import findings
+    from ...kb.validation import MAX_SHACL, findings
 
     with open_for_reading(kb) as base, _progress("Checking") as progress:
-        return sorted(set(findings(base.store, progress=progress)))
+        return findings(base.store, whole=True, most=MAX_SHACL, progress=progress)
 
 
 def _text(file: str) -> str:
-    """The text of a file whose lines begin with what they are about; of others nothing."""
     path = Path(file)
     if path.suffix.lower() not in WITH_LINES or path.stat().st_size > MOST_TEXT:
         return ""
@@ -186,7 +237,7 @@ def backup(
     """Copy the knowledge base into a folder, while it is in use; the copy is read back."""
     from ...kb.backup import backup as save
 
-    with open_for_reading(kb, must_exist=True) as base:
+    with open_for_reading(kb) as base:
         number = save(base, folder)
     text = f"Saved up to utterance {number} in {folder}."
     announce({"backup": str(folder), "sequence": number}, text, as_json=as_json, err=True)

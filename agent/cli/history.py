@@ -14,20 +14,11 @@ import typer
 from ...ontology.errors import DataError, HiltError
 from .. import config, presentation
 from ..presentation.plain_text import counted
-from .common import (
-    announce,
-    exit_with,
-    open_base,
-    open_for_reading,
-    print_json,
-    show,
-    spinner,
-    terminal,
-)
+from . import common
 from .options import AsJson, DryRun, Gui, Kb, Record, Speaker, app, example
+from .rules import Object
 
 if TYPE_CHECKING:
-    from ...kb.diff import UtteranceChanges
     from ...kb.history import Utterance
     from ...kb.knowledge_base import KnowledgeBase
     from ...kb.rule import Rule
@@ -52,11 +43,11 @@ def history(
     """List the utterances: when, by whom, and their effect on the rules."""
     from ...kb.diff import find_rule
 
-    with open_for_reading(kb) as base:
+    with common.open_for_reading(kb) as base:
         rule = find_rule(base, about) if about else None
         said = base.history(since=since or 0, newest_first=True)  # so that the last come at once
         shown = [*islice((one for one in said if _is_wanted(one, speaker, rule)), last)][::-1]
-    show(shown, presentation.console.history, as_json=as_json)
+    common.show(shown, presentation.console.history, as_json=as_json)
 
 
 @app.command(epilog=example("forget last"))
@@ -78,34 +69,45 @@ def forget(
     """Take back a rule, what was told last, a word, an action, ..; the history keeps it."""
     from ...kb.diff import rule_changes
 
-    with open_base(kb) as base:
+    with common.open_base(kb) as base:
         before = base.sequence
         said = _forgotten(base, what, speaker)
         done = list(rule_changes(base, since=before))
     retracted = [rule.as_json() for one in done for rule in one.retracted]
-    announce({"said": said, "retracted": retracted}, said, as_json=as_json)
+    common.announce({"said": said, "retracted": retracted}, said, as_json=as_json)
 
 
 @app.command(epilog=example("watch --json"))
 def watch(
     *,
     since: Since = None,
+    speaker: By = None,
+    name: Object = None,
     every: Annotated[
         float, typer.Option("--every", min=0.05, help="Seconds between two looks.")
     ] = 0.5,
     seconds: Annotated[
-        float | None, typer.Option("--for", min=0.0, help="Stop after so many seconds.")
+        float | None,
+        typer.Option("--for", min=0.0, help="Stop after so many seconds; 0 only shows what is."),
     ] = None,
     kb: Kb = None,
     as_json: AsJson = False,
 ) -> None:
-    """Show changes as they happen, until Ctrl-C; others may go on teaching meanwhile."""
-    out = terminal()
+    """Show changes as they happen, until Ctrl-C; others may go on teaching meanwhile.
+
+    Who stopped goes on with --since and the last number ("sequence") that was shown.
+    """
+    from ...kb.diff import rule_changes
+
+    out = common.terminal()
     try:
-        for change in _changes(kb or str(config.default_location()), since, every, seconds):
-            print_json(change.as_json()) if as_json else out.print(
-                presentation.console.change(change), soft_wrap=True
-            )
+        for base, new in _new_states(kb, since, every, seconds):
+            for change in rule_changes(base, since=new.start - 1, speaker=speaker, object=name):
+                if change.utterance.sequence not in new:  # said meanwhile; it comes next time
+                    break
+                common.print_json(change.as_json()) if as_json else out.print(
+                    presentation.console.change(change), soft_wrap=True
+                )
     except KeyboardInterrupt:
         return
 
@@ -121,8 +123,8 @@ def diff(
 
     with _opened(one) as before, _opened(other) as after:
         found = compare_bases(before, after)
-    show(found, presentation.console.difference, as_json=as_json, soft_wrap=True)
-    exit_with(found.is_empty)
+    common.show(found, presentation.console.difference, as_json=as_json, soft_wrap=True)
+    common.exit_with(found.is_empty)
 
 
 @app.command(epilog=example("merge mine/ theirs.trig --dry-run"))
@@ -136,10 +138,9 @@ def merge(
     """Add what B knows to A, whole or not at all, and report the conflicts."""
     from .. import merge_report
 
-    opened = open_for_reading if dry_run else open_base
-    with opened(into) as base, _opened(other) as source:
+    with common.open_to_change(into, dry_run=dry_run) as base, _opened(other) as source:
         found = merge_report.merge(base, source, name=other, dry_run=dry_run)
-    show(found, presentation.console.merge_result, as_json=as_json)
+    common.show(found, presentation.console.merge_result, as_json=as_json)
 
 
 @app.command(epilog=example("episodes --last 5"))
@@ -150,17 +151,17 @@ def episodes(
     as_json: AsJson = False,
 ) -> None:
     """List the episodes: each command with its time, outcome, object and part."""
-    with open_for_reading(kb) as base:
+    with common.open_for_reading(kb) as base:
         found = list(base.episodes())
     shown = found[-last:] if last else found
     if as_json:
-        print_json([
+        common.print_json([
             {"id": one.id, "time": one.time and one.time.isoformat(), "speaker": one.speaker,
              **json.loads(one.document)}
             for one in shown
         ])  # fmt: skip
     else:
-        terminal().print(presentation.console.episodes(shown))
+        common.terminal().print(presentation.console.episodes(shown))
 
 
 @app.command(epilog=example("experience --object screwdriver"))
@@ -175,9 +176,9 @@ def experience(
     from ...inference.experience import read_records
 
     given = {"object": name, "part": part}
-    with open_for_reading(kb) as base:
+    with common.open_for_reading(kb) as base:
         found = read_records(base, **{key: value for key, value in given.items() if value})
-    show(found, presentation.console.experience, as_json=as_json)
+    common.show(found, presentation.console.experience, as_json=as_json)
 
 
 @app.command(epilog=example("replay last --record again.gif"))
@@ -194,17 +195,17 @@ def replay(
     """Run an episode again from its seed and its rules; exit code 1 when the result differs."""
     from ..replay import replay as run
 
-    with open_for_reading(kb) as base:
-        with spinner(f"Running {which} again"):
+    with common.open_for_reading(kb) as base:
+        with common.spinner(f"Running {which} again"):
             found = run(base, which, gui=gui, film=record)
         if record:
             typer.echo(f"Film written to {record}.", err=True)
-        show(
+        common.show(
             found,
             lambda one: presentation.console.replay_result(one, lambda n: base.utterance(n).text),
             as_json=as_json,
         )
-    exit_with(not found.differences)
+    common.exit_with(not found.differences)
 
 
 def _is_wanted(utterance: Utterance, speaker: str | None, rule: Rule | None) -> bool:
@@ -215,7 +216,6 @@ def _is_wanted(utterance: Utterance, speaker: str | None, rule: Rule | None) -> 
 
 
 def _forgotten(base: KnowledgeBase, what: list[str], speaker: str) -> str:
-    """Forget what was named; what was done, as a sentence."""
     from ...kb.diff import find_rule, last_taught_rules
 
     said, speaker = f"forget {' '.join(what)}", base.match_speaker(speaker)
@@ -253,21 +253,21 @@ def _forgotten(base: KnowledgeBase, what: list[str], speaker: str) -> str:
     return answer
 
 
-def _changes(
-    location: str, since: int | None, every: float, seconds: float | None
-) -> Iterator[UtteranceChanges]:
-    from ...kb.diff import rule_changes
-    from ...kb.knowledge_base import KnowledgeBase
+def _new_states(
+    kb: str | None, since: int | None, every: float, seconds: float | None
+) -> Iterator[tuple[KnowledgeBase, range]]:
+    from ...kb.stores.mark import read_mark
 
-    end = None if seconds is None else time.monotonic() + seconds
-    last = since
+    folder = Path(kb or config.default_location()).expanduser()
+    end, last, seen = time.monotonic() + (seconds or 0), since, b""
     while True:
-        with KnowledgeBase.open(location, read_only=True) as base:
-            last = base.sequence if last is None else last
-            found = list(rule_changes(base, since=last))
-        yield from found
-        last = max((change.utterance.sequence for change in found), default=last)
-        if end is not None and time.monotonic() >= end:
+        mark = read_mark(folder)  # without one, as at an endpoint, the base says what is new
+        if not mark or mark != seen:
+            with common.open_for_reading(kb) as base:
+                before, last = last, base.sequence
+                yield base, range((last if before is None else before) + 1, last + 1)
+        seen = mark
+        if seconds is not None and time.monotonic() >= end:
             return
         time.sleep(every)
 

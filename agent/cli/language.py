@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, cast
 
@@ -137,15 +136,11 @@ def _session(lexicon: Path | None) -> Session:
 
 
 def _parse_file(session: Session, path: Path, speaker: str) -> None:
-    for text, before in _lines(path):
-        found, _ = session.after(before, speaker=speaker).hear(text, speaker=speaker)
-        print_json(found.as_json())
-
-
-def _lines(path: Path) -> Iterator[tuple[str, list[str]]]:
     for number, line in enumerate(read_text(path).split("\n"), start=1):
         if line.strip():
-            yield _case(line, str(path), number)
+            text, before = _case(line, str(path), number)
+            found, _ = session.after(before, speaker=speaker).hear(text, speaker=speaker)
+            print_json(found.as_json())
 
 
 def _case(line: str, source: str, number: int) -> tuple[str, list[str]]:

@@ -1,7 +1,5 @@
 """The application object, and the options that several commands share."""
 
-from __future__ import annotations
-
 import inspect
 from collections.abc import Callable, Iterable
 from functools import wraps
@@ -107,7 +105,7 @@ ConfigFile = Annotated[
 SCENE = ("scene", "seed", "objects")
 ROBOT = ("robot", "vision", "motion", "noise", "gui", "simulate")
 LANGUAGE = ("objects", "actions", "lexicon")
-INFERENCE = ("induce", "contexts", "settings", "overrides")
+INFERENCE = ("induce", "contexts", "settings", "overrides", "taxonomy")
 EVERY = tuple(OPTIONS)
 
 
@@ -134,7 +132,6 @@ def with_config(*names: str) -> Callable[[Callable[..., None]], Callable[..., No
 
 
 def _given(chosen: dict[str, Any]) -> Iterable[tuple[str, Any]]:
-    """The options that stand on the command line, as values of `AgentConfig`."""
     for name, value in chosen.items():
         if value is not None and value != []:
             yield name, tuple(value) if OPTIONS[name].kind is tuple else value
@@ -149,7 +146,6 @@ def _parameters(command: Callable[..., None], names: Iterable[str]) -> list[insp
 
 
 def _parameter(option: ConfigOption) -> inspect.Parameter:
-    """An option of the command line; what it is without is left to the configuration."""
     kind, default = list[str] if option.kind is tuple else option.kind, option.default
     is_shown = isinstance(default, str | int) and not isinstance(default, bool) and default != ""
     declared = typer.Option(

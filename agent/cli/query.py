@@ -10,15 +10,7 @@ import typer
 
 from ...ontology.errors import QueryError
 from .. import presentation
-from .common import (
-    announce,
-    open_base,
-    open_for_reading,
-    print_json,
-    read_sparql,
-    spinner,
-    terminal,
-)
+from . import common
 from .options import AsJson, DryRun, Kb, Speaker, app, example
 
 if TYPE_CHECKING:
@@ -67,7 +59,7 @@ def query(
 
     asked = _asked(question)
     bindings = asked.bindings(_arguments(arg or ()))
-    with open_for_reading(kb) as base, spinner("Searching"):
+    with common.open_for_reading(kb) as base, common.spinner("Searching"):
         found = base.query(asked.text, bindings, limits=QueryLimits(timeout, memory))
     _print(found, "json" if as_json else format_)
 
@@ -83,25 +75,24 @@ def update(
     kb: Kb = None,
     as_json: AsJson = False,
 ) -> None:
-    """Run a SPARQL update, after running and checking it on a copy."""
+    """Run a SPARQL update, after checking everything that it would change."""
     from ...kb.sparql.results import QueryLimits
     from ...kb.sparql_update import update as apply
 
-    opened = open_for_reading if dry_run else open_base
-    with opened(kb) as base:
-        text, limits = read_sparql(sparql), QueryLimits(timeout, memory)
+    with common.open_to_change(kb, dry_run=dry_run) as base:
+        text, limits = common.read_sparql(sparql), QueryLimits(timeout, memory)
         said = apply(base, text, speaker=speaker, limits=limits, dry_run=dry_run)
     number = said.sequence if said else None
     updated = f"Updated; number {number} in history." if said else "That changes nothing."
     done = "The update is valid." if dry_run and said else updated
     found = {"updated": bool(said) and not dry_run, "sequence": number}
-    announce(found, done, as_json=as_json, err=True)
+    common.announce(found, done, as_json=as_json, err=True)
 
 
 def _asked(question: str) -> NamedQuery:
     from ...kb.sparql.named_queries import named_query, read_query
 
-    text = read_sparql(question)
+    text = common.read_sparql(question)
     is_name = text == question and all(sign.isalnum() or sign == "-" for sign in text)
     return named_query(text) if is_name else read_query(text)
 
@@ -120,7 +111,7 @@ def _print(found: QueryResult, format_: str) -> None:
     from ...kb.stores.result_serialization import write_result
 
     if format_ == TABLE:
-        terminal().print(presentation.console.results(found))
+        common.terminal().print(presentation.console.results(found))
     else:
         typer.echo(write_result(found, format_), nl=False)
 
@@ -130,10 +121,10 @@ def _list(*, as_json: bool) -> None:
 
     named = [named_query(name) for name in query_names()]
     if as_json:
-        print_json([
+        common.print_json([
             {"name": one.name, "question": one.question,
              "parameters": [asdict(each) for each in one.parameters.values()]}
             for one in named
         ])  # fmt: skip
         return
-    terminal().print(presentation.console.questions(named))
+    common.terminal().print(presentation.console.questions(named))

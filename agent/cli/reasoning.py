@@ -10,7 +10,7 @@ import typer
 
 from .. import presentation
 from ..config import AgentConfig
-from .common import exit_with, open_base, open_for_reading, print_json, show, terminal, write_svg
+from .common import exit_with, open_for_reading, print_json, require_base, show, terminal, write_svg
 from .options import INFERENCE, SCENE, AsJson, Kb, Speaker, app, example, with_config
 
 if TYPE_CHECKING:
@@ -35,12 +35,16 @@ def explain(
     """Prove a decision: from what was said to what is chosen, and what would change it."""
     from ..agent import Agent
 
+    require_base(kb)
     with Agent.open(kb, replace(config, simulate=False)) as agent:
         reply = agent.hear(text, speaker=speaker, only="do", keep=False)
-        decision = reply.result.decision if reply.result else None
+        decision = reply.decision
         changes = _changes(agent, decision)
         if svg and decision:
-            drawn, describe = presentation.deduction_svg.from_proof, agent.dialogue.describe
+            drawn, describe = (
+                presentation.deduction_svg.from_proof,
+                agent.dialogue.conversation.describe,
+            )
             proved = [drawn(each, describe) for each in decision.proofs()]
             write_svg(svg, presentation.deduction_svg.draw_svg(proved))
         if as_json:
@@ -51,7 +55,9 @@ def explain(
             print_json(said | {"norms": norms, "proofs": proofs, "changes": changed})
         else:
             terminal().print(
-                presentation.console.explanation(reply, changes, agent.dialogue.describe)
+                presentation.console.explanation(
+                    reply, changes, agent.dialogue.conversation.describe
+                )
             )
     exit_with(reply.is_done)
 
@@ -105,7 +111,7 @@ def abduce(
     from ...kb.rule import Atom
 
     known = frozenset(Atom.parse(each) for each in given or ())
-    with open_base(kb) as base:
+    with open_for_reading(kb) as base:
         found = find_hypotheses(
             base.rules(),
             parse_conclusion(conclusion),

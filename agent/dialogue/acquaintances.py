@@ -5,8 +5,6 @@ is said then counts as the word of the speaker who was heard before. Nobody who 
 becomes somebody who is by saying so: others have to vouch for them.
 """
 
-from __future__ import annotations
-
 from ...kb.knowledge_base import KnowledgeBase
 from ..execution.outcome import AnswerContent
 

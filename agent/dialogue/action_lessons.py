@@ -4,8 +4,6 @@ A definition is stored as a whole or not at all: while one of its steps is unkno
 answer to the question how that is done, which is a definition, too.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -16,22 +14,12 @@ from ...kb.rule import Atom
 from ...kb.taught_actions import TaughtAction
 from ...nlu.lexicon.vocabulary import NewWord
 from ...nlu.offers.meaning_shapes import meaning_from_json
-from ...nlu.semantics.meaning import (
-    ANY_OBJECT,
-    Act,
-    ActionCommand,
-    ActionDefinition,
-    Command,
-    ObjectReference,
-    Retraction,
-    ToolCommand,
-)
+from ...nlu.semantics import meaning
 from ...ontology.actions import Actions
 from ..execution.outcome import AnswerContent
 from ..execution.request import Request
 from ..execution.taught_trees import tree_from_definition
 from .conversation import Conversation, UnderstoodTurn
-from .open_question import OpenQuestion
 from .reply import Reply
 
 
@@ -45,9 +33,10 @@ class ActionLessons:
     def __init__(self, conversation: Conversation, actions: Actions) -> None:
         self._base, self._conversation, self._own = conversation.base, conversation, actions
         self.actions = actions
-        self._read()
+        self.read()
 
-    def _read(self) -> None:
+    def read(self) -> None:
+        """Read the taught actions again."""
         found = {each.name: definition_of(each) for each in self._base.actions()}
         definitions = {name: each for name, each in found.items() if name not in self._own.trees}
         uses = self._conversation.language.tool_acts
@@ -58,13 +47,15 @@ class ActionLessons:
         language = self._conversation.language.with_words(words)
         self._conversation.language = language.with_frames(frames)
 
-    def learn(self, turn: UnderstoodTurn, said: ActionDefinition) -> Reply:
+    def learn(self, turn: UnderstoodTurn, said: meaning.ActionDefinition) -> Reply:
         """Learn an action, or ask how its first unknown step is done."""
         conversation = self._conversation
-        actions = self._with(said)
+        tree = tree_from_definition(said, conversation.language.tool_acts)
+        actions = replace(self._own, trees={**self.actions.trees, said.action: tree})
         if said.action in actions.used_by(said.action):
             return conversation.answered(turn, "calls_itself", "refused", goal=said.action)
-        unknown = next((each for each in _acts(said) if each.goal not in actions.trees), None)
+        acts = (*said.steps, *(step for each in said.if_fails for step in each.steps))
+        unknown = next((each for each in acts if each.goal not in actions.trees), None)
         if unknown:
             return self._ask(turn, said, unknown)
         spoken = " ".join(map(conversation.say, self._echo(said)))
@@ -76,7 +67,7 @@ class ActionLessons:
             nodes=tuple(each for each in actions.nodes if each.split("/")[0] == said.action),
         )
         conversation.believe(turn, (), spoken, turn.understood.new_words, actions=[taught])
-        self._read()
+        self.read()
         return conversation.reply(turn, spoken)
 
     def lacks_objects(self, request: Request) -> bool:
@@ -92,16 +83,15 @@ class ActionLessons:
         for parameter, kind in (tree.objects or {}).items() if tree else ():
             argument = request.arguments.get(parameter)
             name = argument.object if isinstance(argument, Target) else None
-            above = [atom.name for atom, _ in taxonomy.above(Atom("object", name))] if name else []
-            if name and kind not in {ANY_OBJECT, name, *above}:
+            if name and kind not in {meaning.ANY_OBJECT, *taxonomy.names_above("object", name)}:
                 return {"goal": request.action, "other": kind, "object": name}
         return None
 
-    def ask_how(self, turn: UnderstoodTurn, step: Act) -> Reply | None:
+    def ask_how(self, turn: UnderstoodTurn, step: meaning.Act) -> Reply | None:
         """Ask how a command is carried out that is no known action; None if it is known."""
         return None if step.goal in self.actions.trees else self._ask(turn, None, step)
 
-    def forget(self, turn: UnderstoodTurn, said: Retraction) -> Reply:
+    def forget(self, turn: UnderstoodTurn, said: meaning.Retraction) -> Reply:
         """Forget a taught action, if it is the speaker's own; return the reply."""
         conversation, name = self._conversation, said.action or ""
         taught = {each.name: each for each in self._base.actions()}.get(name)
@@ -111,12 +101,15 @@ class ActionLessons:
             return conversation.answered(turn, "not_yours", "failed", speaker=taught.speaker)
         spoken = conversation.say(AnswerContent("forgotten_action", {"goal": name}))
         self._base.forget_action(name, turn.understood.text, turn.speaker, answer=spoken)
-        self._read()
+        self.read()
         return conversation.reply(turn, spoken)
 
-    def _ask(self, turn: UnderstoodTurn, said: ActionDefinition | None, unknown: Act) -> Reply:
-        """Ask how a step is done; the answer is told as the body of its definition."""
-        conversation, act = self._conversation, self._infinitive(unknown)
+    def _ask(
+        self, turn: UnderstoodTurn, said: meaning.ActionDefinition | None, unknown: meaning.Act
+    ) -> Reply:
+        conversation = self._conversation
+        # What one does with any object of the kind: "rinse a mug".
+        act = conversation.language.answers.act_on(unknown.goal, *_names(unknown))
 
         def told(text: str) -> Reply | None:
             found = (self._told(each, text, turn, unknown) for each in (text, f"to {act}, {text}"))
@@ -127,22 +120,20 @@ class ActionLessons:
             return replace(after, said=f"{taught.said} {after.said}")
 
         reply = conversation.answered(turn, "how_to_do", "asked", action=act)
-        conversation.open_question = OpenQuestion(turn.speaker, tell=told)
+        conversation.wait_for(turn, tell=told)
         return reply
 
-    def _told(self, text: str, said: str, turn: UnderstoodTurn, unknown: Act) -> Reply | None:
+    def _told(
+        self, text: str, said: str, turn: UnderstoodTurn, unknown: meaning.Act
+    ) -> Reply | None:
         understood = self._conversation.understand(text, turn.speaker, heard=turn.heard)
         meant = understood.meaning
-        if not isinstance(meant, ActionDefinition) or meant.action != unknown.goal:
+        if not isinstance(meant, meaning.ActionDefinition) or meant.action != unknown.goal:
             return None
         self._conversation.open_question = None
         return self.learn(replace(turn, understood=replace(understood, text=said)), meant)
 
-    def _infinitive(self, act: Act) -> str:
-        """A command as what one does with any object of the kind: "rinse a mug"."""
-        return self._conversation.language.answers.act_on(act.goal, *_names(act))
-
-    def _echo(self, said: ActionDefinition) -> Iterator[AnswerContent]:
+    def _echo(self, said: meaning.ActionDefinition) -> Iterator[AnswerContent]:
         language = self._conversation.language
         frame = language.answers.act_on(said.action, *said.parameters, links=said.all_links)
         steps = tuple(language.generate(_about_a_thing(each)) for each in said.steps)
@@ -154,37 +145,30 @@ class ActionLessons:
         if said.if_fails:
             yield AnswerContent("learned_reaction")
 
-    # --- What a definition needs ----------------------------------------------------------------
 
-    def _with(self, said: ActionDefinition) -> Actions:
-        tree = tree_from_definition(said, self._conversation.language.tool_acts)
-        return replace(self._own, trees={**self.actions.trees, said.action: tree})
-
-
-def definition_of(taught: TaughtAction) -> ActionDefinition:
+def definition_of(taught: TaughtAction) -> meaning.ActionDefinition:
     """Return the definition of a taught action of the base."""
     found = meaning_from_json(json.loads(taught.meaning))
-    if not isinstance(found, ActionDefinition):
+    if not isinstance(found, meaning.ActionDefinition):
         raise TypeError(f"The meaning of {taught.name} is no action.")
     return found
 
 
-def _acts(said: ActionDefinition) -> Sequence[Act]:
-    return (*said.steps, *(step for each in said.if_fails for step in each.steps))
-
-
-def _names(act: Act) -> Sequence[str]:
+def _names(act: meaning.Act) -> Sequence[str]:
     match act:
-        case ToolCommand():
+        case meaning.ToolCommand():
             return (act.patient,)
-        case ActionCommand():
+        case meaning.ActionCommand():
             return tuple(each.object or "thing" for each in act.objects)
-        case Command():
+        case meaning.Command():
             return (act.target.object or "thing",)
 
 
-def _about_a_thing(act: Act) -> Act:
-    """A command with "the thing" for any object."""
-    if isinstance(act, Command) and act.target.object == ANY_OBJECT and not act.target.props:
-        return replace(act, target=ObjectReference("thing"))
+def _about_a_thing(act: meaning.Act) -> meaning.Act:
+    if (
+        isinstance(act, meaning.Command)
+        and act.target.object == meaning.ANY_OBJECT
+        and not act.target.props
+    ):
+        return replace(act, target=meaning.ObjectReference("thing"))
     return act

@@ -1,7 +1,5 @@
 """Belief revision: statements are believed, retracted rules are no longer, topics are opened."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
@@ -10,10 +8,9 @@ from ...kb.rule import Rule
 from ...nlu.lexicon.vocabulary import NewWord
 from ...nlu.semantics import meaning
 from ..execution.outcome import AnswerContent
+from . import teaching
 from .conversation import Conversation, UnderstoodTurn
-from .open_question import OpenQuestion
 from .reply import Reply
-from .teaching import lesson_from_statement, may_end, reason_rules, rules_to_retract, trust_in
 
 _BARE = (meaning.Retraction(), meaning.Retraction(is_of_told=True))
 """What takes back a rule without naming it."""
@@ -31,7 +28,7 @@ class BeliefRevision:
         circle = [
             each
             for each in said.rules
-            if not each.denies and taxonomy.is_above(each.object, each.kind_of)
+            if not each.denies and each.object in taxonomy.names_above("object", each.kind_of)
         ]
         if not circle:
             return self.learn(turn, said)
@@ -44,28 +41,44 @@ class BeliefRevision:
 
     def learn(self, turn: UnderstoodTurn, said: meaning.Statement | meaning.KindStatement) -> Reply:
         """Believe what a speaker states, and return the reply that says what that is."""
-        conversation = self._conversation
-        taught = lesson_from_statement(
-            self._base, said, turn.speaker, turn.heard, conversation.topic
-        )
-        weight = trust_in(self._base, taught.source or turn.speaker)
+        base, conversation = self._base, self._conversation
+        source = base.match_speaker(said.source) if said.source else None
+        rules = teaching.told_rules(base, said, turn.speaker, turn.heard)
+        before = teaching.earlier_rules(base, rules)
+        replaced = teaching.replaced_rules(said, rules, before, conversation.topic)
+        is_known = not replaced and {rule.id for rule in rules} <= {rule.id for rule in before}
+        key = "known_already" if is_known else self._key(turn, source, is_revised=bool(replaced))
+        described = tuple(map(conversation.describe, rules))
+        answers = [AnswerContent(key, {"rules": described, "speaker": source or turn.speaker})]
         words = (*turn.understood.new_words, *self._new_names(said, turn))
-        echo = taught.echo(conversation.describe, turn.speaker, weight, turn.heard, words)
-        spoken = " ".join(map(conversation.say, echo))
+        if words:
+            slots = {"words": tuple(word.word for word in words)}
+            answers.append(AnswerContent("learned_words", slots))
         reasons = conversation.language.reasons(turn.understood.text)
-        grounds = reason_rules(taught.rules, reasons)
+        grounds = teaching.reason_rules(rules, reasons)
         if grounds:
-            spoken += f" {conversation.say(AnswerContent('learned_reason', {'reasons': reasons}))}"
+            answers.append(AnswerContent("learned_reason", {"reasons": reasons}))
+        spoken = " ".join(map(conversation.say, answers))
         conversation.believe(
             turn,
-            (*grounds, *taught.rules),
+            (*grounds, *rules),
             spoken,
             words,
-            supersedes=[rule.id for rule in taught.supersedes],
+            supersedes=[rule.id for rule in replaced],
             kind=turn.understood.kind,
-            source=taught.source,
+            source=source,
         )
-        return conversation.lesson_reply(turn, taught.rules, spoken)
+        return conversation.lesson_reply(turn, rules, spoken)
+
+    def _key(self, turn: UnderstoodTurn, source: str | None, *, is_revised: bool) -> str:
+        trust = teaching.trust_in(self._base, source or turn.speaker)
+        if source:
+            return "learned_report" if trust else "learned_unknown_report"
+        if trust < 1.0:
+            return "learned_doubtfully"
+        if turn.heard < 1.0:
+            return "learned_unclearly"
+        return "revised" if is_revised else "learned"
 
     def forget(self, turn: UnderstoodTurn, said: meaning.Retraction) -> Reply:
         """Retract what the speaker takes back, or ask whether it is meant; return the reply."""
@@ -75,8 +88,8 @@ class BeliefRevision:
             return conversation.answered(turn, "dismissed", "done")
         is_of_told = said.is_of_told or conversation.topic_from == "deed"
         topic = () if is_of_told and not is_just_told else conversation.topic
-        rules = rules_to_retract(self._base, said, turn.speaker, topic)
-        own = [rule for rule in rules if may_end(self._base, turn.speaker, rule)]
+        rules = teaching.rules_to_retract(self._base, said, turn.speaker, topic)
+        own = [rule for rule in rules if teaching.may_end(self._base, turn.speaker, rule)]
         if rules and not own:
             return conversation.answered(turn, "not_yours", "failed", speaker=rules[0].speaker)
         if not own:
@@ -90,11 +103,10 @@ class BeliefRevision:
         conversation = self._conversation
         spoken = conversation.say(AnswerContent("topic", {"object": said.topic}))
         conversation.believe(turn, (), spoken, turn.understood.new_words, kind="topic")
-        conversation.open_question = OpenQuestion(turn.speaker)
+        conversation.wait_for(turn)
         return conversation.reply(turn, spoken)
 
     def _is_dismissal(self, turn: UnderstoodTurn) -> bool:
-        """Whether a turn would also dismiss a question: "never mind"."""
         conversation, text = self._conversation, turn.understood.text
         answers = conversation.language.short_answers(
             text, speaker=turn.speaker, discourse=conversation.discourse
@@ -104,16 +116,13 @@ class BeliefRevision:
     def _new_names(
         self, said: meaning.Statement | meaning.KindStatement, turn: UnderstoodTurn
     ) -> Iterator[NewWord]:
-        """The names of objects that "it" stands for and that no statement has used before."""
         known = {meaning.ANY_OBJECT, *(word.word for word in turn.understood.new_words)}
         for name in dict.fromkeys(rule.object for rule in said.rules):
             if name not in known and not self._conversation.language.lexicon.name_categories(name):
                 yield NewWord(name, "object", name)
 
     def _ask_to_forget(self, turn: UnderstoodTurn, rules: Sequence[Rule]) -> Reply:
-        self._conversation.open_question = OpenQuestion(
-            turn.speaker, lambda: self._retract(turn, rules)
-        )
+        self._conversation.wait_for(turn, lambda: self._retract(turn, rules))
         described = self._conversation.describe(rules[-1])
         return self._conversation.answered(turn, "forget_what", "asked", rule=described)
 

@@ -1,8 +1,6 @@
 """Clarification dialogues: what Hilt asks back, and what an answer to it leads to."""
 
-from __future__ import annotations
-
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 
@@ -10,8 +8,7 @@ from ...nlu.parsing.understanding import Understanding
 from ...nlu.semantics import meaning
 from ..execution.outcome import AnswerContent
 from .conversation import Conversation, UnderstoodTurn
-from .open_question import OpenQuestion
-from .reply import Reply
+from .reply import OpenQuestion, Reply
 from .teaching import rule_from_answer
 
 
@@ -39,9 +36,9 @@ class ClarificationDialogue:
         open_question = conversation.open_question
         if open_question is None or open_question.asked != speaker:
             return None
-        insisted = self._insists(text, speaker)
-        if insisted:
-            return insisted()
+        word, is_new = open_question.word, open_question.no
+        if word and is_new and conversation.language.insists_on(word, text):
+            return is_new()
         told = open_question.tell(text) if open_question.tell else None
         if told:
             return told
@@ -71,28 +68,18 @@ class ClarificationDialogue:
         reply = self._conversation.recorded(turn, said.question, "asked")
         choices = [each for each in said.choices if not isinstance(each, str)]
         if choices:
-            self._offer(turn, said, choices)
+            heard = tuple(partial(self._take, turn, each) for each in choices)
+            only = heard[0] if len(heard) == 1 else partial(self.ask_back, turn, said)
+            self._conversation.wait_for(turn, only, choices=heard)
             return reply
-        text, speaker = turn.understood.text, turn.speaker
+        text, speaker, wait_for = turn.understood.text, turn.speaker, self._conversation.wait_for
         if said.choices == (text,):  # heard with low confidence: a "yes" confirms it
-            self._conversation.open_question = OpenQuestion(
-                speaker, lambda: self._hear(text, speaker=speaker, keep=turn.keep)
-            )
+            wait_for(turn, lambda: self._hear(text, speaker=speaker, keep=turn.keep))
         elif not said.choices:
-            self._conversation.open_question = OpenQuestion(
-                speaker, choose=lambda named: self._with_referent(turn, named)
-            )
+            wait_for(turn, choose=partial(self._with_referent, turn))
         else:
             self._conversation.open_question = self._on_word(turn, said)
         return reply
-
-    def _offer(
-        self, turn: UnderstoodTurn, said: meaning.AskBack, choices: Sequence[meaning.Meaning]
-    ) -> None:
-        heard = tuple(partial(self._take, turn, each) for each in choices)
-        again = partial(self.ask_back, turn, said)
-        only = heard[0] if len(heard) == 1 else again
-        self._conversation.open_question = OpenQuestion(turn.speaker, only, choices=heard)
 
     def _take(self, turn: UnderstoodTurn, choice: meaning.Meaning) -> Reply:
         if turn.understood.reading is not None:
@@ -103,7 +90,6 @@ class ClarificationDialogue:
         return reply
 
     def _with_referent(self, turn: UnderstoodTurn, named: meaning.Answer) -> Reply | None:
-        """Understand an utterance again with what "it" refers to, or ask for the whole sentence."""
         conversation, name, text = self._conversation, named.name, turn.understood.text
         if name in {None, meaning.ANY_OBJECT}:
             return None
@@ -115,15 +101,14 @@ class ClarificationDialogue:
                 return self._hear(text, speaker=turn.speaker, heard=turn.heard, keep=turn.keep)
         return conversation.answered(turn, "say_again", "asked", object=str(name))
 
-    def learn_answer(
-        self, turn: UnderstoodTurn, asked: meaning.Question, named: meaning.Answer
-    ) -> Reply | None:
-        """Learn what a short answer to a question that Hilt could not answer teaches.
+    def wait_to_learn(self, turn: UnderstoodTurn, asked: meaning.Question) -> None:
+        """Wait for a short answer that teaches what a question asks that Hilt could not answer."""
 
-        Return the reply; None where the answer names nothing that the question asks for.
-        """
-        rule = rule_from_answer(asked, named, self._conversation.language.usual)
-        return self.learn_rule(turn, rule) if rule else None
+        def learn(named: meaning.Answer) -> Reply | None:
+            rule = rule_from_answer(asked, named, self._conversation.language.usual)
+            return self.learn_rule(turn, rule) if rule else None
+
+        self._conversation.wait_for(turn, choose=learn)
 
     def learn_rule(self, turn: UnderstoodTurn, rule: meaning.Rule) -> Reply:
         """Learn the rule that an answer to a question of Hilt stands for; return the reply."""
@@ -149,13 +134,6 @@ class ClarificationDialogue:
                 )
             case _:
                 return None
-
-    def _insists(self, text: str, speaker: str) -> Callable[[], Reply] | None:
-        """What follows when a text insists on the word that Hilt asked about; None otherwise."""
-        asked = self._conversation.open_question
-        if asked is None or asked.asked != speaker or not asked.word:
-            return None
-        return asked.no if self._conversation.language.insists_on(asked.word, text) else None
 
     def not_understood(self, turn: UnderstoodTurn, said: meaning.Misunderstanding) -> Reply:
         """Return the reply that says what is wrong with a turn, and what could be said instead."""

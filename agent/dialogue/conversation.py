@@ -3,8 +3,6 @@
 The parts of the dialogue manager share one `Conversation`, and change its state between turns.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass, replace
 from typing import Any, Literal
@@ -21,16 +19,9 @@ from ...nlu.semantics.meaning import Meaning
 from ...ontology.logs import timed
 from .. import protocols
 from ..execution.outcome import AnswerContent, Decision, Ending, Slot
+from . import teaching
 from .acquaintances import Acquaintances
-from .open_question import OpenQuestion
-from .reply import Reply
-from .teaching import (
-    phrase_from_base,
-    phrase_to_keep,
-    word_for_person,
-    word_from_base,
-    word_to_keep,
-)
+from .reply import OpenQuestion, Reply
 from .translation import meaning_from_rule, norm_from_rule, relation_from_rule
 
 Answered = tuple[AnswerContent, tuple[Rule, ...]]  # an answer, and the rules that it rests on
@@ -93,10 +84,9 @@ class Conversation:
         seed: int = 0,
         other: protocols.Dialogue | None = None,
     ) -> None:
-        people = (word_for_person(name) for name in base.trust_by_speaker())
-        words = (*map(word_from_base, base.words()), *people)
-        phrases = map(phrase_from_base, base.phrases())
-        self.language = language.with_words(words).with_phrases(phrases)
+        self.base, self._seed, self._other = base, seed, other
+        self.language, self._noticed = language, -1
+        self.notice_others()
         self.discourse = Discourse()
         self.open_question: OpenQuestion | None = None
         self.topic: tuple[Rule, ...] = ()
@@ -108,9 +98,22 @@ class Conversation:
         self.control_done: AnswerContent | None = None
         self.prohibition: Understanding | None = None
         self.people = Acquaintances(base)
-        self.base, self._seed, self._other = base, seed, other
         self.listener = ""
         self.visible, self.holding = visible, holding
+
+    def notice_others(self) -> bool:
+        """Add the words, phrases and people that other robots at the same base have learned.
+
+        Returns whether anything was said to any of them since the last call.
+        """
+        sequence = self.base.sequence if self.base.is_shared else 0
+        is_new, self._noticed = sequence != self._noticed, sequence
+        if is_new:
+            people = map(teaching.word_for_person, self.base.trust_by_speaker())
+            words = (*map(teaching.word_from_base, self.base.words()), *people)
+            phrases = map(teaching.phrase_from_base, self.base.phrases())
+            self.language = self.language.with_words(words).with_phrases(phrases)
+        return is_new
 
     # --- What is understood and known ---------------------------------------------------------
 
@@ -133,17 +136,12 @@ class Conversation:
     @property
     def decision(self) -> Decision | None:
         """The decision of the last command; None when it made none."""
-        result = self.last_done.result if self.last_done else None
-        return result.decision if result else None
+        return self.last_done.decision if self.last_done else None
 
     def person(self, name: str) -> str:
         """Return the speaker whom a name means; who asks goes by the name given to Hilt."""
         speaker = self.base.match_speaker(name)
         return self.people.called(speaker) if speaker == self.listener else speaker
-
-    def trusts(self, speaker: str) -> bool:
-        """Return whether what a speaker says counts at all."""
-        return self.people.trusts(speaker)
 
     # --- What changes ------------------------------------------------------------------------
 
@@ -165,7 +163,7 @@ class Conversation:
             understood.content,
             turn.speaker,
             rules,
-            words=[word_to_keep(word, turn.speaker) for word in words],
+            words=[teaching.word_to_keep(word, turn.speaker) for word in words],
             answer=spoken,
             heard=turn.heard,
             **more,
@@ -198,22 +196,26 @@ class Conversation:
     ) -> None:
         """Set the trust in a person, whose name can be said from now on."""
         self.base.set_trust(person, lower, upper=upper, by=by)
-        self.language = self.language.with_words([word_for_person(person)])
+        self.language = self.language.with_words([teaching.word_for_person(person)])
+
+    def wait_for(
+        self, turn: UnderstoodTurn, yes: Callable[[], Reply] | None = None, **answers: Any
+    ) -> None:
+        """Wait for the speaker's answer to a question; the rest is as in `OpenQuestion`."""
+        self.open_question = OpenQuestion(turn.speaker, yes, **answers)
 
     def learn_phrase(self, turn: UnderstoodTurn, meant: Meaning) -> None:
         """Keep how a turn says what its speaker has confirmed, if that is worth remembering."""
         phrase = self.language.phrase_of(turn.understood.text, meant)
-        if phrase is not None and self.trusts(turn.speaker):
+        if phrase is not None and self.people.trusts(turn.speaker):
             self.language = self.language.with_phrases([phrase])
-            self.base.learn_phrase(phrase_to_keep(phrase, turn.understood.text, turn.speaker))
+            self.base.learn_phrase(
+                teaching.phrase_to_keep(phrase, turn.understood.text, turn.speaker)
+            )
 
     def refer_to(self, name: str) -> None:
         """Make the object of this name the one that "it" refers to."""
         self.discourse = self.discourse.about(name)
-
-    def restore_references(self) -> None:
-        """Let what was spoken of be referred to again after a turn that was not understood."""
-        self.discourse = replace(self.discourse, has_failed=False)
 
     def set_topic(self, rules: tuple[Rule, ...]) -> None:
         """Make these rules the topic; "no, by the handle" and "forget that" mean the last.

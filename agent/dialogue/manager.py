@@ -6,8 +6,6 @@ asked back, and the "yes" or "no" that follows is understood. The history keeps 
 also one that is refused or not understood.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 from functools import partial
@@ -16,8 +14,7 @@ from typing import Any
 from ...inference.norms import NormVerdict
 from ...inference.types import Target
 from ...kb.interval import Interval
-from ...kb.rule import Atom, Rule
-from ...nlu.language import Language
+from ...kb.rule import Atom
 from ...nlu.offers.courtesies import answer_to
 from ...nlu.parsing.understanding import Understanding
 from ...nlu.semantics import meaning
@@ -32,11 +29,10 @@ from .belief_revision import BeliefRevision
 from .clarification import ClarificationDialogue
 from .conversation import Conversation, UnderstoodTurn
 from .norm_dialogue import NormDialogue
-from .open_question import OpenQuestion
 from .part_agreements import PartAgreements
 from .questions import answer
-from .reply import Reply
-from .translation import choosing, declined, request_from_command, use_of
+from .reply import OpenQuestion, Reply
+from .translation import declined, request_from_command, use_of
 
 KINDS = {  # what a command of the CLI listens to -> kinds of meaning
     "tell": ("statement", "correction", "topic"),
@@ -57,6 +53,7 @@ class DialogueManager:
         actions: those that the robot comes with.
 
     Attributes:
+        conversation: what was said and done so far, and who speaks.
         lessons: the actions that are taught.
         contexts: what holds now beside the current action: places and roles, with their intervals.
     """
@@ -70,7 +67,7 @@ class DialogueManager:
         judge: Callable[[Request], NormVerdict],
         actions: Actions,
     ) -> None:
-        self._conversation = conversation
+        self.conversation = conversation
         self._beliefs = BeliefRevision(conversation)
         self.lessons = ActionLessons(conversation, actions)
         self._clarification = ClarificationDialogue(conversation, self.hear, self._respond)
@@ -104,25 +101,6 @@ class DialogueManager:
             meaning.Misunderstanding: (self._clarification.not_understood, ""),
         }
 
-    @property
-    def language(self) -> Language:
-        """The language of this conversation, with every word that was learned."""
-        return self._conversation.language
-
-    @property
-    def conversation(self) -> Conversation:
-        """What was said and done so far, and who speaks."""
-        return self._conversation
-
-    @property
-    def last_done(self) -> Reply | None:
-        """The reply to the last command; None before the first."""
-        return self._conversation.last_done
-
-    def describe(self, rule: Rule) -> str:
-        """Return a rule in words: "I must not pass a knife to a child"."""
-        return self._conversation.describe(rule)
-
     def hear(
         self,
         text: str,
@@ -136,62 +114,62 @@ class DialogueManager:
         """Understand one utterance, act on it, and return the reply.
 
         The arguments are those of `Agent.hear`; `accepted` has words that are new although they
-        resemble known ones.
-
-        Raises:
-            StoreError: what was said could not be stored; then nothing was believed.
+        resemble known ones. StoreError if what was said could not be stored; then nothing was
+        believed.
         """
-        speaker = self._conversation.people.speaker(self._conversation.base.match_speaker(speaker))
-        self._conversation.listener = speaker
+        if self.conversation.notice_others():
+            self.lessons.read()
+        speaker = self.conversation.people.speaker(self.conversation.base.match_speaker(speaker))
+        self.conversation.listener = speaker
         reply = self._clarification.short_answer(text, speaker, heard=heard, keep=keep)
         if reply:
-            self._conversation.last_said = reply.said
+            self.conversation.last_said = reply.said
             return reply
-        introduction = self.language.introduction(text)
+        introduction = self.conversation.language.introduction(text)
         if introduction and introduction.rest:
-            hello = self._conversation.people.meet(speaker, introduction.name)
+            hello = self.conversation.people.meet(speaker, introduction.name)
             said = partial(self.hear, introduction.rest, only=only, heard=heard, keep=keep)
-            speaker = self._conversation.people.speaker(speaker)
+            speaker = self.conversation.people.speaker(speaker)
             reply = said(speaker=speaker, accepted=accepted)
-            return replace(reply, said=f"{self._conversation.say(hello)} {reply.said}")
+            return replace(reply, said=f"{self.conversation.say(hello)} {reply.said}")
         self._accepted |= {*accepted}
-        understood = self._conversation.understand(
+        understood = self.conversation.understand(
             text, speaker, heard=heard, accepted=self._accepted
         )
         turn = UnderstoodTurn(understood, heard, keep)
         if only and understood.kind not in (*KINDS[only], *ALWAYS_HEARD):
-            return self._conversation.answered(turn, f"only_{only}", "not_understood")
+            return self.conversation.answered(turn, f"only_{only}", "not_understood")
         if understood.kind not in {"acknowledgement", "control"}:
-            self._conversation.open_question = None
+            self.conversation.open_question = None
         return self._respond(turn)
 
     def hear_aside(
         self, text: str, said: meaning.Control, *, speaker: str, heard: float, keep: bool
     ) -> Reply:
         """Confirm a "wait" or "go on" while another thread carries out a command."""
-        speaker = self._conversation.base.match_speaker(speaker)
+        speaker = self.conversation.base.match_speaker(speaker)
         turn = UnderstoodTurn(Understanding(text, speaker, "self", said), heard, keep)
-        return self._conversation.answered(turn, "waiting" if said.is_halt else "going_on", "done")
+        return self.conversation.answered(turn, "waiting" if said.is_halt else "going_on", "done")
 
     def _respond(self, turn: UnderstoodTurn) -> Reply:
-        self._conversation.discourse = turn.understood.discourse
+        self.conversation.discourse = turn.understood.discourse
         said = turn.understood.meaning
         if turn.understood.kind in {"statement", "correction", "command"}:
-            self._conversation.prohibition = None
+            self.conversation.prohibition = None
         respond, refusal = self._listeners[type(said)]
         is_halt = isinstance(said, meaning.Control) and said.is_halt  # everybody may stop the arm
-        if not refusal or is_halt or self._conversation.trusts(turn.speaker):
+        if not refusal or is_halt or self.conversation.people.trusts(turn.speaker):
             reply = respond(turn, said)
         else:
-            reply = self._conversation.answered(turn, refusal, "refused", speaker=turn.speaker)
-        self._conversation.last_said = reply.said
+            reply = self.conversation.answered(turn, refusal, "refused", speaker=turn.speaker)
+        self.conversation.last_said = reply.said
         return reply
 
     def _forget(self, turn: UnderstoodTurn, said: meaning.Retraction) -> Reply:
         return (self.lessons if said.action else self._beliefs).forget(turn, said)
 
     def _vouch(self, turn: UnderstoodTurn, said: meaning.TrustStatement) -> Reply:
-        conversation, degree = self._conversation, float(not said.distrusted)
+        conversation, degree = self.conversation, float(not said.distrusted)
         answers = [conversation.vouch(turn.speaker, name, degree) for name in said.people]
         refused = [each for each in answers if each.ending == "refused"]
         spoken = " ".join(map(conversation.say, answers))
@@ -207,13 +185,15 @@ class DialogueManager:
             if reading and "lasting" in reading.features.main:
                 return self._norms.forbid(turn, said)
             self._norms.forbid_for_now(turn, said)
-            self._conversation.prohibition = turn.understood
-            return self._conversation.spoken(turn, declined(said))
+            self.conversation.prohibition = turn.understood
+            return self.conversation.spoken(turn, declined(said))
         if turn.understood.unknown:
             return self._ask_what_that_is(turn, use_of(said))
-        request = request_from_command(said, turn.speaker, self.language.tool_acts)
+        request = request_from_command(said, turn.speaker, self.conversation.language.tool_acts)
         target = said.tool if isinstance(said, meaning.ToolCommand) else said.target
-        self._excluded = self._excluded | self._last_chosen() if target.other else frozenset()
+        last = self.conversation.last_done
+        before = {last.chosen.name} if last and last.chosen else set[str]()
+        self._excluded = self._excluded | before if target.other else frozenset()
         return self._start(turn, [replace(request, excluded=self._excluded)])
 
     def _carry_out_plan(
@@ -221,23 +201,20 @@ class DialogueManager:
     ) -> Reply:
         steps = said.steps if isinstance(said, meaning.Plan) else (said,)
         unknown = next(filter(None, (self.lessons.ask_how(turn, each) for each in steps)), None)
-        acts = self.language.tool_acts
+        acts = self.conversation.language.tool_acts
         return unknown or self._start(
             turn, [request_from_command(each, turn.speaker, acts) for each in steps]
         )
 
     def _start(self, turn: UnderstoodTurn, requests: Sequence[Request]) -> Reply:
-        """Carry out requests, unless a taught action was told for objects of another kind."""
-        conversation = self._conversation
+        conversation = self.conversation
         first, *rest = (replace(each, contexts=self.contexts) for each in requests)
         for each in requests:
             if self.lessons.lacks_objects(each):
                 return conversation.answered(turn, "on_what", "asked", goal=each.action)
             other = self.lessons.other_kind(each, self._goals().affordances.taxonomy)
             if other:
-                conversation.open_question = OpenQuestion(
-                    turn.speaker, lambda: self._carry_out(turn, first, rest)
-                )
+                conversation.wait_for(turn, lambda: self._carry_out(turn, first, rest))
                 return conversation.answered(turn, "taught_for", "asked", **other)
         return self._carry_out(turn, first, rest)
 
@@ -246,18 +223,11 @@ class DialogueManager:
         new_uses = [word.word for word in reading.new_words] if reading else []
         if asked.affordance and asked.affordance in new_uses:
             named = use_slot(asked.affordance, asked.material)
-            reply = self._conversation.answered(turn, "unknown_use", "asked", affordance=named)
+            reply = self.conversation.answered(turn, "unknown_use", "asked", affordance=named)
         else:
-            reply = self._conversation.answered(turn, "unknown_thing", "asked", words=words)
-        choose = partial(self._clarification.learn_answer, turn, asked)
-        self._conversation.open_question = OpenQuestion(turn.speaker, choose=choose)
+            reply = self.conversation.answered(turn, "unknown_thing", "asked", words=words)
+        self._clarification.wait_to_learn(turn, asked)
         return reply
-
-    def _last_chosen(self) -> frozenset[str]:
-        last = self._conversation.last_done
-        result = last.result if last else None
-        best = result.decision.object.best if result and result.decision else None
-        return frozenset({best.name} if best else ())
 
     def attempt(self, request: Request) -> tuple[GoalResult, str]:
         """Carry out a request; return its result and the spoken answer."""
@@ -269,7 +239,7 @@ class DialogueManager:
             answered = AnswerContent("cannot", {"goal": request.action}, "failed")
             result = GoalResult(answered, None, (), WorldOutcome())
         result = self._norms.with_reason(result)
-        return result, " ".join(map(self._conversation.say, (*result.setbacks, result.answer)))
+        return result, " ".join(map(self.conversation.say, (*result.setbacks, result.answer)))
 
     def _carry_out(
         self,
@@ -278,8 +248,7 @@ class DialogueManager:
         rest: Sequence[Request] = (),
         before: GoalResult | None = None,
     ) -> Reply:
-        """Carry out a request after those that have the result `before`, and then the rest."""
-        conversation = self._conversation
+        conversation = self.conversation
         request = self._agreements.applied_to(request)
         result, spoken = self.attempt(request)
         if before:
@@ -301,10 +270,9 @@ class DialogueManager:
         self._interrupted = again if reply.is_interrupted else None
         self._just_stopped = result.answer if reply.is_interrupted else None
         conversation.topic = ()
-        conversation.set_topic(result.decision.rules if result.decision else ())
+        conversation.set_topic(reply.decision.rules if reply.decision else ())
         conversation.topic_from, conversation.unanswered = "deed", ""
-        chosen = result.decision.object.best if result.decision else None
-        wanted = request.arguments.get("object")
+        wanted, chosen = request.arguments.get("object"), reply.chosen
         if chosen and isinstance(wanted, Target) and wanted.object is None:
             conversation.refer_to(chosen.object)
         if result.doubt:
@@ -317,9 +285,7 @@ class DialogueManager:
             conversation.set_topic((verdict.forbidding,))
         first = self._norms.first_request(request, result)
         if first:
-            conversation.open_question = OpenQuestion(
-                turn.speaker, lambda: self._carry_out(turn, first, (request, *rest))
-            )
+            conversation.wait_for(turn, lambda: self._carry_out(turn, first, (request, *rest)))
         elif reply.ending == "asked":
             self._wait_for_answer(turn, request, result, partial(self._carry_out, turn), rest)
         return reply
@@ -336,11 +302,12 @@ class DialogueManager:
         settled = is_so or request.confirmed(result)
 
         def choose(named: meaning.Answer) -> Reply:
-            return carry_out(choosing(request, named, result), rest)
+            name = None if named.name == meaning.ANY_OBJECT else named.name
+            return carry_out(request.choosing(name, named.props, result), rest)
 
         if settled:
-            self._conversation.open_question = OpenQuestion(
-                turn.speaker,
+            self.conversation.wait_for(
+                turn,
                 yes=lambda: carry_out(settled, rest),
                 no=(lambda: carry_out(is_not, rest)) if is_not else None,
                 choose=None if is_so else choose,
@@ -348,23 +315,21 @@ class DialogueManager:
             )
 
     def _asking_for_use(self, turn: UnderstoodTurn, result: GoalResult, spoken: str) -> str:
-        said, conversation = turn.understood.meaning, self._conversation
+        said, conversation = turn.understood.meaning, self.conversation
         conversation.open_question = None
         if result.answer.key != "nothing_used_for" or not isinstance(
             said, (meaning.Command, meaning.ToolCommand)
         ):
             return spoken
         asked = use_of(said)
-        choose = partial(self._clarification.learn_answer, turn, asked)
-        conversation.open_question = OpenQuestion(turn.speaker, choose=choose)
+        self._clarification.wait_to_learn(turn, asked)
         slots = {"affordance": use_slot(asked.affordance or "", asked.material)}
         return f"{spoken} {conversation.say(AnswerContent('tell_use', slots))}"
 
     # --- Controls -----------------------------------------------------------------------------
 
     def _obey(self, turn: UnderstoodTurn, said: meaning.Control) -> Reply:
-        """Carry out a control while no command runs; one that ran was interrupted before."""
-        conversation = self._conversation
+        conversation = self.conversation
         pending, conversation.open_question = conversation.open_question, None
         stopped, self._just_stopped = self._just_stopped, None
         if said.control == "stop" and stopped:
@@ -389,26 +354,23 @@ class DialogueManager:
             return self._interrupted()
         last = self._last
         if last and last[0].speaker == turn.speaker:
-            self._conversation.open_question = OpenQuestion(
-                turn.speaker, lambda: self._carry_out(*last)
-            )
-            return self._conversation.answered(turn, "continue_what", "asked")
-        return self._conversation.answered(turn, "nothing_to_continue", "failed")
+            self.conversation.wait_for(turn, lambda: self._carry_out(*last))
+            return self.conversation.answered(turn, "continue_what", "asked")
+        return self.conversation.answered(turn, "nothing_to_continue", "failed")
 
     # --- Questions, acknowledgements, and what is asked back -----------------------------------
 
     def _answer(self, turn: UnderstoodTurn, said: meaning.Question) -> Reply:
-        conversation = self._conversation
+        conversation = self.conversation
         about_norms = self._norms.answer(turn, said)
         found, rules = about_norms or answer(said, conversation)
         if not rules and (said.object or said.affordance):
             conversation.topic = ()
         if found.ending == "failed":
             conversation.topic, conversation.unanswered = (), conversation.say(found)
-            choose = partial(self._clarification.learn_answer, turn, said)
-            conversation.open_question = OpenQuestion(turn.speaker, choose=choose)
+            self._clarification.wait_to_learn(turn, said)
         if found.key in {"is_not_used_for", "is_used_otherwise"}:
-            conversation.open_question = self._whether_it_is(turn, said)
+            self._ask_whether_it_is(turn, said)
         conversation.set_topic(rules)
         named = {rule.object for rule in rules if rule.object}
         if said.object is None and len(named) == 1:  # the answer named it
@@ -418,24 +380,24 @@ class DialogueManager:
             spoken = conversation.say(AnswerContent("as_said", {"said": spoken}))
         return replace(conversation.recorded(turn, spoken, found.ending), rules=rules)
 
-    def _whether_it_is(self, turn: UnderstoodTurn, said: meaning.Question) -> OpenQuestion:
-        use, sure = said.affordance or "", self.language.usual
+    def _ask_whether_it_is(self, turn: UnderstoodTurn, said: meaning.Question) -> None:
+        use, sure = said.affordance or "", self.conversation.language.usual
         rule = meaning.FunctionalRule(said.object or "", use, sure, material=said.material)
-        return OpenQuestion(
-            turn.speaker,
+        self.conversation.wait_for(
+            turn,
             lambda: self._clarification.learn_rule(turn, rule),
-            lambda: self._conversation.answered(turn, "dismissed", "done"),
+            no=lambda: self.conversation.answered(turn, "dismissed", "done"),
             needs_yes=True,
         )
 
     def _acknowledge(self, turn: UnderstoodTurn, said: meaning.Acknowledgement) -> Reply:
-        conversation, pending = self._conversation, self._conversation.open_question
+        conversation, pending = self.conversation, self.conversation.open_question
         if pending and pending.asked != turn.speaker:
             pending = None
         else:
             conversation.open_question = None
         if pending:  # what was asked about can be referred to again
-            conversation.restore_references()
+            conversation.discourse = replace(conversation.discourse, has_failed=False)
         agreed = {"yes"} if pending and pending.needs_yes else {"yes", "okay"}
         if pending and pending.yes and said.ack in agreed:
             return pending.yes()

@@ -4,9 +4,7 @@ A norm belongs to who said it. It can be lifted by that speaker, or by somebody 
 A prohibition of the moment, "don't pass me the knife", holds for this conversation only.
 """
 
-from __future__ import annotations
-
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from typing import cast
 
@@ -15,7 +13,7 @@ from ...inference.norms import NormVerdict
 from ...inference.types import Target
 from ...kb.interval import CERTAIN
 from ...kb.rdf.rule_mapping import rule_id
-from ...kb.rule import NORMS, OBLIGED, PERMITTED, Atom, Rule
+from ...kb.rule import NORMS, OBLIGED, PERMITTED, Rule
 from ...nlu.parsing.understanding import Understanding
 from ...nlu.semantics import meaning
 from ...ontology.errors import UnknownNameError
@@ -51,21 +49,18 @@ class NormDialogue:
         for new, old in contrary:
             if new.functor == PERMITTED and not may_end(self._base, turn.speaker, old):
                 return conversation.spoken(turn, self._told("not_yours_to_lift", old))
-        return self._kept(turn, rules, [old.id for new, old in contrary if _is_opposite(new, old)])
-
-    def _kept(self, turn: UnderstoodTurn, rules: Sequence[Rule], ended: Sequence[str]) -> Reply:
-        conversation = self._conversation
+        opposite = [old.id for new, old in contrary if _premises(new) == _premises(old)]
         active = {old.id for new in rules for old in self._base.rules_at_nodes([new.node])}
         key = "known_already" if all(rule.id in active for rule in rules) else "learned"
         slots = {"rules": tuple(map(conversation.describe, rules)), "speaker": turn.speaker}
         text = conversation.say(AnswerContent(key, slots))
-        conversation.believe(turn, rules, text, turn.understood.new_words, supersedes=ended)
-        for new in rules:
-            self._forget_momentary(new)
+        conversation.believe(turn, rules, text, turn.understood.new_words, supersedes=opposite)
+        for key, (rule, _) in list(self._momentary.items()):
+            if any(rule.context == new.context and rule.features == new.features for new in rules):
+                del self._momentary[key]
         return conversation.lesson_reply(turn, rules, text)
 
     def _contrary(self, new: Rule) -> list[Rule]:
-        """The norms over which a new one prevails wherever it applies: permissions, or others."""
         keys = [f"{action}.{functor}" for action in {new.context, GRASP} for functor in NORMS]
         is_permission = new.functor == PERMITTED
         return [
@@ -73,7 +68,7 @@ class NormDialogue:
             for old in self._base.rules_at_nodes(keys)
             if (old.functor == PERMITTED) is not is_permission
             and old.features <= new.features
-            and _circumstances(old) <= _circumstances(new)
+            and {each for each in old.contexts if each.kind != "action"} <= new.contexts
             and _is_contrary_argument(old, new)
         ]
 
@@ -119,11 +114,6 @@ class NormDialogue:
             del self._momentary[lifted]
         return replace(request, momentary=self.momentary)
 
-    def _forget_momentary(self, new: Rule) -> None:
-        for key, (rule, _) in list(self._momentary.items()):
-            if rule.context == new.context and rule.features == new.features:
-                del self._momentary[key]
-
     # --- Commands that are refused ---------------------------------------------------------------
 
     def with_reason(self, result: GoalResult) -> GoalResult:
@@ -165,11 +155,8 @@ class NormDialogue:
 
     def answer(self, turn: UnderstoodTurn, asked: meaning.Question) -> Answered | None:
         """Return the answer to a question about norms; None where it asks for something else."""
-        if asked.ask == "forbidden":
-            return self._listed()
-        return self._permission(turn, asked.norm) if asked.norm else None
-
-    def _listed(self) -> Answered:
+        if asked.ask != "forbidden":
+            return self._permission(turn, asked.norm) if asked.norm else None
         rows = self._base.answer("forbidden").rows
         rules = [self._base.rule(rule_id(cast(Iri, row[-1]))) for row in rows][:MOST_LISTED]
         if not rules and not self._momentary:
@@ -194,21 +181,13 @@ class NormDialogue:
         return spoken("may", done=True), ()
 
 
-def _circumstances(rule: Rule) -> frozenset[Atom]:
-    return frozenset(atom for atom in rule.contexts if atom.kind != "action")
-
-
 def _is_contrary_argument(old: Rule, new: Rule) -> bool:
-    """Whether the arguments of a permission and another norm are at odds.
-
-    To hold something by the rim is what a duty to hold it by the rim wants.
-    """
+    """Whether a permission and another norm are at odds: holding as a duty wants is not."""
     duty = next((rule for rule in (old, new) if rule.functor == OBLIGED), None)
     if duty and duty.part:
         return None not in {old.part, new.part} and old.part != new.part
     return old.argument in {None, new.argument}
 
 
-def _is_opposite(one: Rule, other: Rule) -> bool:
-    premises = ((each.features, each.contexts, each.argument) for each in (one, other))
-    return next(premises) == next(premises)
+def _premises(rule: Rule) -> tuple[object, ...]:
+    return rule.features, rule.contexts, rule.argument

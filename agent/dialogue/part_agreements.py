@@ -4,18 +4,15 @@ Hilt asks, and follows the answer from then on in the conversation, until what h
 contradicts it, too. What was told, and the trust in who told it, are not changed by an answer.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from ...inference.affordance import Affordances
-from ...inference.experience import NO_TRIALS, OutcomeCounts, contradiction
+from ...inference.experience import OutcomeCounts, contradiction
 from ...kb.interval import CERTAIN
 from ..execution.doubt import Doubt
 from ..execution.request import Request
-from .open_question import OpenQuestion
-from .reply import Reply
+from .reply import OpenQuestion, Reply
 
 
 @dataclass(frozen=True)
@@ -50,7 +47,7 @@ class PartAgreements:
 
         def take(part: str) -> Reply:
             agreed = _Agreement(
-                part, doubt.context, self._counts(doubt.object, part, doubt.context)
+                part, doubt.context, self._affordances().outcomes(doubt.object, part, doubt.context)
             )
             self._agreed[request.action, doubt.object] = agreed
             return carry_out()
@@ -63,10 +60,6 @@ class PartAgreements:
         )
 
     def _stands(self, kind: str, agreed: _Agreement) -> bool:
-        since = self._counts(kind, agreed.part, agreed.context).since(agreed.counts)
+        since = self._affordances().outcomes(kind, agreed.part, agreed.context).since(agreed.counts)
         bound = self._affordances().settings.contradiction
         return contradiction(CERTAIN, since.interval) <= bound
-
-    def _counts(self, kind: str, part: str, context: str) -> OutcomeCounts:
-        experience = self._affordances().experience
-        return experience.of(kind, part, context) if experience else NO_TRIALS

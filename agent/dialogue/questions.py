@@ -1,16 +1,14 @@
 """Questions answered from the graph, each with the interval and the source it rests on."""
 
-from __future__ import annotations
-
 from bisect import bisect
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import cast
 
 from ...inference.abduction import Hypothesis, find_hypotheses
 from ...inference.affordance import Affordances
-from ...inference.explanation import candidate_names, rejection_reason
+from ...inference.explanation import rejection_reason
 from ...inference.interval_operators import relative_plausibility
-from ...inference.node_rules import FIND, material_kinds
+from ...inference.node_rules import FIND
 from ...inference.taxonomy import Taxonomy
 from ...inference.types import Conclusion, Goal, Inference, Observation, Target
 from ...kb.interval import CERTAIN
@@ -90,7 +88,6 @@ def _how(question: Question, known: Conversation) -> Answered:
 
 
 def _grasp_rules(question: Question, known: Conversation) -> list[Rule]:
-    """The rules on how an object is held: about it or its nearest kind, else about any object."""
     for rules in _by_kind(question, known):
         grasps = [rule for rule in rules if rule.kind == "action"]
         if grasps:
@@ -104,7 +101,6 @@ def _grasp_rules(question: Question, known: Conversation) -> list[Rule]:
 
 
 def _by_kind(question: Question, known: Conversation) -> Iterator[Sequence[Rule]]:
-    """The rules on what a question names: about its object, then about more general kinds."""
     named = Atom("object", question.object) if question.object else None
     kinds = Taxonomy.from_base(known.base).above(named) if named else ()
     for name in [kind.name for kind, _ in kinds] or [None]:
@@ -133,8 +129,8 @@ def _is_used_for(question: Question, known: Conversation) -> Answered:
 def _is_kind_of(question: Question, known: Conversation) -> Answered:
     name, kind = question.object or "", question.kind_of or ""
     taxonomy = Taxonomy.from_base(known.base)
-    above = [atom.name for atom, _ in taxonomy.above(Atom("object", name))]
-    between = {each for each in above if taxonomy.is_above(kind, each)}
+    above = taxonomy.names_above("object", name)
+    between = {each for each in above if kind in taxonomy.names_above("object", each)}
     pairs = between or {name, kind}
     told = [
         rule
@@ -178,7 +174,10 @@ def _source(question: Question, known: Conversation) -> Answered:
     rules = _meant(question, known)
     if not rules or rules[0].utterance is None:
         return spoken("no_source"), ()
-    rule, said = rules[0], _texts(question, rules, known)
+    rule = rules[0]
+    asked = rules if question == Question("source") else rules[:1]  # "who told you that?": of all
+    told = (each for each in asked if each.utterance and each.speaker == rule.speaker)
+    said = tuple(dict.fromkeys(known.base.utterance(each.utterance or 0).text for each in told))
     reporter = reporter_of(known.base, rule)
     if reporter == rule.speaker:
         return spoken("source", done=True, speaker=reporter, texts=said), (rule,)
@@ -186,15 +185,7 @@ def _source(question: Question, known: Conversation) -> Answered:
     return spoken("source_of_report", done=True, texts=said, **people), (rule,)
 
 
-def _texts(question: Question, rules: Sequence[Rule], known: Conversation) -> tuple[str, ...]:
-    """In which words the first of some rules was told; "who told you that?" asks for them all."""
-    asked = rules if question == Question("source") else rules[:1]
-    told = (rule for rule in asked if rule.utterance and rule.speaker == rules[0].speaker)
-    return tuple(dict.fromkeys(known.base.utterance(rule.utterance or 0).text for rule in told))
-
-
 def _what_if(question: Question, known: Conversation) -> Answered:
-    """Abduction: of which things would it follow that they are used for something?"""
     argument = Atom("affordance", question.affordance or "")
     given = frozenset([Atom("material", question.material)] if question.material else ())
     rules = _functional(question, known)
@@ -208,7 +199,6 @@ def _what_if(question: Question, known: Conversation) -> Answered:
 
 
 def _thing(hypothesis: Hypothesis, known: Conversation) -> str:
-    """What a thing would have to be: "sharp knife", "red thing with a handle"."""
     named: dict[str, list[str]] = {"object": [], "property": [], "part": []}
     for atom in sorted(hypothesis.features | hypothesis.contexts):
         named.setdefault(atom.kind, []).append(atom.name)
@@ -247,11 +237,9 @@ def _trust(question: Question, known: Conversation) -> Answered:
     if question.speaker is None:
         return spoken("trusts_whom", done=True, speakers=tuple(known.base.speakers())), ()
     speaker = known.person(question.speaker)
-    trust = known.base.trust(speaker)
+    key = "trusts" if known.people.trusts(speaker) else "trusts_not"
     if speaker not in known.base.trust_by_speaker():
         key = "knows_nobody"
-    else:
-        key = "trusts" if trust is not None and trust.upper > 0 else "trusts_not"
     return spoken(key, done=True, speaker=speaker), ()
 
 
@@ -278,7 +266,6 @@ def why(question: Question, known: Conversation) -> Answered:
 
 
 def _because_of_decision(known: Conversation, last: Reply) -> AnswerContent:
-    """Why the last command was carried out, or was not, where no rule says it."""
     reason = _reason(known.decision, None)
     if reason:
         return spoken("because", done=True, reason=reason)
@@ -320,7 +307,8 @@ def _why_not_thing(name: str, last: Reply, known: Conversation) -> Answered:
     elif wanted and not _functional(wanted, known):
         said = spoken("why_not_told", done=True, object=name, affordance=_use(wanted))
     else:
-        named = _named_thing(last)
+        meant = last.understanding.meaning
+        named = meant.target.object if isinstance(meant, Command) else None
         key = "why_not_named" if named else "why_not_asked"
         said = spoken(key, done=True, object=name, wanted=named)
     return said, ()
@@ -344,8 +332,12 @@ def _grasps(rules: Iterable[Rule]) -> tuple[Rule, ...]:
 
 
 def _denials(made: Inference | None, name: str) -> tuple[Rule, ...]:
-    denied = (each for each in (made.denied if made else ()) if name in candidate_names(each))
-    return tuple(rule for each in denied for rule in each.rules if not rule.asserts)
+    about = (
+        each
+        for each in (made.denied if made else ())
+        if name in {each.name, each.object} or (each.argument and each.argument.name == name)
+    )
+    return tuple(rule for each in about for rule in each.rules if not rule.asserts)
 
 
 def _sources(rules: Sequence[Rule], known: Conversation) -> dict[str, tuple[str, ...]]:
@@ -376,7 +368,6 @@ def _because(rules: Sequence[Rule], known: Conversation) -> Answered:
 
 
 def _not_so(question: Question, decision: Decision | None) -> str:
-    """The answer to a question about what was not chosen; empty where it was."""
     if decision is None:
         return ""
     best = decision.object.best
@@ -390,16 +381,11 @@ def _not_so(question: Question, decision: Decision | None) -> str:
 def _reason(decision: Decision | None, name: str | None) -> str | None:
     if decision is None:
         return None
-    tried = next((each for each in decision.rejected if each.candidate.object == name), None)
+    tried = next((each for each in decision.rejected if each.object == name), None)
     if tried:
         return tried.reason
     found = next((each for each in decision.object.candidates if name in {None, each.object}), None)
     return rejection_reason(decision.object, found) if found else None
-
-
-def _named_thing(last: Reply) -> str | None:
-    said = last.understanding.meaning
-    return said.target.object if isinstance(said, Command) else None
 
 
 def _wanted_use(last: Reply, name: str) -> Question | None:
@@ -439,13 +425,12 @@ def _functional(question: Question, known: Conversation) -> list[Rule]:
 
 def _on_material(rules: Iterable[Rule], question: Question, known: Conversation) -> list[Rule]:
     material = question.material
-    kinds = material_kinds(material, Taxonomy.from_base(known.base)) if material else ()
+    kinds = Taxonomy.from_base(known.base).names_above("object", material) if material else ()
     applying = _by_strength(rule for rule in rules if rule.applies_to(kinds))
     return sorted(applying, key=lambda rule: bool(kinds) and rule.material is None)
 
 
 def _meant(question: Question, known: Conversation) -> list[Rule]:
-    """The rules a question is about: those it names, else those last spoken of."""
     named = (question.object, question.affordance, question.context)
     if not any(named):
         latest = sorted(known.base.rules(), key=lambda rule: -(rule.utterance or 0))[:1]

@@ -1,4 +1,4 @@
-"""The reply to one utterance: what was understood, what was learned or done, and the answer.
+"""The reply to one utterance, and the question of Hilt that it may leave open.
 
 Its JSON documents are those of `hilt tell`, `hilt do` and `hilt ask`; other programs rely on their
 keys.
@@ -6,11 +6,14 @@ keys.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
+from ...inference.types import Candidate
 from ...kb.rule import Rule
 from ...nlu.parsing.understanding import Understanding
-from ..execution.outcome import Ending, GoalResult, Json
+from ...nlu.semantics.meaning import Answer
+from ..execution.outcome import Decision, Ending, GoalResult, Json
 from ..execution.outcome_answer import INTERRUPTED
 
 
@@ -38,6 +41,16 @@ class Reply:
     def is_done(self) -> bool:
         """Whether what was asked for was done; decides the exit code."""
         return self.ending == "done"
+
+    @property
+    def decision(self) -> Decision | None:
+        """The decision of a command; None where none was made."""
+        return self.result.decision if self.result else None
+
+    @property
+    def chosen(self) -> Candidate | None:
+        """The object that was chosen for a command, if any."""
+        return self.decision.object.best if self.decision else None
 
     @property
     def is_interrupted(self) -> bool:
@@ -82,3 +95,39 @@ class Reply:
             **(self.result.as_json() if self.result else nothing),
             "seed": self.seed,
         }
+
+
+@dataclass(frozen=True)
+class OpenQuestion:
+    """A question of Hilt that waits for an answer: "yes", "no", or a short one ("the second").
+
+    An answer that does not fit is an utterance like any other.
+
+    Attributes:
+        asked: the only speaker who can answer it.
+        yes: called after a "yes"; None where there is nothing to agree to.
+        no: called after a "no"; None only acknowledges.
+        choices: called after the number of a choice, by number from 1 on.
+        choose: called with an answer that names something; it returns None where the answer does
+            not fit, which must change nothing.
+        tell: called with the text of any other answer; it returns None where it does not fit.
+        needs_yes: whether "okay" only acknowledges it, and does not agree.
+        word: the word that may be a slip, if it is asked about one.
+    """
+
+    asked: str
+    yes: Callable[[], Reply] | None = None
+    no: Callable[[], Reply] | None = None
+    choices: tuple[Callable[[], Reply], ...] = ()
+    choose: Callable[[Answer], Reply | None] | None = None
+    tell: Callable[[str], Reply | None] | None = None
+    needs_yes: bool = False
+    word: str = ""
+
+    def reply_to(self, answer: Answer) -> Reply | None:
+        """Return the reply to a short answer; None where it does not fit."""
+        if answer.number:
+            return self.choices[answer.number - 1]()
+        if answer.choice == "any" and (self.choices or self.yes):
+            return self.choices[0]() if self.choices else self.yes and self.yes()
+        return self.choose(answer) if answer.name and self.choose else None

@@ -1,16 +1,12 @@
 """Questions about Hilt itself: what it is, holds, did, and was told by whom."""
 
-from __future__ import annotations
-
 from collections import defaultdict
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from functools import partial
 
-from ...kb.history import Utterance
 from ...kb.rule import Atom, Rule
 from ...nlu.semantics.meaning import Command, Question, ToolCommand
 from .conversation import Answered, Conversation, spoken
-from .reply import Reply
 
 MOST_LISTED = 5
 """So many rules are told one by one; of more only some objects are named."""
@@ -64,12 +60,9 @@ def _last_done(_: Question, known: Conversation) -> Answered:
     names = {"object": best.object, "part": decision.chosen_part}
     if decision.patient:
         key, names = "done_with_tool", {"tool": best.object, "patient": decision.patient}
-    return spoken(key, done=True, goal=_goal(last), **names), decision.rules
-
-
-def _goal(reply: Reply) -> str:
-    said = reply.understanding.meaning
-    return said.goal if isinstance(said, (Command, ToolCommand)) else "use"
+    meant = last.understanding.meaning
+    goal = meant.goal if isinstance(meant, (Command, ToolCommand)) else "use"
+    return spoken(key, done=True, goal=goal, **names), decision.rules
 
 
 def _repeated(_: Question, known: Conversation) -> Answered:
@@ -78,36 +71,27 @@ def _repeated(_: Question, known: Conversation) -> Answered:
     ), ()
 
 
-def _known(_: Question, known: Conversation) -> Answered:
-    count, rules = known.base.count_and_some_rules(MOST_READ)
-    if not rules:
-        return spoken("nothing_known", done=True), ()
-    return _listed("known", count, rules, known)
-
-
 def _told(question: Question, known: Conversation) -> Answered:
-    speaker = known.base.match_speaker(question.speaker or "")
+    speaker = known.base.match_speaker(question.speaker) if question.speaker else None
+    key, slots = ("told", {"speaker": speaker}) if speaker else ("known", {})
     count, rules = known.base.count_and_some_rules(MOST_READ, speaker=speaker)
     if not rules:
-        return spoken("told_nothing", done=True, speaker=speaker), ()
-    return _listed("told", count, rules, known, speaker=speaker)
-
-
-def _listed(
-    key: str, count: int, rules: Sequence[Rule], known: Conversation, **slots: str
-) -> Answered:
-    """The rules themselves, or what some of them are about if there are many."""
+        return spoken("told_nothing" if speaker else "nothing_known", done=True, **slots), ()
     if count <= MOST_LISTED:
         said = tuple(known.describe(rule) for rule in rules)
         return spoken(key, done=True, rules=said, **slots), tuple(rules)
     objects = tuple(dict.fromkeys(rule.object or "thing" for rule in rules))[:MOST_NAMED]
-    number = str(count)
-    return spoken(f"{key}_many", done=True, number=number, objects=objects, **slots), ()
+    return spoken(f"{key}_many", done=True, number=str(count), objects=objects, **slots), ()
 
 
 def _told_at_an_end(question: Question, known: Conversation, *, newest_first: bool) -> Answered:
     speaker = known.base.match_speaker(question.speaker or "")
-    found = next(_taught_by(speaker, known, newest_first=newest_first), None)
+    taught = (
+        each
+        for each in known.base.history(newest_first=newest_first)
+        if each.speaker == speaker and each.kind in _TAUGHT and each.accepted and each.asserts
+    )
+    found = next(taught, None)
     if found is None:
         return spoken("told_nothing", done=True, speaker=speaker), ()
     asserted = map(known.base.rule, found.asserts)
@@ -123,12 +107,6 @@ def _last_said(_: Question, known: Conversation, *, kinds: Collection[str]) -> A
         if each.speaker == known.listener and each.kind in kinds and not is_looking_back:
             return spoken("you_said", done=True, texts=each.text), ()
     return spoken("you_said_nothing", done=True), ()
-
-
-def _taught_by(speaker: str, known: Conversation, *, newest_first: bool) -> Iterator[Utterance]:
-    for each in known.base.history(newest_first=newest_first):
-        if each.speaker == speaker and each.kind in _TAUGHT and each.accepted and each.asserts:
-            yield each
 
 
 def _exceptions(question: Question, known: Conversation) -> Answered:
@@ -161,7 +139,7 @@ SELF_REPORTS: Mapping[str, Callable[[Question, Conversation], Answered]] = {
     "hearing": partial(_fixed, "hearing"),
     "holding": _holding,
     "identity": _identity,
-    "known": _known,
+    "known": _told,
     "last_asked": partial(_last_said, kinds=_ASKED),
     "last_done": _last_done,
     "last_spoken_of": partial(_last_said, kinds=_ASKED | _TAUGHT),

@@ -5,10 +5,8 @@ the speech recogniser, and the trust in the speaker. The first two are in the st
 (Shafer's discounting); trust is applied when the rule is used, since it may change.
 """
 
-from __future__ import annotations
-
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import replace
 
 from ...kb.history import IMPORT
 from ...kb.interval import VACUOUS
@@ -19,89 +17,34 @@ from ...nlu.lexicon.vocabulary import NewWord
 from ...nlu.offers.meaning_shapes import MeaningShape
 from ...nlu.offers.phrase_memory import PhrasePattern
 from ...nlu.semantics import meaning
-from ...nlu.semantics.meaning import (
-    ANY_OBJECT,
-    Answer,
-    Confidence,
-    KindStatement,
-    Question,
-    Retraction,
-    Statement,
-)
-from ..execution.outcome import AnswerContent
 from .translation import rule_from_meaning
 
 KINDS = {"context": "action"}  # role of a new word -> kind of what it denotes
 ROLES = {kind: role for role, kind in KINDS.items()}
 
 
-@dataclass(frozen=True)
-class Lesson:
-    """What one statement teaches.
-
-    Attributes:
-        rules: the rules to assert, discounted by the confidence of the recogniser; those that the
-            speaker reports are discounted by the trust in the speaker, too.
-        supersedes: rules of the same speaker that they replace.
-        is_known: whether all of it was known already.
-        source: whom the speaker reports; None when the rules are the speaker's own.
-    """
-
-    rules: tuple[Rule, ...]
-    supersedes: tuple[Rule, ...]
-    is_known: bool
-    source: str | None = None
-
-    def echo(
-        self,
-        describe: Callable[[Rule], str],
-        speaker: str,
-        trust: float,
-        heard: float,
-        words: Sequence[NewWord] = (),
-    ) -> Iterator[AnswerContent]:
-        """The confirmation of what was learned, new words included.
-
-        `trust` in the one whose rules they are and how well the speaker was `heard` are in [0, 1].
-        """
-        key = "revised" if self.supersedes else "learned"
-        if trust < 1.0:
-            key = "learned_doubtfully"
-        elif heard < 1.0:
-            key = "learned_unclearly"
-        if self.source:
-            key = "learned_report" if trust else "learned_unknown_report"
-        rules = tuple(map(describe, self.rules))
-        key = "known_already" if self.is_known else key
-        yield AnswerContent(key, {"rules": rules, "speaker": self.source or speaker})
-        if words:
-            yield AnswerContent("learned_words", {"words": tuple(word.word for word in words)})
-
-
-def lesson_from_statement(
-    base: KnowledgeBase,
-    said: Statement | KindStatement,
-    speaker: str,
-    heard: float,
-    topic: Sequence[Rule] = (),
-) -> Lesson:
-    """Return what a statement teaches to a base.
+def told_rules(
+    base: KnowledgeBase, said: meaning.Statement | meaning.KindStatement, speaker: str, heard: float
+) -> tuple[Rule, ...]:
+    """Return the rules that a statement asserts, discounted by the confidence of the recogniser.
 
     What somebody told the speaker is discounted by the trust in the speaker now, and by the trust
     in that person when it is used.
     """
-    source = base.match_speaker(said.source) if said.source else None
-    weight = heard * trust_in(base, speaker) if source else heard
-    rules = tuple(rule_from_meaning(each, source or speaker, weight) for each in said.rules)
-    before = _earlier(base, rules)
-    known = {rule.id for rule in before}
-    corrected = [new for new, each in zip(rules, said.rules, strict=True) if each.revises]
-    supersedes = tuple(
-        dict.fromkeys(old for new in corrected for old in _corrected(new, before, topic))
-    )
-    return Lesson(
-        rules, supersedes, not supersedes and all(rule.id in known for rule in rules), source
-    )
+    source = base.match_speaker(said.source) if said.source else speaker
+    weight = heard * trust_in(base, speaker) if said.source else heard
+    return tuple(rule_from_meaning(each, source, weight) for each in said.rules)
+
+
+def replaced_rules(
+    said: meaning.Statement | meaning.KindStatement,
+    rules: Sequence[Rule],
+    before: Sequence[Rule],
+    topic: Sequence[Rule],
+) -> list[Rule]:
+    """Return the rules that those of a statement correct, among earlier ones and the topic."""
+    corrected = (new for new, each in zip(rules, said.rules, strict=True) if each.revises)
+    return list(dict.fromkeys(old for new in corrected for old in _corrected(new, before, topic)))
 
 
 def reason_rules(rules: Sequence[Rule], reasons: Sequence[str]) -> list[Rule]:
@@ -149,7 +92,8 @@ def _corrected(new: Rule, before: Sequence[Rule], topic: Sequence[Rule]) -> list
     return [last] if changed == 1 and last.context == new.context else []
 
 
-def _earlier(base: KnowledgeBase, rules: Sequence[Rule]) -> list[Rule]:
+def earlier_rules(base: KnowledgeBase, rules: Sequence[Rule]) -> list[Rule]:
+    """Return the rules of a base with the premises of some rules, in the order of teaching."""
     found = {old.id: old for rule in rules for old in base.rules_with_premises_of(rule)}
     return sorted(found.values(), key=lambda rule: (rule.utterance or 0, rule.id))
 
@@ -164,12 +108,14 @@ def can_replace(one: Rule, other: Rule) -> bool:
     return one.kind == "action" or one.argument == other.argument
 
 
-def rule_from_answer(asked: Question, named: Answer, confidence: Confidence) -> meaning.Rule | None:
+def rule_from_answer(
+    asked: meaning.Question, named: meaning.Answer, confidence: meaning.Confidence
+) -> meaning.Rule | None:
     """Return the rule that a short answer to a question of Hilt teaches.
 
     None where it names nothing that the question asks for.
     """
-    name = None if named.name == ANY_OBJECT else named.name
+    name = None if named.name == meaning.ANY_OBJECT else named.name
     if name is None or named.is_use != (asked.affordance is None and asked.context is None):
         return None
     if asked.affordance:
@@ -182,7 +128,7 @@ def rule_from_answer(asked: Question, named: Answer, confidence: Confidence) -> 
 
 
 def rules_to_retract(
-    base: KnowledgeBase, said: Retraction, speaker: str, topic: Sequence[Rule] = ()
+    base: KnowledgeBase, said: meaning.Retraction, speaker: str, topic: Sequence[Rule] = ()
 ) -> Sequence[Rule]:
     """Return the rules that a speaker retracts, or those of others if the speaker has none.
 
@@ -190,7 +136,7 @@ def rules_to_retract(
     hold something by the part that is named, else the last one of the `topic`, else of all.
     """
     if said.about:
-        rules = base.rules(object=None if said.about == ANY_OBJECT else said.about)
+        rules = base.rules(object=None if said.about == meaning.ANY_OBJECT else said.about)
         return [rule for rule in rules if rule.speaker == speaker] or rules
     if said.part:
         return base.rules(part=said.part, speaker=speaker)[-1:]

@@ -3,10 +3,9 @@
 `nlu` knows no rules and `kb` no sentences; only this module imports both.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
+from typing import Any
 
 from ...inference.types import Target
 from ...kb.interval import Interval
@@ -16,7 +15,7 @@ from ...nlu.lexicon.vocabulary import NewWord
 from ...nlu.semantics import meaning
 from ...nlu.semantics.interpretation import GOALS
 from ...ontology.actions import Actions
-from ..execution.outcome import AnswerContent, GoalResult
+from ..execution.outcome import AnswerContent
 from ..execution.request import Argument, Request
 from ..execution.taught_trees import PARAMETERS
 
@@ -28,23 +27,10 @@ def rule_from_meaning(
     interval = Interval(*said.confidence).discounted(heard)
     if isinstance(said, meaning.KindRelation):
         return kind_rule(said.object, said.kind_of, interval=interval, speaker=speaker)
+    given: dict[str, Any] = {"interval": interval, "properties": said.props, "speaker": speaker}
     if isinstance(said, meaning.FunctionalRule):
-        return functional(
-            said.object,
-            said.affordance,
-            interval=interval,
-            material=said.material,
-            properties=said.props,
-            speaker=speaker,
-        )
-    return grasping(
-        said.object,
-        said.part,
-        said.context,
-        interval=interval,
-        properties=said.props,
-        speaker=speaker,
-    )
+        return functional(said.object, said.affordance, material=said.material, **given)
+    return grasping(said.object, said.part, said.context, **given)
 
 
 def meaning_from_rule(rule: Rule) -> meaning.Rule | None:
@@ -78,25 +64,24 @@ def rule_from_norm(said: meaning.Norm, speaker: str, heard: float = 1.0) -> Rule
     """Return the rule that lays down a norm, discounted by the confidence of the recogniser."""
     act, before = said.act, said.before
     target = act.tool if isinstance(act, meaning.ToolCommand) else act.target
-    contexts: list[Atom] = [Atom("place", said.place)] if said.place else []
+    names = {"place": said.place, "object": None}
     if isinstance(act, meaning.ToolCommand):
-        is_any = act.patient == meaning.ANY_OBJECT
-        contexts += [] if is_any else [Atom("material", act.patient)]
+        names["material"] = None if act.patient == meaning.ANY_OBJECT else act.patient
         argument = None
     else:
-        contexts += [Atom("role", act.recipient)] if act.recipient else []
+        names["role"] = act.recipient
         argument = Atom("part", act.part) if act.part else None
     if before:
         argument, thing = Atom("action", before.goal), before.target.object
         is_other = thing not in {None, meaning.ANY_OBJECT, target.object}
-        contexts += [Atom("object", str(thing))] if is_other else []
+        names["object"] = thing if is_other else None
     return norm(
         said.norm,
         act.goal,
         target.object or meaning.ANY_OBJECT,
         argument,
         interval=Interval(*said.confidence).discounted(heard),
-        contexts=contexts,
+        contexts=[Atom(kind, name) for kind, name in names.items() if name],
         properties=target.props,
         speaker=speaker,
     )
@@ -149,12 +134,6 @@ def request_from_command(
     if command.recipient:
         arguments["recipient"] = command.recipient
     return Request(command.goal, arguments, speaker, part=command.part)
-
-
-def choosing(request: Request, named: meaning.Answer, result: GoalResult) -> Request:
-    """Return a request for what a short answer to a question about it names."""
-    name = None if named.name == meaning.ANY_OBJECT else named.name
-    return request.choosing(name, named.props, result)
 
 
 def use_of(said: meaning.Command | meaning.ToolCommand) -> meaning.Question:

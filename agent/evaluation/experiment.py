@@ -1,4 +1,4 @@
-"""The base class of experiments, their cases and the results of these.
+"""The base class of experiments, their cases and the results of these; the experiments by name.
 
 An experiment is a frozen dataclass of plain JSON options. It lists its cases and runs any one of
 them independently, in any order and in any process: a worker constructs the experiment again from
@@ -15,8 +15,10 @@ import json
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
-from typing import Any, ClassVar, Literal, cast
+from importlib import import_module
+from typing import Any, ClassVar, Literal
 
+from ...ontology.errors import DataError, UnknownNameError
 from ..execution.outcome import Json
 
 Kind = Literal["unique", "tie", "none", "grasp", "check", "error", "lost"]
@@ -108,7 +110,7 @@ class Experiment(ABC):
 
     def explain(self, case: Case, result: CaseResult) -> str:
         """Return an explanation of a result; empty if there is none."""
-        return "\n".join(cast("list[str]", result.facts.get("why", [])))
+        return "\n".join(result.facts.get("why", []))
 
     def summary(self, results: Sequence[CaseResult]) -> Json:
         """Return the values that are reported besides the counts; none by default."""
@@ -117,3 +119,39 @@ class Experiment(ABC):
     def files(self, results: Sequence[CaseResult]) -> Mapping[str, Json]:
         """Return further documents to write, by file name; none by default."""
         return {}
+
+
+# Name -> module and class. Modules are imported on demand: some take a second to load.
+EXPERIMENTS: Mapping[str, str] = {
+    "paper": ".experiments.paper:PaperExperiment",
+    "situations": ".experiments.paper:SituationsExperiment",
+    "grasps": ".experiments.paper:GraspExperiment",
+    "all-scenarios": ".experiments.all_scenarios:AllScenariosExperiment",
+    "random": ".experiments.all_scenarios:RandomScenariosExperiment",
+    "noise": ".experiments.noise_robustness:NoiseExperiment",
+    "facts": ".experiments.facts:FactsExperiment",
+    "custom": ".experiments.custom:CustomExperiment",
+}
+
+
+def make_experiment(name: str, options: Mapping[str, object]) -> Experiment:
+    """Return the experiment of a name, with the given options.
+
+    The name is one of `EXPERIMENTS`, or "package.module:Class" for a class of your own, whose
+    `name` is the same text. UnknownNameError if there is no experiment, or no option, of that name;
+    DataError if the module or class cannot be imported.
+    """
+    module, _, class_name = EXPERIMENTS.get(name, name).partition(":")
+    if not class_name:
+        raise UnknownNameError("experiment", name, EXPERIMENTS)
+    try:
+        kind: type[Experiment] = getattr(import_module(module, __package__), class_name)
+    except ModuleNotFoundError as error:
+        raise DataError(f"cannot be imported: {error}.", source=name) from error
+    except AttributeError as error:
+        raise DataError(f'it contains no class "{class_name}".', source=name) from error
+    known = [each.name for each in fields(kind)]
+    for option in options:
+        if option not in known:
+            raise UnknownNameError(f"option of {name}", option, known)
+    return kind(**options)  # pyright: ignore[reportArgumentType] - JSON; its class knows the types

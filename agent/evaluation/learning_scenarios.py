@@ -9,10 +9,11 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
+from functools import cache
 from pathlib import Path
 
 from ...kb.rule import DEFAULT_SPEAKER
-from ...ontology.yaml_reader import YamlNode, read_yaml
+from ...ontology.yaml_reader import read_yaml
 
 SCENARIOS_FILE = Path(__file__).with_name("scenarios.yaml")
 LEVELS = ("generally", "often", "sometimes", "occasionally")  # highest first
@@ -81,7 +82,8 @@ class LearningScenario:
 
 def functional_sentence(name: str, affordance: str, level: str) -> str:
     """Return the sentence that teaches an affordance of an object with a level of confidence."""
-    return f"{_article(name)} {name} is {level} used for {affordance}"
+    article = "an" if name[0] in "aeiou" else "a"
+    return f"{article} {name} is {level} used for {affordance}"
 
 
 def grasp_sentence(name: str, context: str, part: str, level: str = LEVELS[0]) -> str:
@@ -101,22 +103,17 @@ def command(action: str, affordance: str) -> str:
     return f"{ACTIONS[action]} something used for {affordance}"
 
 
+@cache
 def load_scenarios() -> tuple[LearningScenario, LearningScenario]:
     """Return Scenario A, which the file contains, and Scenario B, its mirror image."""
     top = read_yaml(SCENARIOS_FILE).entries(required={"affordances", "grasps"}, optional=())
-    affordances = {name: _levels(spec) for name, spec in top["affordances"].entries().items()}
-    grasps = {name: _parts(spec) for name, spec in top["grasps"].entries().items()}
+    affordances = {
+        name: {level: names.texts() for level, names in spec.entries(optional=LEVELS).items()}
+        for name, spec in top["affordances"].entries().items()
+    }
+    grasps = {
+        name: {context: part.text() for context, part in spec.entries(optional=CONTEXTS).items()}
+        for name, spec in top["grasps"].entries().items()
+    }
     scenario = LearningScenario("A", affordances, grasps)
     return scenario, scenario.mirrored("B")
-
-
-def _levels(spec: YamlNode) -> dict[str, tuple[str, ...]]:
-    return {level: names.texts() for level, names in spec.entries(optional=LEVELS).items()}
-
-
-def _parts(spec: YamlNode) -> dict[str, str]:
-    return {context: part.text() for context, part in spec.entries(optional=_INFINITIVES).items()}
-
-
-def _article(name: str) -> str:
-    return "an" if name[0] in "aeiou" else "a"

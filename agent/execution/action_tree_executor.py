@@ -6,8 +6,6 @@ itself under these constraints. The action of a tree is its steps. A failure is 
 with an answer; the branches of a tree say what to try before it is final.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -20,6 +18,7 @@ from ...kb.rule import Atom
 from ...ontology.actions import FIXED, Actions, ActionTree, DescribedObject, Loop, Precondition
 from ...ontology.actions import Step as TreeStep
 from ...ontology.errors import ConflictError, MotionInterruptedError
+from ...ontology.logs import timed
 from ...sim.robot.interruption import Interruption
 from ...sim.vision.percept import Percept
 from ..protocols import Motion, ReleasingMotion, Vision
@@ -30,7 +29,6 @@ from .outcome import (
     AnswerContent,
     Constraint,
     Decision,
-    FailedAttempt,
     Failure,
     GoalResult,
     WalkStep,
@@ -73,6 +71,13 @@ class ExecutionContext:
         default_factory=list[Callable[[WalkStep], None]]
     )
 
+    def search(self, features: Sequence[str]) -> Sequence[Percept]:
+        """Return what the vision finds; the features, what was found, and the time are logged."""
+        found: list[Percept] = []
+        with timed(__name__, "look for %s: %s", ", ".join(features), found):
+            found += self.vision.search(features)
+        return found
+
     @property
     def holding(self) -> str | None:
         """The type of the object in the hand, None when it is empty or there is no hand."""
@@ -108,7 +113,7 @@ class TreeExecutor:
             context.norms, context.actions, request, context.done, lambda: context.holding
         )
         self._primitives = (
-            PrimitiveExecutor(context.motion, context.vision, request.action)
+            PrimitiveExecutor(context.motion, context, request.action)
             if context.motion and is_able
             else None
         )
@@ -116,7 +121,7 @@ class TreeExecutor:
         self._steps: list[WalkStep] = []
         self._setbacks: list[AnswerContent] = []
         self._found: dict[Argument | None, FoundObject] = {}
-        self._rejected: dict[str, FailedAttempt] = {}
+        self._rejected: dict[str, Candidate] = {}
         # What the command or the step names: the part, and what a tool is used on.
         self._part, self._patient = request.part, request.arguments.get(PATIENT)
         self._doubt: Doubt | None = None
@@ -157,7 +162,8 @@ class TreeExecutor:
         except ConflictError as error:
             return AnswerContent("contradicted", {"reason": str(error)}, "failed", "conflict")
         index = len(self._steps)
-        self._steps.append(_step(node, features, percepts, inference))
+        confidences = {percept.name: percept.confidence for percept in percepts}
+        self._steps.append(WalkStep(node, tuple(map(str, features)), confidences, inference))
         self._notify(self._steps[index])
         failure = self._act(arguments, percepts, inference)
         is_done = _action(node) == FIND or self._primitives
@@ -166,7 +172,7 @@ class TreeExecutor:
         self._steps[index] = replace(self._steps[index], action=failure.key if failure else did)
         self._notify(self._steps[index])
         if failure is None and _action(node) != FIND:
-            self._norms.note(_action(node), self.name(self._target(arguments)))
+            self._context.done.append((_action(node), self.name(self._target(arguments))))
         return failure
 
     def _notify(self, step: WalkStep) -> None:
@@ -174,7 +180,6 @@ class TreeExecutor:
             watcher(step)
 
     def _goal(self, arguments: Arguments) -> Goal:
-        """The goal at this node: about the object already found, or the one to look for."""
         target = self._target(arguments)
         if target in self._found:
             found = self._found[target].percept.object
@@ -190,7 +195,7 @@ class TreeExecutor:
     ) -> Sequence[Percept]:
         if not features:
             return ()
-        percepts = self._context.vision.search([str(feature) for feature in features])
+        percepts = self._context.search([str(feature) for feature in features])
         found = self._found.get(self._target(arguments))
         is_new = found is None or all(each.name != found.percept.name for each in percepts)
         if _action(node) == FIND and is_new:
@@ -199,7 +204,6 @@ class TreeExecutor:
         return [each for each in percepts if found is None or each.name == found.percept.name]
 
     def _excluded(self, arguments: Arguments) -> Collection[str]:
-        """The objects that were chosen before; what a tool is used on may be the same again."""
         is_patient = self._target(arguments) == self._patient
         return () if is_patient else self._request.excluded
 
@@ -212,7 +216,7 @@ class TreeExecutor:
         percept, part = found and found.percept, None
         if action == GRASP and percept:
             part, failure = self._part_to_hold(target, percept, inference)
-            self._norms.hold_by(part)
+            self._norms.part = part
         else:
             failure = self._norms.of_step(node, target, percept)
         if failure:
@@ -258,7 +262,6 @@ class TreeExecutor:
         arguments: Arguments,
         failure: AnswerContent,
     ) -> Failure:
-        """Carry out other steps; a tree that contains this one goes on, a command has failed."""
         if self._primitives is None or self._walk_steps(node, steps, arguments):
             return failure
         self._report_setback(failure)
@@ -293,33 +296,32 @@ class TreeExecutor:
 
     def _reject(self, argument: Argument, failure: AnswerContent) -> None:
         if found := self._found.pop(argument, None):
-            self._rejected[found.percept.name] = FailedAttempt(found.candidate, failure.cause)
+            why = f"it was tried first, but: {failure.cause.replace('_', ' ')}"
+            self._rejected[found.percept.name] = replace(found.candidate, reason=why)
 
     def _unmet_condition(self, condition: Precondition, arguments: Arguments) -> Failure:
         argument = _value(condition.parameter, arguments)
         if condition.property:
             return self._unmet_property(condition, argument)
-        # Without a robot nothing is going to be done.
-        if self._primitives is None or self._holds(condition, argument) is not condition.negated:
+        if self._primitives is None:  # nothing is going to be done
             return None
-        return outcome_answer.required(condition, named(argument) or "thing")
+        if condition.kind == "sees":
+            is_so = bool(self._context.search([f"object:{named(argument)}"]))
+        else:
+            found = self._found.get(argument)
+            is_so = found is not None and self._primitives.holding == found.percept.name
+        name = named(argument) or "thing"
+        return outcome_answer.required(condition, name) if is_so is condition.negated else None
 
     def _unmet_property(self, condition: Precondition, argument: Argument) -> Failure:
         prop, name = condition.property or "", named(argument) or "thing"
         told = self._request.contexts.get(Atom("property", prop))
-        seen = self._context.vision.search([f"property:{prop}"]) if told is None else ()
+        seen = self._context.search([f"property:{prop}"]) if told is None else ()
         if told is None and all(each.object != name for each in seen):
             slots = {"object": name, "property": prop}
             return AnswerContent("is_it_so", slots, "asked", "required")
         is_so = told is None or told.lower > 0
         return outcome_answer.required(condition, name) if is_so is condition.negated else None
-
-    def _holds(self, condition: Precondition, argument: Argument | None) -> bool:
-        if condition.kind == "sees":
-            return bool(self._context.vision.search([f"object:{named(argument)}"]))
-        found = self._found.get(argument)
-        holding = self._primitives.holding if self._primitives else None
-        return found is not None and holding == found.percept.name
 
     def _walk_steps(
         self, node: str, steps: Sequence[TreeStep | Loop], arguments: Arguments
@@ -334,7 +336,11 @@ class TreeExecutor:
         return None
 
     def _visit_step(self, node: str, step: TreeStep, arguments: Arguments) -> Failure:
-        before, passed = (self._part, self._patient), self._passed(step, arguments)
+        passed = {name: _value(each, arguments) for name, each in step.arguments.items()}
+        if step.action in self._context.actions.trees:
+            request = replace(self._request, arguments=passed)
+            passed = review_arguments(self._context.actions, step.action, request)
+        before = (self._part, self._patient)
         self._part = step.part or self._part
         self._patient = passed.get(PATIENT, self._patient)
         failure = self.visit(f"{node}/{step.action}", passed)
@@ -351,14 +357,6 @@ class TreeExecutor:
                 return None
         return self._primitives.not_sensed(loop.until) if self._primitives and loop.until else None
 
-    def _passed(self, step: TreeStep, arguments: Arguments) -> dict[str, Argument]:
-        passed = {name: _value(each, arguments) for name, each in step.arguments.items()}
-        if step.action in self._context.actions.trees:
-            return review_arguments(
-                self._context.actions, step.action, replace(self._request, arguments=passed)
-            )
-        return passed
-
     # --- Choosing ----------------------------------------------------------------------------
 
     def _find(
@@ -366,18 +364,18 @@ class TreeExecutor:
     ) -> Failure:
         target = self._target(arguments)
         inference, refusal = self._without_forbidden(target, percepts, inference)
-        patient = self._patient
+        patient, best = self._patient, inference.best
+        agreed = self._request.agreed.get(best.object) if best else None
         if target != patient or self.decision is None:
             # The patient of a tool may be looked for too; the decision is about the tool.
             self.decision = Decision(
                 inference,
-                named_part=self._part or self._request.agreed_part(inference),
+                named_part=self._part or agreed,
                 patient=named(patient),
                 rejected=tuple(self._rejected.values()),
             )
         if refusal:
             return refusal
-        best = inference.best
         if best is None and self._excluded(arguments):
             return AnswerContent("nothing_other", {}, "failed", "not_found")
         if best is None:
@@ -393,7 +391,6 @@ class TreeExecutor:
     def _without_forbidden(
         self, target: Target, percepts: Sequence[Percept], inference: Inference
     ) -> tuple[Inference, Failure]:
-        """Return the inference without objects that must not be taken, or why none may be."""
         seen = {each.name: each for each in percepts}
         first: Failure = None
         for index, candidate in enumerate(inference.candidates):
@@ -426,7 +423,6 @@ class TreeExecutor:
     def _permitted_part(
         self, target: Target, percept: Percept, part: str | None, inference: Inference
     ) -> tuple[str | None, Failure]:
-        """Return the part to hold by under the norms, another one if they forbid the chosen one."""
         refusal_of = partial(self._norms.of_step, inference.node, target, percept)
         known = self._allowed_parts(percept, inference)
         refusal = refusal_of(part)
@@ -464,7 +460,6 @@ class TreeExecutor:
         return self._context.grips.get(percept.object) if is_tool else None, None
 
     def _objection(self, percept: Percept, inference: Inference, chosen: str | None) -> Failure:
-        """Return why the part that follows is not taken: a guess, forbidden, or in doubt."""
         best, context, kind = inference.best, self._context, percept.object
         if best and outcome_answer.is_guess(best) and not self._part:
             return outcome_answer.not_sure_how(self._request.action, kind, best)
@@ -484,31 +479,21 @@ class TreeExecutor:
         return AnswerContent(key, {"object": percept.object, **slots}, "failed", "no_part")
 
     def _allowed_parts(self, percept: Percept, inference: Inference) -> list[str]:
-        """The known parts that no rule forbids: the one made for holding, then those in view."""
-        forbidden = [each.argument for each in inference.denied]
-        above = self._context.affordances.taxonomy.above
+        forbidden = {each.argument.name for each in inference.denied if each.argument}
+        kinds = self._context.affordances.taxonomy.names_above
         known = dict.fromkeys((*percept.parts, *self._context.parts.get(percept.object, ())))
-        allowed = [
-            part
-            for part in known
-            if not any(kind in forbidden for kind, _ in above(Atom("part", part)))
-        ]
+        allowed = [part for part in known if forbidden.isdisjoint(kinds("part", part))]
         grip = self._context.grips.get(percept.object)
         return sorted(allowed, key=lambda part: part != grip)
 
     def _lacks(self, percept: Percept, part: str) -> bool:
-        """Whether an object is known to have no such part, rather than it being out of view."""
         known = self._context.parts.get(percept.object)
         return known is not None and part not in known and part not in percept.parts
 
     def _own_part(self, name: str, percept: Percept) -> str:
-        """The object's own part of a kind: the serrated blade of a bread knife for "blade"."""
-        above = self._context.affordances.taxonomy.above
-        kinds = {part: [each for each, _ in above(Atom("part", part))] for part in percept.parts}
-        if name in kinds:
-            return name
-        fitting = [part for part, found in kinds.items() if Atom("part", name) in found]
-        return fitting[0] if fitting else name
+        kinds = self._context.affordances.taxonomy.names_above
+        fitting = [part for part in percept.parts if name in kinds("part", part)]
+        return name if name in fitting else next(iter(fitting), name)
 
 
 def _value(given: str | DescribedObject, arguments: Arguments) -> Argument:
@@ -523,10 +508,3 @@ def _value(given: str | DescribedObject, arguments: Arguments) -> Argument:
 
 def _action(node: str) -> str:
     return node.rsplit("/", 1)[-1]
-
-
-def _step(
-    node: str, features: Sequence[Atom], percepts: Sequence[Percept], inference: Inference
-) -> WalkStep:
-    confidences = {percept.name: percept.confidence for percept in percepts}
-    return WalkStep(node, tuple(map(str, features)), confidences, inference)

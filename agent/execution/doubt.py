@@ -4,8 +4,6 @@ Hilt doubts the best part by what was told where experience contradicts that by 
 setting `contradiction`, or puts another part first. It is never replaced without a question.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass
 
@@ -58,14 +56,10 @@ def find_doubt(
     context = acting_for(inference.node)
     known = {each.argument.name: each for each in inference.candidates if each.argument}
 
-    def counts(part: str) -> OutcomeCounts:
-        return (
-            affordances.experience.of(kind, part, context) if affordances.experience else NO_TRIALS
-        )
-
     def merit(part: str) -> tuple[float, float]:
         said = known[part].told if part in known else VACUOUS
-        return round(rank(counts(part).interval), DIGITS), rank(said)
+        counts = affordances.outcomes(kind, part, context)
+        return round(rank(counts.interval), DIGITS), rank(said)
 
     denied = {each.argument.name for each in inference.denied if each.argument}
     name = told.argument.name
@@ -74,11 +68,12 @@ def find_doubt(
     instead = best if merit(best)[0] > merit(name)[0] else None
     teachers = tuple(dict.fromkeys(rule.speaker for rule in told.rules if rule.asserts))
     doubted = (kind, context, name, told.experience, teachers)
-    return Doubt(*doubted, instead, counts(instead) if instead else NO_TRIALS)
+    if instead is None:
+        return Doubt(*doubted)
+    return Doubt(*doubted, instead, affordances.outcomes(kind, instead, context))
 
 
 def _best_told(inference: Inference, affordances: Affordances) -> Candidate | None:
-    """Return the best candidate by what was told; of equals the best by experience."""
     operators = affordances.settings.operators
     told = [c for c in inference.candidates if operators.accepts(c.told, inference.threshold)]
     return max(told, key=lambda each: round(operators.rank(each.told), DIGITS), default=None)

@@ -1,7 +1,5 @@
 """The goal manager: executes the action tree of a request, and chooses the answer."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from ...inference.node_rules import FIND
@@ -22,8 +20,7 @@ class GoalManager(ExecutionContext):
     def achieve(self, request: Request) -> GoalResult:
         """Execute the tree of a goal to its end, or to the first failure that no branch handles.
 
-        Raises:
-            UnknownNameError: there is no tree of that name.
+        UnknownNameError if there is no tree of that name.
         """
         tree = self.actions.tree(request.action)
         arguments = review_arguments(self.actions, tree.name, request)

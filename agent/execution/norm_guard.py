@@ -4,8 +4,6 @@ An object is checked against the norms on all that its tree is going to do with 
 is begun that must not be ended; every node is checked again when it is reached.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
@@ -34,6 +32,7 @@ class NormGuard:
         holding: returns the type of the object in the hand.
 
     Attributes:
+        part: by what the object is held, or is going to be.
         verdicts: those that forbid something, or resolved a conflict.
     """
 
@@ -42,7 +41,7 @@ class NormGuard:
         checker: NormChecker,
         actions: Actions,
         request: Request,
-        done: list[tuple[str, str]],
+        done: Sequence[tuple[str, str]],
         holding: Callable[[], str | None],
     ) -> None:
         self._checker = replace(checker, momentary=request.momentary, unheeded=request.unheeded)
@@ -50,7 +49,7 @@ class NormGuard:
         self._done, self._holding = done, holding
         self._recipients: dict[str, str] = {}  # path of a node -> to whom something is given there
         self._arguments: Arguments = {}
-        self._part = request.part  # what the object is held by, or is to be
+        self.part = request.part
         self.verdicts: list[NormVerdict] = []
 
     def enter(self, node: str, arguments: Arguments) -> Failure:
@@ -65,25 +64,13 @@ class NormGuard:
             return None
         self._arguments = arguments
         targets = {each for each in arguments.values() if isinstance(each, Target)}
-        acts = (
-            replace(self._seen(node, self._ahead(each), each, None), part=self._request.part)
-            for each in targets
-        )
+        acts = (self._act(node, self._ahead(each), each) for each in targets)
         return next(filter(None, (self._refused(act, is_named=True) for act in acts)), None)
-
-    def hold_by(self, part: str | None) -> None:
-        """Take note of the part by which the object is going to be held."""
-        self._part = part
-
-    def note(self, action: str, name: str) -> None:
-        """Take note that an action was done with an object of this type."""
-        self._done.append((action, name))
 
     def of_object(self, node: str, target: Target, percept: Percept) -> Failure:
         """Return why an object must not be taken for what the tree is going to do with it."""
         actions = (*self._ahead(target), *Actions.contexts(node))
-        act = self._seen(node, actions, target, percept)
-        return self._refused(replace(act, part=self._part))
+        return self._refused(self._act(node, actions, target, percept))
 
     def of_step(
         self, node: str, target: Target, percept: Percept | None, part: str | None = None
@@ -92,37 +79,39 @@ class NormGuard:
         action = node.rsplit("/", 1)[-1]
         grasping = (GRASP,) if action == GRASP_OBJECT else ()
         actions = (action, *Actions.contexts(node), *grasping)
-        act = self._seen(node, actions, target, percept)
-        return self._refused(replace(act, part=part or self._part))
+        return self._refused(self._act(node, actions, target, percept, part))
 
     def obliged_parts(self, node: str, target: Target, percept: Percept) -> list[str]:
         """Return the parts by one of which alone an object may be held."""
         actions = (GRASP_OBJECT, *Actions.contexts(node), GRASP)
-        return self._checker.obliged_parts(self._seen(node, actions, target, percept))
+        return self._checker.obliged_parts(self._act(node, actions, target, percept))
 
-    def _seen(
-        self, node: str, actions: Sequence[str], target: Target, percept: Percept | None
+    def _act(
+        self,
+        node: str,
+        actions: Sequence[str],
+        target: Target,
+        percept: Percept | None = None,
+        part: str | None = None,
     ) -> Act:
         name = percept.object if percept else target.object
         seen = percept.properties if percept else frozenset[str]()
         contexts = {**self._request.contexts, **dict.fromkeys(self._given(node), CERTAIN)}
-        done, known = tuple(self._done), seen | target.properties
-        return Act(actions, name, known, contexts=contexts, done=done, holding=self._holding())
+        known = (name, seen | target.properties, part or self.part, contexts)
+        return Act(actions, *known, tuple(self._done), self._holding())
 
     def _given(self, node: str) -> Iterator[Atom]:
         for path, name in self._recipients.items():
             if node == path or node.startswith(f"{path}/"):
                 yield Atom("role", name.lower())
-        above = self._checker.affordances.taxonomy.above
-        for kind, _ in above(Atom("object", self._patient)) if self._patient else ():
-            yield Atom("material", kind.name)
+        for name in self._checker.affordances.taxonomy.names_above("object", self._patient):
+            yield Atom("material", name)
 
     @property
     def _patient(self) -> str | None:
         return named(self._arguments.get(PATIENT))
 
     def _ahead(self, target: Target) -> tuple[str, ...]:
-        """The actions that the tree of the command is going to do with what is meant."""
         found: list[str] = []
         for parameter, value in self._arguments.items():
             if value == target:
@@ -132,7 +121,6 @@ class NormGuard:
         return tuple(dict.fromkeys((*found, *grasping)))
 
     def _done_with(self, action: str, parameter: str) -> Iterator[str]:
-        """The actions that are done with a parameter of an action, the innermost first."""
         tree = self._actions.trees.get(action)
         for step in iterate_steps(tree.steps) if tree else ():
             for name, word in step.arguments.items():
@@ -141,7 +129,6 @@ class NormGuard:
         yield action
 
     def _refused(self, act: Act, *, is_named: bool = False) -> Failure:
-        """Return why an act is forbidden, or asks what is not seen (not if it `is_named` only)."""
         verdict = self._checker.judge(act)
         if verdict != ALLOWED and verdict not in self.verdicts:
             self.verdicts.append(verdict)

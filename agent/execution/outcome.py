@@ -11,13 +11,12 @@ from dataclasses import dataclass, field
 from typing import Literal, TypeAlias
 
 from ...inference.norms import NormVerdict
-from ...inference.proof import Proof
+from ...inference.proof import Json, Proof
 from ...inference.types import Candidate, Inference
 from ...kb.episodes import GraspTrial
 from ...kb.rule import Rule
 from .doubt import Doubt
 
-Json = dict[str, object]
 Slot = str | tuple[str, ...]  # a name or a list of names
 Ending = Literal["done", "failed", "asked", "refused", "not_understood"]
 
@@ -75,23 +74,6 @@ class Constraint:
 
 
 @dataclass(frozen=True)
-class FailedAttempt:
-    """An object that was chosen and tried without success."""
-
-    candidate: Candidate
-    cause: str
-
-    @property
-    def reason(self) -> str:
-        """Why it was rejected, in a few words."""
-        return f"it was tried first, but: {self.cause.replace('_', ' ')}"
-
-    def as_json(self) -> Json:
-        """As one of the candidates of `hilt do --json`."""
-        return _candidate(self.candidate) | {"accepted": False, "reason": self.reason}
-
-
-@dataclass(frozen=True)
 class WalkStep:
     """One node of the execution and its four operations.
 
@@ -138,7 +120,7 @@ class Decision:
         part: the inference at the grasp node; None when the action does not grasp.
         named_part: the part that the command itself named, which needs no rule.
         patient: what a tool is used on.
-        rejected: the candidates that were tried before it.
+        rejected: the candidates that were tried before it; their reasons say how that failed.
         allowed_part: the part that is taken because others are forbidden.
     """
 
@@ -146,7 +128,7 @@ class Decision:
     part: Inference | None = None
     named_part: str | None = None
     patient: str | None = None
-    rejected: tuple[FailedAttempt, ...] = ()
+    rejected: tuple[Candidate, ...] = ()
     allowed_part: str | None = None
 
     @property
@@ -203,7 +185,7 @@ class Decision:
             "threshold": self.object.threshold,
             "candidates": [
                 *(_candidate(each) for each in self.object.candidates),
-                *(each.as_json() for each in self.rejected),
+                *(_candidate(each) | {"accepted": False} for each in self.rejected),
             ],
             "ties": [c.object for c in self.object.ties],
             "rules": [rule.id for rule in self.rules],

@@ -3,8 +3,6 @@
 Each outcome of a command has an answer. The sentences are in `ontology/english/answers.yaml`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 from ...inference.induction import INDUCER
@@ -49,7 +47,8 @@ def done(action: str, decision: Decision, speaker: str, recipient: str) -> Answe
         return AnswerContent("done_with_tool", slots)
     if action == "pass" and recipient != speaker:
         return AnswerContent("passed_to", slots | {"recipient": recipient})
-    teacher = _teacher(decision)
+    best = decision.part.best if decision.part and not decision.named_part else None
+    teacher = best.rules[-1].speaker if best and best.rules else None
     if teacher:
         slots["speaker"] = "you" if teacher == speaker else proper_name(teacher)
     plain, by_part, as_told = _DONE.get(action, _DONE_OTHERWISE)
@@ -196,12 +195,10 @@ def _no_candidate(target: Target, inference: Inference) -> AnswerContent:
         return _not_found("nothing_seen", object=_description(target))
     key = "nothing_affords" if target.affords else "nothing_used_for"
     slot = "conclusion" if target.affords else "affordance"
-    absent = tuple(dict.fromkeys(each.object for each in inference.absent))
-    denied = tuple(dict.fromkeys(each.object for each in inference.denied))
-    if absent:
-        return _not_found(f"{key}_absent", **{slot: wanted, "objects": absent})
-    if denied:
-        return _not_found(f"{key}_denied", **{slot: wanted, "objects": denied})
+    for why, candidates in (("absent", inference.absent), ("denied", inference.denied)):
+        objects = tuple(dict.fromkeys(each.object for each in candidates))
+        if objects:
+            return _not_found(f"{key}_{why}", **{slot: wanted, "objects": objects})
     return _not_found(key, **{slot: wanted})
 
 
@@ -220,15 +217,7 @@ def _description(target: Target) -> str:
     return " ".join((*sorted(target.properties), target.object or "thing"))
 
 
-def _teacher(decision: Decision) -> str | None:
-    best: Candidate | None = decision.part.best if decision.part else None
-    if decision.named_part or best is None or not best.rules:
-        return None
-    return best.rules[-1].speaker
-
-
 def _chosen(action: str, decision: Decision) -> dict[str, str]:
-    """Return the slots of a decision: goal, object or tool, part and patient."""
     best = decision.object.best
     slots: Mapping[str, str | None] = {
         "goal": action,

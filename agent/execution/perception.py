@@ -1,18 +1,13 @@
 """Percepts as evidence for inference, and perfect vision for decisions without a simulator."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 from ...inference.types import Observation
 from ...kb.interval import Interval
 from ...kb.rule import Atom
-from ...ontology.logs import timed
 from ...ontology.objects import ObjectTypes
 from ...sim.scene.scene import Scene
 from ...sim.vision.percept import Percept, UnmeasuredParts
-from ..protocols import Vision
 
 
 def percept_as_observation(
@@ -63,17 +58,3 @@ class PerfectVision:
         """Return the objects of the scene that show one of the features."""
         atoms = [Atom.parse(feature) for feature in features]
         return [p for p in self._percepts if any(_shows(p, atom) for atom in atoms)]
-
-
-@dataclass(frozen=True)
-class LoggedVision:
-    """A vision whose searches are logged: the features, what was found, and the time."""
-
-    vision: Vision
-
-    def search(self, features: Sequence[str]) -> Sequence[Percept]:
-        """Return what the vision finds."""
-        found: list[Percept] = []
-        with timed(__name__, "look for %s: %s", ", ".join(features), found):
-            found += self.vision.search(features)
-        return found

@@ -4,10 +4,9 @@ Each primitive is one call of `Motion`, or of `ExtraPrimitives` for the further 
 robot. A report of a failure becomes an answer.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 from ...kb.episodes import HELD, GraspTrial
 from ...ontology.logs import timed
@@ -155,27 +154,20 @@ class PrimitiveExecutor:
         self._part = task.part
         report = self._motion.grasp(task.percept, task.part)
         self.grasps.begin(task.percept.object, task.part, task.context, report)
-        self.world = WorldOutcome(True, touched=tuple(report.touched), attempts=report.attempts)
+        self.world = WorldOutcome()
         self.holding = task.percept.name if report.ok else None
-        return None if report.ok else self._failed(report.reason, task)
+        return self._moved(report, task, touched=report.touched, attempts=report.attempts)
 
     def _move_to(self, task: PrimitiveTask) -> Failure:
         report = self._motion.lift()
         self.grasps.follow(report)
-        self.world = replace(
-            self.world,
-            touched=tuple(report.touched),
-            lifted_m=report.lifted_m,
-            held_s=report.held_s,
-            attempts=report.attempts,
-        )
-        return None if report.ok else self._failed(report.reason, task)
+        changed = ("touched", "lifted_m", "held_s", "attempts")
+        return self._moved(report, task, **{name: getattr(report, name) for name in changed})
 
     def _hand_over(self, task: PrimitiveTask) -> Failure:
         report = self._motion.hand_over()
         self.grasps.follow(report, is_offered=True)
-        self.world = replace(self.world, handed_over=report.ok, handed_over_at=report.at)
-        return None if report.ok else self._failed(report.reason, task)
+        return self._moved(report, task, handed_over=report.ok, handed_over_at=report.at)
 
     def _empty_hand(self, task: PrimitiveTask) -> Failure:
         failure = empty_hand(self._motion, task.action, named(task.arguments.get("object")))
@@ -190,9 +182,7 @@ class PrimitiveExecutor:
     def _point_at(self, task: PrimitiveTask) -> Failure:
         if task.percept is None:
             return _nothing_seen(None)
-        report = self._motion.point_at(task.percept)
-        self.world = replace(self.world, executed=True)
-        return None if report.ok else self._failed(report.reason, task)
+        return self._moved(self._motion.point_at(task.percept), task)
 
     def _move_above(self, task: PrimitiveTask) -> Failure:
         name = named(task.arguments.get("patient"))
@@ -209,9 +199,7 @@ class PrimitiveExecutor:
             slots = {"goal": task.action, "object": self.tool or "thing", "ability": task.action}
             return AnswerContent("not_able", slots, "failed", "unable")
         arguments = {name: self._meant(name, task) for name in task.arguments}
-        report = motion.perform(task.action, arguments, task.constraint)
-        self.world = replace(self.world, executed=True)
-        return None if report.ok else self._failed(report.reason, task)
+        return self._moved(motion.perform(task.action, arguments, task.constraint), task)
 
     def _meant(self, parameter: str, task: PrimitiveTask) -> Percept | str:
         if parameter in task.found:
@@ -239,9 +227,10 @@ class PrimitiveExecutor:
         slots = {"goal": self.goal, "patient": self.patient or "thing", "tool": tool}
         return AnswerContent(key, slots, "failed", reason)
 
-    def _failed(self, reason: str, task: PrimitiveTask) -> AnswerContent:
+    def _moved(self, report: MotionReport, task: PrimitiveTask, **changed: Any) -> Failure:
+        self.world = replace(self.world, executed=True, **changed)
         name = task.percept.object if task.percept else self.tool or "thing"
-        return outcome_answer.motion_failed(reason, name, self._part)
+        return None if report.ok else outcome_answer.motion_failed(report.reason, name, self._part)
 
 
 def empty_hand(motion: Motion | None, primitive: str, kind: str | None) -> AnswerContent:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
-from ...inference.types import Conclusion, Inference, Target
+from ...inference.types import Conclusion, Target
 from ...kb.interval import Interval
 from ...kb.rule import Atom, Rule
 from ...ontology.actions import Actions, ArgumentByAffordance
@@ -47,10 +47,6 @@ class Request:
     agreed: Mapping[str, str] = field(default_factory=dict[str, str])
     momentary: tuple[Rule, ...] = ()
     unheeded: frozenset[str] = frozenset()
-
-    def agreed_part(self, found: Inference) -> str | None:
-        """Return the part that was agreed on for the object that was found, if any."""
-        return self.agreed.get(found.best.object) if found.best else None
 
     def confirmed(self, result: GoalResult) -> Request | None:
         """Return this request for the object or part that Hilt asked about, after a "yes"."""

@@ -7,7 +7,7 @@ and width, so a pipe gets plain text. Nothing here prints.
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from itertools import islice
 from typing import TYPE_CHECKING, Any
 
@@ -32,11 +32,10 @@ if TYPE_CHECKING:
     from ...inference.experience import GraspRecord, TeacherRecord
     from ...inference.explanation import Counterfactual
     from ...inference.induction import InducedRule
-    from ...inference.types import Candidate, Inference
+    from ...inference.types import Candidate
     from ...kb.diff import BaseDifference, UtteranceChanges
     from ...kb.episodes import Episode
     from ...kb.history import Utterance
-    from ...kb.interval import Interval
     from ...kb.learned_words import LearnedPhrase, LearnedWord
     from ...kb.rule import Rule
     from ...kb.sparql.named_queries import NamedQuery
@@ -91,16 +90,25 @@ def grid(rows: Iterable[Iterable[Text | str]]) -> Table:
     return table
 
 
-def _table(
-    columns: Sequence[str], rows: Iterable[Iterable[str]], *counts: str, **more: Any
+def table(
+    columns: Sequence[str], rows: Iterable[Iterable[object]], *counts: str, **more: Any
 ) -> Table:
-    """A table of plain texts; `counts` is the noun of its rows, and its plural if irregular."""
-    table = RecordTable(*columns, **more)
+    """Return a table of texts; `counts` is the noun of its rows, and its plural if irregular."""
+    found = RecordTable(*columns, **more)
     for row in rows:
-        table.add_row(*map(escape, row))
+        found.add_row(*(cell if isinstance(cell, Text) else escape(str(cell)) for cell in row))
     if counts:
-        table.caption = counted(table.row_count, *counts)
-    return table
+        found.caption = counted(found.row_count, *counts)
+    return found
+
+
+def yes_or_no(is_so: bool) -> Text:
+    """Return whether something is so, in a word and a colour."""
+    return Text("yes", "green") if is_so else Text("no", "red")
+
+
+def _listed(found: Iterable[object]) -> str:
+    return ", ".join(sorted(map(str, found)))
 
 
 def _time(moment: datetime) -> str:
@@ -123,22 +131,20 @@ def understanding(found: Understanding) -> RenderableType:
         for name, value in {**found.as_json(), "features": features}.items()
         if name not in {"text", "speaker", "addressee"}
     )
-    return Group(Text(str(found.derivation or "")), _table(("", ""), facts, show_header=False))
+    return Group(Text(str(found.derivation or "")), table(("", ""), facts, show_header=False))
 
 
 def rules(found: Iterable[Rule]) -> Table:
     """A table of rules with interval and source."""
     rows = (
-        (
-            rule.id.removeprefix("rule/")[:SHOWN_DIGITS],
-            rule_text(rule),
-            str(rule.interval),
-            rule.speaker,
-            str(rule.utterance),
-        )
+        (_digits(rule), rule_text(rule), rule.interval, rule.speaker, rule.utterance)
         for rule in found
     )
-    return _table(("id", "rule", "interval", "speaker", "utterance"), rows, "rule")
+    return table(("id", "rule", "interval", "speaker", "utterance"), rows, "rule")
+
+
+def _digits(rule: Rule) -> str:
+    return rule.id.removeprefix("rule/")[:SHOWN_DIGITS]
 
 
 def sentences(found: Iterable[Rule], describe: Callable[[Rule], str]) -> RenderableType:
@@ -184,45 +190,37 @@ def _operations(step: WalkStep) -> Iterable[tuple[str, str]]:
 
 def decision(made: Decision, quote: Quote) -> Table:
     """Every candidate with its interval, lambda and reason; the part below the object."""
-    table = RecordTable(
-        "candidate", "interval", "lambda", "", "because", title="Decision", title_justify="left"
+    parts = made.part.candidates if made.part else ()
+    named = [
+        *((each, each.name) for each in made.object.candidates),
+        *((each, f"  by the {each.argument.name if each.argument else ''}") for each in parts),
+    ]
+    rows = (
+        (
+            name,
+            each.interval,
+            f"{each.certainty:.4f}",
+            yes_or_no(each.accepted),
+            "\n".join((*_told_by(each, quote), each.reason)),
+        )
+        for each, name in named
     )
-    for candidate in made.object.candidates:
-        _add_candidate(table, candidate, candidate.name, quote)
-    for candidate in made.part.candidates if made.part else ():
-        part = candidate.argument.name if candidate.argument else ""
-        _add_candidate(table, candidate, f"  by the {part}", quote)
-    return table
-
-
-def _add_candidate(table: Table, candidate: Candidate, name: str, quote: Quote) -> None:
-    mark = Text("yes", "green") if candidate.accepted else Text("no", "red")
-    table.add_row(
-        name,
-        escape(str(candidate.interval)),
-        f"{candidate.certainty:.4f}",
-        mark,
-        escape("\n".join((*_told_by(candidate, quote), candidate.reason))),
-    )
+    columns = ("candidate", "interval", "lambda", "", "because")
+    return table(columns, rows, title="Decision", title_justify="left")
 
 
 def reasons(made: Decision, quote: Quote) -> Table:
     """Return why each candidate was chosen, or was not, in words without figures."""
-    return grid(_reasons(made, quote))
-
-
-def _reasons(made: Decision, quote: Quote) -> Iterator[tuple[str, str]]:
+    rows: list[tuple[str, str]] = []
     for node, wording in zip(made.inferences, ("the {}", "by the {}"), strict=False):
         for each in node.candidates:
             name = each.argument.name if node is made.part and each.argument else each.name
             mark = "" if each is node.best else "not "
-            told = _told_by(each, quote) or [_reason(node, each)]
-            yield mark + wording.format(name), "\n".join(told)
-
-
-def _reason(node: Inference, candidate: Candidate) -> str:
-    is_named = candidate.accepted and candidate.argument is None
-    return "that is what was asked for" if is_named else rejection_reason(node, candidate)
+            is_named = each.accepted and each.argument is None
+            why = "that is what was asked for" if is_named else rejection_reason(node, each)
+            told = _told_by(each, quote) or [why]
+            rows.append((mark + wording.format(name), "\n".join(told)))
+    return grid(rows)
 
 
 def _told_by(candidate: Candidate, quote: Quote) -> list[str]:
@@ -245,7 +243,7 @@ def execution_result(happened: WorldOutcome) -> Table:
         "closings of the hand": str(happened.attempts),
     }
     rows = (lines if happened.executed else {"executed": "no"}).items()
-    return _table(("", ""), rows, show_header=False, title="In the world", title_justify="left")
+    return table(("", ""), rows, show_header=False, title="In the world", title_justify="left")
 
 
 def goal_result(result: GoalResult, quote: Quote) -> RenderableType:
@@ -261,7 +259,6 @@ def explanation(
     reply: Reply, changes: Sequence[Counterfactual], describe: Callable[[Rule], str]
 ) -> RenderableType:
     """A decision with its proofs, and what would change it; `describe` puts a norm in words."""
-    decision = reply.result.decision if reply.result else None
     parts: list[RenderableType] = [turn(reply)]
     for verdict in reply.result.verdicts if reply.result else ():
         for each in verdict.conflicts:
@@ -270,23 +267,22 @@ def explanation(
         if verdict.forbidding and verdict.proof:
             parts.append(Text(f'forbidden: "{describe(verdict.forbidding)}"', "bold"))
             parts.append(Text("\n".join(f"  {line}" for line in verdict.proof.lines())))
-    for about, proof in decision.explained() if decision else ():
+    for about, proof in reply.decision.explained() if reply.decision else ():
         parts += [Text(about, "bold"), Text("\n".join(proof))]
     if changes:
         rows = (
-            (str(c.evidence.interval), str(c.after), c.evidence.about, c.chosen or "nothing")
-            for c in changes
+            (c.evidence.interval, c.after, c.evidence.about, c.chosen or "nothing") for c in changes
         )
         columns = ("if instead of", "it were", "about", "I would choose")
         title = "What would change my mind"
-        parts.append(_table(columns, rows, title=title, title_justify="left"))
+        parts.append(table(columns, rows, title=title, title_justify="left"))
     return Group(*parts)
 
 
 def conflicts(found: Sequence[Conflict]) -> RenderableType:
     """Rules that contradict each other, a pair a row."""
     rows = ((f"{c.weight:.4f}", _told(c.first), _told(c.second)) for c in found)
-    return _table(("conflict", "one says", "another says"), rows, "conflict")
+    return table(("conflict", "one says", "another says"), rows, "conflict")
 
 
 def _told(rule: Rule) -> str:
@@ -298,52 +294,48 @@ def induced(found: Sequence[InducedRule]) -> RenderableType:
     rows = (
         (
             rule_text(each.rule),
-            str(each.rule.interval),
+            each.rule.interval,
             rule_text(each.source),
             f"{each.similarity:.2f}",
             ", ".join(each.shared),
         )
         for each in found
     )
-    return _table(("rule", "interval", "from", "alike", "both have"), rows, "rule")
+    return table(("rule", "interval", "from", "alike", "both have"), rows, "rule")
 
 
 def hypotheses(found: Sequence[Hypothesis]) -> RenderableType:
     """Return hypotheses that explain a conclusion, the likeliest first."""
+    told = ((each, {rule.speaker for rule in each.rules}) for each in found)
     rows = (
-        (
-            ", ".join(sorted(map(str, each.features))),
-            ", ".join(sorted(map(str, each.contexts))),
-            str(each.interval),
-            ", ".join(sorted({rule.speaker for rule in each.rules})),
-        )
-        for each in found
+        (_listed(each.features), _listed(each.contexts), each.interval, _listed(speakers))
+        for each, speakers in told
     )
-    return _table(("if it were", "while", "then", "told by"), rows, "hypothesis", "hypotheses")
+    return table(("if it were", "while", "then", "told by"), rows, "hypothesis", "hypotheses")
 
 
 def words(found: Sequence[LearnedWord | LearnedPhrase]) -> Table:
     """Learned words and phrases with their teachers."""
     keys = ("word", "kind", "said", "speaker", "utterance")
-    rows = ([str(each[key]) for key in keys] for each in (one.as_json() for one in found))
-    return _table(("word", "is", "said as", "speaker", "utterance"), rows, "entry", "entries")
+    rows = ([each[key] for key in keys] for each in (one.as_json() for one in found))
+    return table(("word", "is", "said as", "speaker", "utterance"), rows, "entry", "entries")
 
 
 def actions(found: Sequence[TaughtAction]) -> Table:
     """Taught actions with what taught them and their teachers."""
-    rows = ((each.name, each.said, each.speaker, str(each.utterance)) for each in found)
-    return _table(("action", "said as", "speaker", "utterance"), rows, "action", "actions")
+    rows = ((each.name, each.said, each.speaker, each.utterance) for each in found)
+    return table(("action", "said as", "speaker", "utterance"), rows, "action", "actions")
 
 
 def results(found: SelectResult | BooleanResult) -> RenderableType:
     """Return a query result: a table of rows, or yes or no."""
     if isinstance(found, BooleanResult):
         return Text("yes" if found.value else "no")
-    table = _table(found.variables, (map(short_term, row) for row in islice(found, MOST_ROWS)))
+    rows = table(found.variables, (map(short_term, row) for row in islice(found, MOST_ROWS)))
     count = counted(len(found), "row")
     if len(found) > MOST_ROWS:
         count += f", of which the first {MOST_ROWS} are shown; all of them: --format csv"
-    return Group(table, Text(count))
+    return Group(rows, Text(count))
 
 
 def short_term(term: Term | None) -> str:
@@ -359,16 +351,16 @@ def questions(named: Iterable[NamedQuery]) -> Table:
         (one.name, one.question, "\n".join(f"{p.name}={p.kind}" for p in one.parameters.values()))
         for one in named
     )
-    return _table(("name", "question", "--arg"), rows, box=None, pad_edge=False)
+    return table(("name", "question", "--arg"), rows, box=None, pad_edge=False)
 
 
 def history(found: Sequence[Utterance]) -> Table:
     """Utterances with their effect, a row each."""
     rows = (
-        (str(said.sequence), _time(said.time), said.speaker, printable(said.text), _effect(said))
+        (said.sequence, _time(said.time), said.speaker, printable(said.text), _effect(said))
         for said in found
     )
-    return _table(("", "when", "who", "said", "did"), rows, "utterance")
+    return table(("", "when", "who", "said", "did"), rows, "utterance")
 
 
 def change(found: UtteranceChanges) -> RenderableType:
@@ -384,8 +376,21 @@ def change(found: UtteranceChanges) -> RenderableType:
 
 def difference(found: BaseDifference) -> RenderableType:
     """Return the difference of two bases, as the lines of a patch."""
-    lines = list(_lines(found))
-    return Group(*lines) if lines else Text("They believe the same.")
+    lines = [
+        *((f"- {_weighed(rule)}", "red") for rule in found.removed),
+        *((f"+ {_weighed(rule)}", "green") for rule in found.added),
+        *(
+            (f"~ {rule_text(now)} ({now.speaker}): {_state(was)} -> {_state(now)}", "yellow")
+            for was, now in ((each.before, each.after) for each in found.altered)
+        ),
+        *(
+            (f"~ trust in {speaker}: {was or 'none'} -> {now or 'none'}", "yellow")
+            for speaker, was, now in found.trust
+        ),
+        *((f"- word {word.atom.name}", "red") for word in found.words_removed),
+        *((f"+ word {word.atom.name}", "green") for word in found.words_added),
+    ]
+    return Group(*(Text(*line) for line in lines)) if lines else Text("They believe the same.")
 
 
 def episodes(found: Sequence[Episode]) -> Table:
@@ -401,31 +406,25 @@ def episodes(found: Sequence[Episode]) -> Table:
         )
         for one in found
     )
-    return _table(("id", "when", "who", "said", "outcome", "chosen"), rows, "episode")
+    return table(("id", "when", "who", "said", "outcome", "chosen"), rows, "episode")
 
 
 def experience(found: Sequence[GraspRecord]) -> Table:
     """Return a table of what grasps came to, a row for each object, part, action and robot."""
     rows = (
-        (one.object, one.part, one.context, one.robot, str(one.counts), str(one.counts.interval))
+        (one.object, one.part, one.context, one.robot, one.counts, one.counts.interval)
         for one in found
     )
-    return _table(("object", "part", "to", "robot", "outcomes", "holds"), rows, "record")
+    return table(("object", "part", "to", "robot", "outcomes", "holds"), rows, "record")
 
 
 def teachers(found: Sequence[TeacherRecord]) -> Table:
     """Return a table of what the record says about each speaker."""
     rows = (
-        (
-            one.speaker,
-            f"{one.trust:g}",
-            str(one.counts),
-            str(one.counts.interval),
-            f"{one.suggested:.2f}",
-        )
+        (one.speaker, f"{one.trust:g}", one.counts, one.counts.interval, f"{one.suggested:.2f}")
         for one in found
     )
-    return _table(("who", "trust", "grasps as told", "holds", "suggested"), rows, "teacher")
+    return table(("who", "trust", "grasps as told", "holds", "suggested"), rows, "teacher")
 
 
 def replay_result(found: ReplayResult, quote: Quote) -> RenderableType:
@@ -446,6 +445,10 @@ def merge_result(report: MergeReport) -> RenderableType:
     done = "Would take over" if report.dry_run else "Took over"
     taken = f"{done} {counted(summary.new, 'rule')} ({summary.known} known already)"
     lines: list[RenderableType] = [Text(f"{taken} and {counted(summary.utterances, 'utterance')}.")]
+    lines += (
+        Text(f"Not taken: {counted(number, 'statement')} with {what}.")
+        for what, number in summary.not_taken.items()
+    )
     if summary.untrusted:
         names = ", ".join(summary.untrusted)
         lines.append(Text(f"Nobody trusts {names}; their rules weigh nothing."))
@@ -466,30 +469,9 @@ def _effect(said: Utterance) -> str:
     return done or (said.kind if said.accepted else f"{said.kind}, not accepted")
 
 
-def _lines(found: BaseDifference) -> Iterator[Text]:
-    yield from _marked("- ", "red", map(_weighed, found.removed))
-    yield from _marked("+ ", "green", map(_weighed, found.added))
-    for each in found.altered:
-        was, now = (_state(rule) for rule in (each.before, each.after))
-        about = f"{rule_text(each.after)} ({each.after.speaker})"
-        yield Text(f"~ {about}: {was} -> {now}", "yellow")
-    for speaker, before, after in found.trust:
-        yield Text(f"~ trust in {speaker}: {_shown(before)} -> {_shown(after)}", "yellow")
-    yield from _marked("- word ", "red", (word.atom.name for word in found.words_removed))
-    yield from _marked("+ word ", "green", (word.atom.name for word in found.words_added))
-
-
-def _marked(mark: str, style: str, texts: Iterable[str]) -> Iterator[Text]:
-    return (Text(f"{mark}{text}", style) for text in texts)
-
-
 def _weighed(rule: Rule) -> str:
     return f"{rule_text(rule)} {rule.interval} ({rule.speaker})"
 
 
 def _state(rule: Rule) -> str:
     return str(rule.interval) if rule.status == "active" else rule.status
-
-
-def _shown(trust: Interval | None) -> str:
-    return str(trust) if trust else "none"

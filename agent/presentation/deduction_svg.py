@@ -72,8 +72,7 @@ def from_proof(proof: Proof, describe: Callable[[Rule], str]) -> Deduction:
 def draw_svg(deductions: Sequence[Deduction]) -> str:
     """Return deductions side by side as an SVG document.
 
-    Raises:
-        MissingExtraError: matplotlib is not installed.
+    MissingExtraError if matplotlib is not installed.
     """
     with extra_required("report", "matplotlib"):
         from matplotlib import rc_context
@@ -102,7 +101,6 @@ def draw_svg(deductions: Sequence[Deduction]) -> str:
 
 
 def _place(steps: Sequence[Deduction], left: float, boxes: list[_Box]) -> tuple[float, int]:
-    """Add the boxes of steps side by side; return their right end, and the first level below."""
     right, below = left - _GAP, 0
     for step in steps:
         start = right + _GAP

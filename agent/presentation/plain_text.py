@@ -1,7 +1,5 @@
 """Plain text: a number with its noun, and a text without control characters."""
 
-from __future__ import annotations
-
 import re
 
 _CONTROLS = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f]")  # but tab and new line

@@ -3,8 +3,6 @@
 The file of a picture or film is shown by the viewer of the desktop, where there is one.
 """
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess
@@ -35,20 +33,14 @@ def doing(step: WalkStep, found: str) -> str:
     """Return what is done at a step with the object that was found; empty for a step of steps."""
     action, constraint = step.node.rpartition("/")[2], step.constraint
     if action == FIND:
-        return f"looking for {_wanted(step)}"
+        first = next(iter(step.inference.candidates), None)
+        if first and first.argument and first.argument.kind == "affordance":
+            return f"looking for something used for {first.argument.name}"
+        return f"looking for {f'the {first.object}' if first else 'it'}"
     if action not in _DOING:
         return ""
     part = f" by the {constraint.part}" if constraint and constraint.part else ""
     return _DOING[action].format(found or "object") + part
-
-
-def _wanted(step: WalkStep) -> str:
-    first = next(iter(step.inference.candidates), None)
-    if first is None:
-        return "it"
-    if first.argument and first.argument.kind == "affordance":
-        return f"something used for {first.argument.name}"
-    return f"the {first.object}"
 
 
 def view(path: Path) -> None:

@@ -4,8 +4,6 @@ A large store on disk is written in its own order, which is the same for equal b
 bounded memory. What any other store has is sorted first.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Iterator
 from functools import lru_cache
 from itertools import chain, groupby
@@ -62,10 +60,7 @@ def write_statements(
 
     The form is one of `rdf_text.RDF_FORMATS`; `progress` is called with how many statements are
     written. `rules_only` leaves out all but the rules and the utterances that they come from.
-
-    Raises:
-        OSError: the stream cannot be written to.
-        StoreError: the store cannot be read.
+    OSError if the stream cannot be written to; StoreError if the store cannot be read.
     """
     from ..stores.rdf_text import write_rdf_to
 
@@ -121,7 +116,6 @@ def _graphs(store: Store) -> list[Iri]:
 
 
 def _rows(store: Store) -> Iterable[str]:
-    """The statements of the rules, subject by subject: the three terms with tabs between."""
     if not isinstance(store, EmbeddedStore):
         found = store.quads(None, None, None, BELIEFS)
         return sorted("\t".join(map(as_sparql, quad[:3])) for quad in found)

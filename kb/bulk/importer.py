@@ -14,7 +14,7 @@ import io
 import re
 import tempfile
 from array import array
-from collections import defaultdict, deque
+from collections import Counter, defaultdict, deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import chain
@@ -22,12 +22,21 @@ from typing import BinaryIO, Protocol, cast
 
 from ...ontology.errors import DataError, ValidationError
 from ...ontology.garbage_collection import paused_garbage_collection
-from ...ontology.vocabulary import ATOM_KINDS, PREFIXES, Iri, shortened, split, term
+from ...ontology.vocabulary import ATOM_KINDS, PREFIXES, Iri, is_ontology, shortened, split, term
 from ..history import ASSERTS, HISTORY, SEQUENCE, Utterance, import_utterance, utterance_iri
 from ..knowledge_base import KnowledgeBase
 from ..rdf import rule_mapping
 from ..rdf.annotated_turtle import ReifyingTriple
-from ..rdf.rule_mapping import BELIEFS, DERIVED_FROM, GENERATED_AT, LABEL, RULE, STATUS, TYPE
+from ..rdf.rule_mapping import (
+    BELIEFS,
+    DERIVED,
+    DERIVED_FROM,
+    GENERATED_AT,
+    LABEL,
+    RULE,
+    STATUS,
+    TYPE,
+)
 from ..rdf.terms import Quad, Term
 from ..reader import BASE_GRAPH, BASE_NODE, RuleReader
 from ..rule import Rule
@@ -124,11 +133,9 @@ def merge(
 ) -> ImportSummary:
     """Add to a base what another one knows, as one unit, by an import of its export.
 
-    The source names the other base in the history; a dry run only finds out what would change.
-    The observer receives new rules, and known ones of another status.
-
-    Raises:
-        ValidationError: the other base breaks a law; nothing has changed.
+    The source names the other base in the history; a dry run only finds out what would change. The
+    observer receives new rules, and known ones of another status. ValidationError if the other base
+    breaks a law; nothing has changed.
     """
     with tempfile.SpooledTemporaryFile(_MAX_SPOOLED, prefix="hilt-") as spool:
         stream = cast(BinaryIO, spool)
@@ -162,11 +169,12 @@ class _Import:
     speakers: set[str] = field(default_factory=set[str])
     trusted: set[str] = field(default_factory=set[str])
     utterances_added: int = 0
+    left: Counter[str] = field(default_factory=Counter[str])
 
     def run(self, rules: Iterable[Rule], *, dry_run: bool) -> ImportSummary:
         store = self.base.store
         with store.writing(), paused_garbage_collection():
-            plan = AncillaryWrites(self.base.sequence)
+            plan = AncillaryWrites(self.base.sequence, left=self.left)
             lines = self._lines(rules, plan)
             if dry_run:
                 deque(lines, maxlen=0)
@@ -179,6 +187,7 @@ class _Import:
             self.utterances_added,
             tuple(sorted(self.speakers - self.trusted)),
             tuple(self.conflicts),
+            dict(sorted(self.left.items())),
         )
 
     def read_rules(self, statements: Iterable[Statements]) -> Iterator[Rule]:
@@ -191,7 +200,9 @@ class _Import:
                     continue
             for group in item.groups() if isinstance(item, RuleBlock) else [item]:
                 checked = _checked(group, self.source)
-                if checked.node.startswith(_RULES):
+                if checked.graph == DERIVED:
+                    continue  # it follows again from what is imported
+                if checked.node.startswith(_RULES) and not is_ontology(checked.graph):
                     yield _read_rule(checked.node, checked.pairs)
                 else:
                     self.rest += self._besides_rules(checked)
@@ -214,9 +225,10 @@ class _Import:
                 self.asserted[int(name)].append(int(rule[1], 16))
             elif key not in derived:
                 yield Quad(node, key, value, graph)
+            elif key == LABEL and value != name:
+                self.left[f"rdfs:label in {shortened(graph)}"] += 1
 
     def _lines(self, rules: Iterable[Rule], plan: AncillaryWrites) -> Iterator[bytes]:
-        """All that is new as N-Quads: the rules first, then the rest, which is complete then."""
         writer, before = NQuadsWriter(), plan.last
         for rule in self._new_rules(rules):
             writer.write_rule(rule)
@@ -266,14 +278,20 @@ class _Import:
             yield rule
 
     def _utterances(self, other: RuleReader) -> Iterator[Utterance]:
+        told: dict[int, set[int]] = defaultdict(set)
+        for number, source in zip(self.ids, self.utterances, strict=True):
+            told[source].add(number)
         for quad in other.store.quads(None, SEQUENCE, None, HISTORY):
             if isinstance(quad.object, int):
                 utterance = other.utterance(quad.object)
-                ids = {f"rule/{number:016x}" for number in self.asserted.get(quad.object, ())}
-                yield replace(utterance, asserts=tuple(sorted(ids.union(utterance.asserts))))
+                numbers = {*self.asserted.get(quad.object, ()), *map(_number, utterance.asserts)}
+                for unsaid in told[quad.object] - numbers:
+                    problem = f"does not assert the rule:{unsaid:016x} that comes from it."
+                    raise ValidationError([f"utterance:{quad.object}: It {problem}"])
+                ids = tuple(f"rule/{number:016x}" for number in sorted(numbers))
+                yield replace(utterance, asserts=ids)
 
     def _write_sources(self, plan: AncillaryWrites, writer: NQuadsWriter) -> Iterator[None]:
-        """Write where the rules come from, and everything else that is new; pause now and then."""
         time = to_milliseconds(self.base.clock())
         for numbers, which in self._without_utterance(plan):
             plan.last += 1
@@ -300,7 +318,6 @@ class _Import:
         writer.write_quads(plan.insert)
 
     def _without_utterance(self, plan: AncillaryWrites) -> Iterator[tuple[list[int], str]]:
-        """The rules that no utterance asserts, some at a time, and which of all these they are."""
         numbers = [
             number
             for number, utterance in zip(self.ids, self.utterances, strict=True)
@@ -316,7 +333,6 @@ class _Import:
 
 
 def _checked(group: StatementGroup | ReifyingTriple, source: str) -> StatementGroup:
-    """Refuse statements in a graph that a base has not, and those that cannot be streamed."""
     if isinstance(group, ReifyingTriple):
         raise DataError(
             "annotated edges (RDF 1.2) are read from small files only; take N-Quads or CSV.",
@@ -328,7 +344,12 @@ def _checked(group: StatementGroup | ReifyingTriple, source: str) -> StatementGr
 
 def _read_rule(node: Iri, properties: list[tuple[Iri, Term]]) -> Rule:
     try:
-        return rule_mapping.read_rule(properties)
+        rule = rule_mapping.read_rule(properties)
+        known = Counter(quad.predicate for quad in rule_mapping.property_quads(rule))
+        foreign = Counter(key for key, _ in set(properties)) - known
+        if foreign:
+            raise ValidationError([f"{shortened(key)} is no part of a rule." for key in foreign])
+        return rule
     except ValidationError as error:
         raise ValidationError([f"{shortened(node)}: {one}" for one in error.findings]) from error
 

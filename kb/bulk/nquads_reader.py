@@ -83,9 +83,7 @@ def read_groups(
     """Iterate over the statements of an RDF text, those about one subject together.
 
     The text is UTF-8 in one of `rdf_text.RDF_FORMATS`; statements without a graph are of `default`.
-
-    Raises:
-        DataError: the text is malformed; says where.
+    DataError if the text is malformed; says where.
     """
     from ..stores.errors import translated_text_errors
     from ..stores.rdf_text import line_format, read_lines  # pyoxigraph, only when it is needed

@@ -5,16 +5,22 @@ about a rule (that it was retracted, say) stays. Utterances come after those of 
 order; one that is there already, word for word and to the millisecond, is not repeated.
 """
 
-from __future__ import annotations
-
-from collections import defaultdict
-from collections.abc import Iterable, Sequence
+from collections import Counter, defaultdict
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
-from ...ontology.vocabulary import iri
+from ...ontology.vocabulary import iri, is_ontology, shortened
 from ..episodes import EPISODES
-from ..history import HISTORY, SEQUENCE, TEXT, Utterance, utterance_iri, utterance_quads
-from ..knowledge_base import KnowledgeBase
+from ..history import (
+    HISTORY,
+    SEQUENCE,
+    TEXT,
+    TRUST_LOWER,
+    Utterance,
+    utterance_iri,
+    utterance_quads,
+)
+from ..knowledge_base import KnowledgeBase, derived_quads
 from ..learned_words import LEXICON
 from ..rdf.domain import DOMAIN, DOMAIN_HASH
 from ..rdf.rule_mapping import BELIEFS
@@ -48,6 +54,8 @@ class ImportSummary:
         utterances: new utterances of the history.
         untrusted: speakers of new rules whom nobody trusts, so that their rules weigh nothing.
         conflicts: the first conflicts.
+        not_taken: how many statements were left out, by what and where they are: labels of its own,
+            and statements of the domain or of trust, of which the base has others.
     """
 
     new: int
@@ -56,11 +64,17 @@ class ImportSummary:
     utterances: int
     untrusted: tuple[str, ...]
     conflicts: tuple[ImportConflict, ...] = ()
+    not_taken: Mapping[str, int] = field(default_factory=dict[str, int])
 
     def as_json(self) -> dict[str, object]:
         """The summary as `hilt import --json` prints it."""
         found = [conflict.as_json() for conflict in self.conflicts]
-        return {**vars(self), "untrusted": list(self.untrusted), "conflicts": found}
+        return {
+            **vars(self),
+            "untrusted": list(self.untrusted),
+            "conflicts": found,
+            "not_taken": dict(self.not_taken),
+        }
 
 
 @dataclass
@@ -73,6 +87,7 @@ class AncillaryWrites:
         delete: statements to delete.
         numbers: the number that each imported utterance has in the base.
         assertions: ids of the rules that new utterances assert, as many as there are rules.
+        left: how many statements are left out, by their predicate and graph.
     """
 
     last: int
@@ -82,12 +97,19 @@ class AncillaryWrites:
     assertions: list[tuple[int, tuple[str, ...]]] = field(
         default_factory=list[tuple[int, tuple[str, ...]]]
     )
+    left: Counter[str] = field(default_factory=Counter[str])
 
     def add(self, utterance: Utterance) -> None:
         """Add an utterance under the number that it has."""
         self.assertions.append((utterance.sequence, utterance.asserts))
         self.insert += utterance_quads(replace(utterance, asserts=()))
         self.insert += speaker_quads(utterance.speaker, HISTORY)
+
+    def leave_out(self, quads: Iterable[Quad]) -> None:
+        """Count statements that are not taken."""
+        self.left.update(
+            f"{shortened(quad.predicate)} in {shortened(quad.graph or BELIEFS)}" for quad in quads
+        )
 
 
 class BelievedRules:
@@ -126,6 +148,8 @@ def plan_trust(plan: AncillaryWrites, base: KnowledgeBase, other: RuleReader) ->
         if theirs and theirs != own and (own is None or is_empty):
             plan.delete += base.store.quads(iri("speaker", speaker), None, None, BELIEFS)
             plan.insert += trust_quads(speaker, theirs)
+        elif theirs != own:
+            plan.leave_out(other.store.quads(iri("speaker", speaker), TRUST_LOWER, None, BELIEFS))
 
 
 def plan_history(
@@ -143,7 +167,10 @@ def plan_history(
 
 
 def plan_rest(plan: AncillaryWrites, base: KnowledgeBase, other: RuleReader) -> None:
-    """Add episodes, words and taught actions, and the domain where the base has none."""
+    """Add episodes, words and taught actions, and the domain where the base has none.
+
+    Of another domain the statements that the base has not are left out.
+    """
     renumbered: dict[Term, Term] = {
         utterance_iri(old): utterance_iri(new) for old, new in plan.numbers.items()
     }
@@ -152,13 +179,17 @@ def plan_rest(plan: AncillaryWrites, base: KnowledgeBase, other: RuleReader) -> 
             quad._replace(object=renumbered.get(quad.object, quad.object))
             for quad in other.store.quads(None, None, None, graph)
         )
+    plan.insert += derived_quads(other.store, EPISODES)
+    plan.insert += (quad for quad in other.store.quads() if is_ontology(quad.graph))
+    domain = set(other.store.quads(None, None, None, DOMAIN))
     if not any(base.store.quads(BASE_NODE, DOMAIN_HASH, None, BASE_GRAPH)):
-        plan.insert += other.store.quads(None, None, None, DOMAIN)
+        plan.insert += domain
         plan.insert += other.store.quads(BASE_NODE, DOMAIN_HASH, None, BASE_GRAPH)
+    elif domain:
+        plan.leave_out(domain.difference(base.store.quads(None, None, None, DOMAIN)))
 
 
 def _claim(rule: Rule) -> tuple[object, ...]:
-    """What a rule claims, apart from how sure it is and who says it."""
     return (rule.features | rule.contexts, rule.functor, rule.argument)
 
 

@@ -9,8 +9,6 @@ rule stands as Hilt writes it. A rule that stands there in another form, or brea
 `rule_mapping.read_rule`, which also says what is wrong.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from datetime import datetime
@@ -23,7 +21,16 @@ from ...ontology.vocabulary import PREFIXES, Iri, split
 from ..history import ASSERTS, HISTORY
 from ..interval import DIGITS, Interval
 from ..rdf import rule_mapping
-from ..rdf.rule_mapping import BELIEFS, DERIVED_FROM, FEATURE, GENERATED_AT, LOWER, RULE, UPPER
+from ..rdf.rule_mapping import (
+    BELIEFS,
+    DERIVED,
+    DERIVED_FROM,
+    FEATURE,
+    GENERATED_AT,
+    LOWER,
+    RULE,
+    UPPER,
+)
 from ..rdf.terms import DECIMAL, Quad, Term, as_sparql
 from ..rule import Atom, Rule, Status
 from .nquads_reader import MAX_KNOWN, RuleBlock, make_room, remember
@@ -33,7 +40,9 @@ Pair: TypeAlias = "tuple[Iri, Term]"  # a predicate and an object
 _MAX_HELD = 2**20  # characters that are passed on at once
 _MAX_REPEATED = 4  # characters of a bound that is likely to come again: 0.95
 _RULES, _UTTERANCES = PREFIXES["rule"], PREFIXES["utterance"]
-_END, _HISTORY_END = (f" {as_sparql(graph)} .\n" for graph in (BELIEFS, HISTORY))
+_END, _HISTORY_END, _DERIVED_END = (
+    f" {as_sparql(graph)} .\n" for graph in (BELIEFS, HISTORY, DERIVED)
+)
 _LOWER, _UPPER, _TIME, _RULE, _ASSERTS = (
     f" {as_sparql(key)} " for key in (LOWER, UPPER, GENERATED_AT, RULE, ASSERTS)
 )
@@ -54,14 +63,16 @@ class SharedLines(NamedTuple):
     Attributes:
         ends: the lines of a rule without their subject.
         node: the action-tree node, as it is written.
-        edge: the line of a plain edge without its subject; empty where there is none.
+        edges: the lines of the edges from a single feature, without their subject.
         labels: the lines that type and name what the rules speak of.
+        relation: the lines about the relation of the edges from a single feature.
     """
 
     ends: tuple[str, ...]
     node: str
-    edge: str
+    edges: tuple[str, ...]
     labels: str
+    relation: str
 
 
 class FeatureLines(NamedTuple):
@@ -115,7 +126,6 @@ class FastRuleReader:
         )
 
     def _read_line(self, tail: str, block: RuleBlock) -> tuple[str, Term]:
-        """The predicate of a line, and its object as far as it is needed."""
         if bound := _BOUND.fullmatch(tail):
             found = LOWER if bound[1] == f"<{LOWER}>" else UPPER, float(bound[2])
             if len(bound[2]) > _MAX_REPEATED:
@@ -125,7 +135,6 @@ class FastRuleReader:
         return remember(self._known, tail, found)
 
     def _shared_content(self, tails: tuple[str, ...], block: RuleBlock) -> Rule:
-        """A rule about any object with the other properties that these lines give."""
         known = self._shared.get(tails)
         if known is None:
             pairs = [block.quad(tail)[1:3] for tail in tails]
@@ -154,7 +163,7 @@ class NQuadsWriter:
     """Writes rules and other statements as N-Quads; edges and labels come at least once."""
 
     def __init__(self) -> None:
-        self._edges: set[tuple[frozenset[Atom], str]] = set()
+        self._edges: set[tuple[frozenset[Atom], tuple[str, ...]]] = set()
         self._labelled: set[str] = set()
         self._name = lru_cache(MAX_KNOWN)(as_sparql)
         self._shared_lines = lru_cache(MAX_KNOWN)(_shared_lines)
@@ -178,14 +187,12 @@ class NQuadsWriter:
         if rule.time:
             lines += f"{node}{_TIME}{self._name(rule.time)}{_END}"
         if rule.status == "active":
-            lines += f"{shared.node}{_RULE}{node}{_END}"
-            if shared.edge and rule.asserts and self._is_first(rule.features, shared.edge):
-                lines += "".join([one + shared.edge for one in features.nodes])
-        if features.labels not in self._labelled or shared.labels not in self._labelled:
-            make_room(self._labelled)
-            self._labelled.update((features.labels, shared.labels))
-            lines += features.labels + shared.labels
-        self._write(lines)
+            lines += f"{shared.node}{_RULE}{node}{_DERIVED_END}"
+            if shared.edges and rule.asserts and self._is_first(rule.features, shared.edges):
+                lines += _edge_lines(rule, shared, features)
+        if rule.asserts:
+            lines += self._once(_relation_lines(rule, shared))
+        self._write(lines + self._once(features.labels) + self._once(shared.labels))
 
     def write_property(self, numbers: Iterable[int], key: Iri, value: Term) -> None:
         """Write a property that rules have in common, given the numbers of the rules."""
@@ -212,16 +219,34 @@ class NQuadsWriter:
             self._held.clear()
             self._size = 0
 
-    def _is_first(self, features: frozenset[Atom], edge: str) -> bool:
-        if (features, edge) in self._edges:
+    def _is_first(self, features: frozenset[Atom], edges: tuple[str, ...]) -> bool:
+        if (features, edges) in self._edges:
             return False
         make_room(self._edges)
-        self._edges.add((features, edge))
+        self._edges.add((features, edges))
         return True
+
+    def _once(self, lines: str) -> str:
+        if lines in self._labelled:
+            return ""
+        make_room(self._labelled)
+        self._labelled.add(lines)
+        return lines
 
     def _write(self, text: str) -> None:
         self._held.append(text)
         self._size += len(text)
+
+
+def _edge_lines(rule: Rule, shared: SharedLines, features: FeatureLines) -> str:
+    if len(features.nodes) != 1:  # they are among the conditions of each other's edges
+        return _lines(rule_mapping.edges(rule))
+    return "".join([features.nodes[0] + edge for edge in shared.edges])
+
+
+def _relation_lines(rule: Rule, shared: SharedLines) -> str:
+    one = len(rule.features) == 1
+    return shared.relation if one else _lines(rule_mapping.relation_quads(rule))
 
 
 def _shared_lines(
@@ -229,13 +254,13 @@ def _shared_lines(
 ) -> SharedLines:
     features = frozenset([_ANY])
     one = Rule(features, contexts, functor, argument, _TRUE, speaker, status=status)
-    edges = rule_mapping.plain_edges(one)
     atoms = one.contexts | ({one.argument} if one.argument else frozenset())
     return SharedLines(
         tuple(_end(q) for q in rule_mapping.property_quads(one) if q.predicate not in _OWN),
         as_sparql(rule_mapping.node_edge(one).subject),
-        _end(edges[0]) if edges else "",
+        tuple(map(_end, rule_mapping.edges(one))),
         _lines([*rule_mapping.atom_label_quads(atoms), *rule_mapping.node_label_quads(one)]),
+        _lines(rule_mapping.relation_quads(one)),
     )
 
 
@@ -246,7 +271,8 @@ def _feature_lines(atoms: frozenset[Atom]) -> FeatureLines:
 
 
 def _end(quad: Quad) -> str:
-    return f" {as_sparql(quad.predicate)} {as_sparql(quad.object)}{_END}"
+    end = _DERIVED_END if quad.graph == DERIVED else _END
+    return f" {as_sparql(quad.predicate)} {as_sparql(quad.object)}{end}"
 
 
 def _lines(quads: Iterable[Quad]) -> str:
@@ -254,7 +280,6 @@ def _lines(quads: Iterable[Quad]) -> str:
 
 
 def _own_or_shared(quad: Quad) -> tuple[str, Term]:
-    """The predicate of a statement where it is a rule's own, and its object."""
     _, key, value, graph = quad
     if graph != BELIEFS or key in {LOWER, UPPER}:  # a bound, and not as Hilt writes it
         raise ValueError(quad)

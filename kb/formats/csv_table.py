@@ -4,8 +4,6 @@ The columns may have any order; `features`, `functor` and `lower` are required. 
 separates several atoms in one cell.
 """
 
-from __future__ import annotations
-
 import csv
 from collections.abc import Iterable, Iterator, Sequence
 from functools import lru_cache
@@ -28,10 +26,8 @@ REQUIRED = ("features", "functor", "lower")
 def read_table(lines: Iterable[str], *, source: str) -> Iterator[Rule]:
     """Iterate over the rules of a table, in its order.
 
-    The first line has the names of the columns.
-
-    Raises:
-        DataError: rows are malformed; lists the first mistakes with their lines.
+    The first line has the names of the columns. DataError if rows are malformed; lists the first
+    mistakes with their lines.
     """
     rows = _rows(lines, source)
     _, first = next(rows, (1, []))
@@ -69,7 +65,6 @@ def _write_atoms(atoms: frozenset[Atom], kind: str) -> str:
 
 
 def _rows(lines: Iterable[str], source: str) -> Iterator[tuple[int, list[str]]]:
-    """The rows that are not empty, each with the line at which it ends."""
     reader = csv.reader(lines, strict=True)
     try:
         for row in reader:

@@ -51,10 +51,7 @@ class _Arrow:
 def draw_graph(graph: MultiDiGraph[str], form: str) -> bytes:
     """Return the picture of a graph that `graph_of` made.
 
-    The form is "svg" or "png".
-
-    Raises:
-        MissingExtraError: matplotlib is not installed.
+    The form is "svg" or "png". MissingExtraError if matplotlib is not installed.
     """
     try:
         import matplotlib as mpl
@@ -179,7 +176,6 @@ def _height(rows: int) -> float:
 
 
 def _port(box: Bbox, arrows: Sequence[_Arrow], arrow: _Arrow) -> float:
-    """The height at which an arrow meets a box: they are evenly spread."""
     place = next(i for i, one in enumerate(arrows) if one is arrow)
     return box.y0 + box.height * (1 - (place + 0.5) / len(arrows))
 

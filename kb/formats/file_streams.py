@@ -4,8 +4,6 @@ A hostile file must not fill the memory. Document types in XML, which expand whe
 huge single values are refused, and what has to be read whole has a maximum size.
 """
 
-from __future__ import annotations
-
 import codecs
 import gzip
 import io
@@ -132,10 +130,8 @@ def open_input(
 ) -> Generator[CheckedStream]:
     """A file as a stream, unpacked where it is packed; "-" is standard input.
 
-    `progress` is called with how many bytes of the file have been read.
-
-    Raises:
-        DataError: it cannot be read.
+    `progress` is called with how many bytes of the file have been read. DataError if it cannot be
+    read.
     """
     if file == STREAM:
         plain = sys.stdin.buffer
@@ -159,9 +155,7 @@ def open_output(file: str) -> Generator[BinaryIO]:
     """Open a file for writing, compressed where its name ends in .gz; "-" is standard output.
 
     The file replaces an existing one when all is written, so that it is never half written.
-
-    Raises:
-        DataError: it cannot be written.
+    DataError if it cannot be written.
     """
     try:
         if file == STREAM:

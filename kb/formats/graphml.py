@@ -51,8 +51,7 @@ def graph_of(rules: Iterable[Rule]) -> MultiDiGraph[str]:
 def rules_of_graph(graph: MultiDiGraph[str], *, source: str = "<graph>") -> Iterator[Rule]:
     """Iterate over the rules of the edges of a graph, each rule once.
 
-    Raises:
-        DataError: an edge lacks an attribute of a rule; `source` names the graph.
+    DataError if an edge lacks an attribute of a rule; `source` names the graph.
     """
     seen: set[str] = set()
     for start, end, attributes in graph.edges(data=True):
@@ -78,8 +77,7 @@ def write_graphml(rules: Iterable[Rule]) -> bytes:
 def read_graphml(text: bytes, *, source: str) -> Iterator[Rule]:
     """Iterate over the rules of a GraphML text with the attributes that `write_graphml` writes.
 
-    Raises:
-        DataError: it is no GraphML, or an edge lacks an attribute of a rule.
+    DataError if it is no GraphML, or an edge lacks an attribute of a rule.
     """
     import networkx as nx
 

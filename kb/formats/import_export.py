@@ -5,28 +5,28 @@ twice changes nothing the second time. Two bases that know the same write the sa
 can be compared line by line. `registry` lists what each format carries.
 """
 
-from __future__ import annotations
-
 import io
 from collections.abc import Iterable, Iterator
 from itertools import chain
 from pathlib import Path
 from typing import BinaryIO, cast
 
+from ...ontology.vocabulary import Iri, split
 from ..bulk.exporter import MAX_SORTED, ProgressCounter, scan_rules, statements, write_statements
 from ..bulk.importer import import_rules, import_statements, merge
 from ..bulk.nquads_reader import RuleBlock, StatementGroup, Statements, read_groups, read_quads
 from ..bulk.reconciliation import ImportSummary
 from ..knowledge_base import KnowledgeBase
-from ..rdf.annotated_turtle import expand_annotations, write_annotated
+from ..rdf.annotated_turtle import REIFIES, ReifyingTriple, expand_annotations, write_annotated
 from ..rdf.rule_mapping import BELIEFS
 from ..rule import Rule
 from ..stores.base import Store
-from ..validation import findings, raise_findings, stage, stage_rules
+from ..validation import MAX_BY_HAND, findings, raise_findings, stage, stage_rules
 from .file_streams import CheckedStream, Progress, open_input, open_output
 from .registry import FORMATS, RULE_FORMATS, FileFormat, format_of
 
-MAX_STAGED = MAX_SORTED  # statements; a file of more is not checked by SHACL
+MAX_STAGED = MAX_SORTED  # statements; a file of more must be in order
+_ANNOTATES = f"<{REIFIES}> "  # how a line begins that makes a rule the annotation of an edge
 
 
 def export_file(
@@ -141,11 +141,7 @@ def read_statements(source: CheckedStream, chosen: FileFormat) -> Iterator[State
 def _import(
     base: KnowledgeBase, source: CheckedStream, chosen: FileFormat, *, dry_run: bool
 ) -> ImportSummary:
-    """Import rules and large RDF files as they stream by; put small RDF files in order first.
-
-    A file that a person wrote may name its rules freely, annotate edges, and have the statements
-    of a rule apart. It is staged, checked by SHACL and by the laws, and merged.
-    """
+    """Import rules and RDF files as they stream by; put those in order first that need it."""
     name = source.name
     if chosen.name in RULE_FORMATS:
         return import_rules(base, read_rules(source, chosen), source=name, dry_run=dry_run)
@@ -155,13 +151,29 @@ def _import(
         first.append(item)
         size += _size(item)
         if size > MAX_STAGED:
-            return import_statements(base, chain(first, items), source=name, dry_run=dry_run)
+            break
+    if size > MAX_STAGED or (size > MAX_BY_HAND and _is_in_order(first)):
+        return import_statements(base, chain(first, items), source=name, dry_run=dry_run)
     staging = _staged(first, name)
     try:
         raise_findings(findings(staging))
         return merge(base, staging, source=name, dry_run=dry_run)
     finally:
         staging.close()
+
+
+def _is_in_order(items: Iterable[Statements]) -> bool:
+    seen = set[Iri]()
+    for item in items:
+        if isinstance(item, ReifyingTriple) or item.node in seen:
+            return False
+        if isinstance(item, RuleBlock):
+            seen.add(item.node)
+            if any(tail.startswith(_ANNOTATES) for tail in item.tails):
+                return False
+        elif split(item.node)[0] == "rule":
+            return False
+    return True
 
 
 def _size(item: Statements) -> int:

@@ -1,7 +1,5 @@
 """The file formats, by name and extension, and what each of them carries."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -55,10 +53,7 @@ def format_of(file: str, given: str | None, default: str) -> FileFormat:
     """Return the format of a file.
 
     That is the given one, or that of the extension, before which ".gz" does not count; `default` is
-    that of standard input and output.
-
-    Raises:
-        DataError: no format has that name or extension.
+    that of standard input and output. DataError if no format has that name or extension.
     """
     if given is not None and given not in FORMATS:
         known = ", ".join(sorted(FORMATS))

@@ -9,8 +9,6 @@
 `docs/files.md` lists all keys. A mistake is reported with its line and column.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Mapping
 from functools import lru_cache
 from typing import Any, TextIO
@@ -138,7 +136,6 @@ def _written(value: str | tuple[str, ...] | Interval) -> str:
 
 
 def _entry(rule: Rule) -> dict[str, str | tuple[str, ...] | Interval]:
-    """What `_rule` reads; the status of an active rule is left out."""
     functor, argument = rule.functor, rule.argument
     concluded = _ARGUMENTS.get(functor, "argument")
     named = {} if functor in _ARGUMENTS else {"functor": functor}
@@ -158,7 +155,6 @@ def _entry(rule: Rule) -> dict[str, str | tuple[str, ...] | Interval]:
 def _written_atoms(
     atoms: frozenset[Atom], kind: str, one: str, several: str
 ) -> dict[str, str | tuple[str, ...]]:
-    """The entry for one atom of the usual kind, or for other or several ones; none without any."""
     names = tuple(value_notation.write_atom(atom, kind) for atom in sorted(atoms))
     if len(names) == 1 and ":" not in names[0]:
         return {one: names[0]}

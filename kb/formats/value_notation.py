@@ -4,8 +4,6 @@ An atom is written with its kind, "property:red". The usual kind is left out: a 
 object, a bare context an action, and what something is used for is an affordance.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from datetime import datetime
 from functools import lru_cache
@@ -31,10 +29,8 @@ def read_atom(text: str, kind: str | None) -> Atom:
     >>> str(read_atom("knife", "object")), str(read_atom("property:red", "object"))
     ('object:knife', 'property:red')
 
-    `kind` is that of a bare name; None where the kind must be written.
-
-    Raises:
-        ValidationError: it names no atom.
+    `kind` is that of a bare name; None where the kind must be written. ValidationError if it names
+    no atom.
     """
     name = text.strip()
     if ":" in name:
@@ -48,10 +44,8 @@ def read_atom(text: str, kind: str | None) -> Atom:
 def read_all(things: Iterable[Thing], read: Callable[[Thing], Read]) -> Iterator[Read]:
     """Iterate over the rules of a file; after a mistake only further mistakes are looked for.
 
-    `read` returns the rule of a row or entry; to iterate over `things` may fail, too.
-
-    Raises:
-        DataError: lists the first mistakes, at most `MAX_MISTAKES`.
+    `read` returns the rule of a row or entry; to iterate over `things` may fail, too. DataError if
+    lists the first mistakes, at most `MAX_MISTAKES`.
     """
     wrong: list[DataError] = []
     try:

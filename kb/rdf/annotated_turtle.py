@@ -7,8 +7,6 @@ what an annotation leaves out (its feature, its speaker) is filled in from its e
 An annotation without a name becomes a rule with one.
 """
 
-from __future__ import annotations
-
 import re
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
@@ -48,8 +46,7 @@ class ReifyingTriple(NamedTuple):
 def expand_annotations(statements: Iterable[Quad | ReifyingTriple], *, source: str) -> list[Quad]:
     """Statements, with every annotated edge replaced by the properties of a rule.
 
-    Raises:
-        DataError: a blank node is not the annotation of a rule, or something else is annotated.
+    DataError if a blank node is not the annotation of a rule, or something else is annotated.
     """
     plain, edges = _split_edges(statements, source)
     about: dict[Iri, list[tuple[Iri, Term]]] = defaultdict(list)

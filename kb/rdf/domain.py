@@ -11,9 +11,9 @@ from collections.abc import Iterable, Iterator, Mapping
 from decimal import Decimal
 from typing import TYPE_CHECKING
 
-from ...ontology.vocabulary import Iri, iri, term
+from ...ontology.vocabulary import Iri, external, iri, term
 from ..rule import Atom
-from .rule_mapping import LABEL, TYPE, atom_iri
+from .rule_mapping import LABEL, TYPE, atom_iri, atom_label_quads, label
 from .terms import Quad, Term, as_sparql
 
 if TYPE_CHECKING:
@@ -25,7 +25,7 @@ DOMAIN_HASH = term("domainHash")
 
 IS_A, PART_OF, PROPERTY, ROLE = (term(n) for n in ("isA", "partOf", "property", "role"))
 WHOLE, UNDER, DOES, HEEDS = (term(n) for n in ("whole", "under", "does", "heeds"))
-MASS = term("mass")
+MASS, SUBCLASS_OF = term("mass"), external("rdfs:subClassOf")
 
 
 def domain_quads(
@@ -40,7 +40,7 @@ def domain_quads(
 
 def content_hash(quads: Iterable[Quad]) -> str:
     """A hash of statements, the same for the same ones."""
-    return hashlib.sha256("\n".join(_written(quad) for quad in quads).encode()).hexdigest()
+    return hashlib.sha256("\n".join(sorted(map(_written, quads))).encode()).hexdigest()
 
 
 def _class_statements(kinds: Mapping[str, str | None]) -> Iterator[tuple[Iri, Iri, Term]]:
@@ -48,7 +48,7 @@ def _class_statements(kinds: Mapping[str, str | None]) -> Iterator[tuple[Iri, Ir
         yield from _named(Atom("object", name))
         if above:
             yield from _named(Atom("object", above))
-            yield atom_iri(Atom("object", name)), IS_A, atom_iri(Atom("object", above))
+            yield from _is_a(Atom("object", name), Atom("object", above))
 
 
 def _object_statements(objects: ObjectTypes) -> Iterator[tuple[Iri, Iri, Term]]:
@@ -62,13 +62,13 @@ def _object_statements(objects: ObjectTypes) -> Iterator[tuple[Iri, Iri, Term]]:
 
 
 def _part_statements(kind: ObjectType, name: str) -> Iterator[tuple[Iri, Iri, Term]]:
-    """The statements of one part: a node (knife.blade) that is a kind of part (blade)."""
     part, node = kind.parts[name], iri("part", f"{kind.name}.{name}")
     yield from _named(Atom("part", name))
     yield atom_iri(Atom("part", name)), PART_OF, atom_iri(Atom("object", kind.name))
     yield node, TYPE, term("Part")
-    yield node, LABEL, f"{name} of {kind.name}"
+    yield node, LABEL, label(f"{name} of {kind.name}")
     yield node, IS_A, atom_iri(Atom("part", name))
+    yield node, SUBCLASS_OF, atom_iri(Atom("part", name))
     yield node, WHOLE, atom_iri(Atom("object", kind.name))
     yield node, MASS, _kilograms(part.mass)
     yield from _with_atom(node, "role", part.role)
@@ -80,7 +80,7 @@ def _action_statements(actions: Actions) -> Iterator[tuple[Iri, Iri, Term]]:
     for name in (*actions.primitives, *actions.trees):
         yield from _named(Atom("action", name))
     for name, above in actions.kinds.items():
-        yield atom_iri(Atom("action", name)), IS_A, atom_iri(Atom("action", above))
+        yield from _is_a(Atom("action", name), Atom("action", above))
     for path in actions.nodes:
         yield from node_statements(path)
 
@@ -118,8 +118,12 @@ def _with_atom(node: Iri, kind: str, name: str) -> Iterator[tuple[Iri, Iri, Term
 
 
 def _named(atom: Atom) -> Iterator[tuple[Iri, Iri, Term]]:
-    yield atom_iri(atom), TYPE, term(atom.kind.capitalize())
-    yield atom_iri(atom), LABEL, atom.name
+    yield from (quad[:3] for quad in atom_label_quads([atom]))
+
+
+def _is_a(kind: Atom, above: Atom) -> Iterator[tuple[Iri, Iri, Term]]:
+    yield atom_iri(kind), IS_A, atom_iri(above)
+    yield atom_iri(kind), SUBCLASS_OF, atom_iri(above)
 
 
 def _kilograms(mass: float) -> Decimal:

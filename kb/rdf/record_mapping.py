@@ -1,7 +1,5 @@
 """Mapping of dataclasses to RDF properties, and back, by a table with one entry for each field."""
 
-from __future__ import annotations
-
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass

@@ -1,18 +1,19 @@
 """Mapping of rules to RDF statements, and back.
 
-RDF 1.1 cannot annotate an edge, so a rule is one node with properties, attached to the action-tree
-node that uses it:
+RDF 1.1 cannot annotate an edge, so a rule is one node with properties in the graph of beliefs:
 
-    node:pass.graspObject  hilt:rule  rule:3f9c .
     rule:3f9c  hilt:feature object:knife ; hilt:context action:pass ; hilt:part part:blade ; ...
 
-While a rule is active its plain edges (object:knife hilt:graspedBy part:blade) are there too, so
-that property paths and graph tools see a graph. The edge from the action-tree node exists only
-while the rule is active, so the query for the rules of a node need not test the status.
+What follows from it is in the derived graph: the names of what it speaks of, and while it is active
+the edge from the action-tree node that uses it, so that the query for the rules of a node need not
+test the status, and edges for property paths and graph tools, with and without their conditions:
+
+    node:pass.graspObject  hilt:rule  rule:3f9c .
+    object:knife  hilt:graspedBy  part:blade ;  relation:graspedBy.action-pass  part:blade .
+    relation:graspedBy.action-pass  rdfs:subPropertyOf hilt:graspedBy ; hilt:context action:pass .
 """
 
-from __future__ import annotations
-
+import re
 from collections.abc import Iterable, Iterator
 from datetime import datetime
 from decimal import Decimal
@@ -22,11 +23,11 @@ from typing import cast, get_args
 from ...ontology.errors import ValidationError
 from ...ontology.vocabulary import ATOM_KINDS, HILT, Iri, external, iri, split, term
 from ..interval import DIGITS, Interval
-from ..rule import GRASP_OBJECT, USED_FOR, Atom, Rule, Status
+from ..rule import GRASP_OBJECT, KIND_OF, USED_FOR, Atom, Rule, Status
 from .record_mapping import TYPE, group_properties
-from .terms import Quad, Term
+from .terms import Literal, Quad, Term
 
-BELIEFS = iri("graph", "beliefs")
+BELIEFS, DERIVED = iri("graph", "beliefs"), iri("graph", "derived")
 
 LABEL = external("rdfs:label")
 DERIVED_FROM = external("prov:wasDerivedFrom")
@@ -45,7 +46,12 @@ CLASSES = {
 _ARGUMENTS = {"part": PART, "affordance": AFFORDANCE}
 _EDGES = {USED_FOR: term("usedFor"), GRASP_OBJECT: term("graspedBy")}
 _STATUSES: tuple[str, ...] = get_args(Status)
+_EDGE_OF = {**_EDGES, KIND_OF: external("rdfs:subClassOf")}
 _OTHER_EDGE = term("affords")
+_KINDS_OF_THINGS = frozenset({"object", "part", "material", "action"})
+_OWL_CLASS, _SUBPROPERTY = external("owl:Class"), external("rdfs:subPropertyOf")
+_WORD_START = re.compile("(?<=[a-z])(?=[A-Z])")  # pickUp is pick up
+LANGUAGE = "en"  # of the names of atoms
 
 
 def rule_iri(rule_id: str) -> Iri:
@@ -85,9 +91,10 @@ def rule_quads(rule: Rule) -> Iterator[Quad]:
         rule.features | rule.contexts | ({rule.argument} if rule.argument else frozenset())
     )
     yield from node_label_quads(rule)
+    yield from relation_quads(rule)
     if rule.status == "active":
         yield node_edge(rule)
-        yield from plain_edges(rule)
+        yield from edges(rule)
 
 
 def property_quads(rule: Rule) -> Iterator[Quad]:
@@ -99,15 +106,40 @@ def property_quads(rule: Rule) -> Iterator[Quad]:
 
 def node_edge(rule: Rule) -> Quad:
     """The edge from the action-tree node to the rule."""
-    return Quad(iri("node", rule.node), RULE, rule_iri(rule.id), BELIEFS)
+    return Quad(iri("node", rule.node), RULE, rule_iri(rule.id), DERIVED)
 
 
 def plain_edges(rule: Rule) -> list[Quad]:
     """The plain edges from features to the argument; none for a norm or a rule that opposes it."""
     if rule.argument is None or not rule.asserts or rule.kind == "norm":
         return []
-    edge, end = _EDGES.get(rule.functor, _OTHER_EDGE), atom_iri(rule.argument)
-    return [Quad(atom_iri(feature), edge, end, BELIEFS) for feature in sorted(rule.features)]
+    edge, end = _EDGE_OF.get(rule.functor, _OTHER_EDGE), atom_iri(rule.argument)
+    return [Quad(atom_iri(feature), edge, end, DERIVED) for feature in sorted(rule.features)]
+
+
+def edges(rule: Rule) -> list[Quad]:
+    """The plain edges, and those whose relation says under which conditions they hold."""
+    conditional = (edge._replace(predicate=node) for edge, node, _ in _relations(rule))
+    return [*plain_edges(rule), *conditional]
+
+
+def relation_quads(rule: Rule) -> Iterator[Quad]:
+    """The statements about the relations of the edges of a rule."""
+    for plain, node, more in _relations(rule):
+        yield Quad(node, TYPE, term("Relation"), DERIVED)
+        yield Quad(node, _SUBPROPERTY, plain.predicate, DERIVED)
+        for key, atoms in ((CONTEXT, rule.contexts), (FEATURE, more)):
+            yield from (Quad(node, key, atom_iri(atom), DERIVED) for atom in sorted(atoms))
+
+
+def _relations(rule: Rule) -> Iterator[tuple[Quad, Iri, frozenset[Atom]]]:
+    contexts = [f"{atom.kind}-{atom.name}" for atom in sorted(rule.contexts)]
+    for plain in plain_edges(rule):
+        more = rule.features - {atom_from_iri(plain.subject)}
+        conditions = [*contexts, *(f"with-{atom.kind}-{atom.name}" for atom in sorted(more))]
+        if conditions:
+            name = f"{plain.predicate.rpartition('#')[2]}.{'--'.join(conditions)}"
+            yield plain, iri("relation", name), more
 
 
 def argument_property(kind: str) -> Iri:
@@ -119,17 +151,25 @@ def atom_label_quads(atoms: Iterable[Atom]) -> Iterator[Quad]:
     """The types and labels of atoms."""
     for atom in sorted(atoms):
         node = atom_iri(atom)
-        yield Quad(node, TYPE, term(atom.kind.capitalize()), BELIEFS)
-        yield Quad(node, LABEL, atom.name, BELIEFS)
+        yield Quad(node, TYPE, term(atom.kind.capitalize()), DERIVED)
+        if atom.kind in _KINDS_OF_THINGS:
+            yield Quad(node, TYPE, _OWL_CLASS, DERIVED)
+        yield Quad(node, LABEL, label(atom.name), DERIVED)
+
+
+def label(name: str) -> Literal:
+    """The label of a name that consists of words: those of an action are written apart."""
+    words = _WORD_START.sub(" ", name).lower()
+    return Literal(words, language=LANGUAGE)
 
 
 def node_label_quads(rule: Rule) -> Iterator[Quad]:
     """The types and labels of the action-tree node of a rule, and of its functor."""
-    yield Quad(iri("node", rule.node), TYPE, term("Node"), BELIEFS)
-    yield Quad(iri("node", rule.node), LABEL, rule.node, BELIEFS)
+    yield Quad(iri("node", rule.node), TYPE, term("Node"), DERIVED)
+    yield Quad(iri("node", rule.node), LABEL, rule.node, DERIVED)
     if rule.functor not in _EDGES:
-        yield Quad(_functor_iri(rule.functor), TYPE, term("Functor"), BELIEFS)
-        yield Quad(_functor_iri(rule.functor), LABEL, rule.functor, BELIEFS)
+        yield Quad(_functor_iri(rule.functor), TYPE, term("Functor"), DERIVED)
+        yield Quad(_functor_iri(rule.functor), LABEL, rule.functor, DERIVED)
 
 
 def read_rule(properties: Iterable[tuple[Iri, Term]]) -> Rule:

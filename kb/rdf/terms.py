@@ -7,8 +7,6 @@ nodes do not occur in a base; in the results of a query they are IRIs that start
 Literals are compared by value: engines write the decimal 1.0 as 1, and 1.50 as 1.5.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -16,13 +14,14 @@ from datetime import datetime, timedelta, timezone
 from decimal import Decimal, InvalidOperation
 from typing import Any, NamedTuple, TypeAlias
 
-from ...ontology.vocabulary import PREFIXES, Iri
+from ...ontology.vocabulary import PREFIXES, Iri, iri
 
 XSD = PREFIXES["xsd"]
 LANGUAGE_TEXT = PREFIXES["rdf"] + "langString"
 STRING = XSD + "string"
 DECIMAL = XSD + "decimal"
 DATE_TIME = XSD + "dateTime"
+BASE_NODE, BASE_GRAPH = Iri("https://w3id.org/hilt/base"), iri("graph", "base")
 BLANK = "_:"  # what the name of a blank node begins with
 
 _TIME = re.compile(
@@ -71,8 +70,7 @@ def literal(lexical: str, datatype: str, language: str = "") -> Term:
 def lexical(term: Term) -> tuple[str, str, str]:
     """The lexical form, datatype and language of a literal.
 
-    Raises:
-        ValueError: it is an IRI, a time without zone, or a text that is no Unicode.
+    ValueError if it is an IRI, a time without zone, or a text that is no Unicode.
     """
     if isinstance(term, Iri):
         raise ValueError(f"<{term}> is an IRI where a literal is expected.")

@@ -5,8 +5,6 @@ parameter: the kind says how an argument given as text becomes a term (a kind of
 as object, or text, integer, decimal, time). An unbound parameter matches everything.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -125,7 +123,6 @@ def node_iri(node: str) -> Iri:
 
 
 def _individual(kind: str, local: str) -> Iri:
-    """The IRI of an individual from its local name; spaces need not be escaped."""
     return iri(kind, unquote(local.replace("_", " ")))
 
 

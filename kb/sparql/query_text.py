@@ -9,7 +9,8 @@ strings, IRIs and comments.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Generator, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from functools import lru_cache
 from itertools import groupby, pairwise, starmap
 from typing import TypeAlias, cast
@@ -38,7 +39,7 @@ _TOKEN = re.compile(
     """,
     re.VERBOSE | re.DOTALL,
 )
-_POSITION = re.compile(r"error at (\d+):(\d+): ")
+_POSITION = re.compile(r"(?:error at|at line) (?P<line>\d+)(?::|, column )(?P<column>\d+)")
 
 
 def bind_variables(query: str, bindings: Bindings) -> str:
@@ -74,7 +75,8 @@ def with_prefixes(text: str) -> str:
 
     They are added to its first line, so that line numbers in messages stay right.
     """
-    missing = [prefix for prefix in PREFIXES if prefix in _undeclared_prefixes(text)]
+    undeclared = _undeclared_prefixes(text)
+    missing = [prefix for prefix in PREFIXES if prefix in undeclared]
     return "".join(f"PREFIX {one}: <{PREFIXES[one]}> " for one in missing) + text
 
 
@@ -115,11 +117,36 @@ def syntax_message(message: str, text: str) -> str:
     match = _POSITION.search(message)
     if not match:
         return f"The query is wrong: {message.strip().splitlines()[0]}"
-    line, column = int(match.group(1)), int(match.group(2))
+    line, column = int(match["line"]), int(match["column"])
     lines = text.splitlines() or [""]
-    there = lines[line - 1][column - 1 :].strip() if line <= len(lines) else ""
+    said = lines[line - 1] if line <= len(lines) else ""
+    column = _word_start(said, column)
+    there = said[column - 1 :].strip()
     found = f'found "{there[:30]}"' if there else "the query ends too early"
     return f"The query is wrong at line {line}, column {column}: {found}."
+
+
+@contextmanager
+def errors_as_typed(typed: str, sent: str) -> Generator[None]:
+    """Raise an error in a text that was sent as one in the text that was typed, at its place."""
+    try:
+        yield
+    except QueryError as error:
+        match = _POSITION.search(str(error))
+        if match is None:
+            raise
+        line, column = int(match["line"]), int(match["column"])
+        start = sum(map(len, sent.splitlines(keepends=True)[: line - 1])) + column - 1
+        # What was added stands before the place, or after it.
+        place = len(typed) - len(sent[start:]) if typed.endswith(sent[start:]) else start
+        before = typed[:place]
+        line, column = before.count("\n") + 1, place - before.rfind("\n")
+        raise QueryError(syntax_message(f"error at {line}:{column}: ", typed)) from error
+
+
+def _word_start(line: str, column: int) -> int:
+    inside = (t for t in tokens(line) if t.start() < column - 1 < t.end())
+    return next((t.start() + 1 for t in inside if t.lastgroup in {"word", "pname"}), column)
 
 
 def join_updates(update: str, another: str) -> str:
@@ -137,12 +164,13 @@ def insert_data(quads: Sequence[Quad]) -> str:
     return f"INSERT DATA {{ {_blocks(quads)} }}"
 
 
-def delete_insert(delete: Sequence[Quad], insert: Sequence[Quad]) -> str:
-    """The one update operation that deletes statements and inserts others."""
+def delete_insert(
+    delete: Sequence[Quad], insert: Sequence[Quad], *, where: str = "VALUES ?once { 1 }"
+) -> str:
+    """The one update operation that deletes statements and inserts others, if `where` is so."""
     # One operation, because `op ; op` is not atomic everywhere; a WHERE that is not empty,
     # because some engines take an empty one for no solution.
-    old, new = _blocks(delete), _blocks(insert)
-    return f"DELETE {{ {old} }} INSERT {{ {new} }} WHERE {{ VALUES ?once {{ 1 }} }}"  # noqa: S608
+    return f"DELETE {{ {_blocks(delete)} }} INSERT {{ {_blocks(insert)} }} WHERE {{ {where} }}"
 
 
 def _blocks(quads: Iterable[Quad]) -> str:

@@ -1,4 +1,4 @@
-"""Refusal of queries and updates that access the network or files, or are not deterministic.
+"""Refusal of queries and updates that access the network or files.
 
 The engine has no option to refuse SERVICE and LOAD, so they are searched for in the text. In
 strings, names, IRIs and comments these words are harmless, but whether something is a string or an
@@ -8,17 +8,14 @@ parser also accepts words that are joined (`SERVICESILENT<...>`, `1SERVICE`), so
 contains one of them is refused.
 """
 
-from __future__ import annotations
-
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 
 from ...ontology.errors import QueryError
 from .query_text import tokens
 
 # Keywords of external access; DEFINE is one in Virtuoso.
 EXTERNAL_ACCESS = frozenset({"SERVICE", "LOAD", "DEFINE"})
-NONDETERMINISTIC = frozenset({"RAND", "UUID", "STRUUID", "NOW", "BNODE"})
 VIRTUOSO_FUNCTIONS = ("bif:", "sql:")  # some of them read files
 
 _CODE_POINT = re.compile(r"\\u([0-9A-Fa-f]{4})|\\U([0-9A-Fa-f]{8})")
@@ -34,7 +31,7 @@ def refuse_external_access(text: str) -> None:
     for version in {text, _CODE_POINT.sub(_decoded, text)}:
         said = (token.group().lstrip("<").lower()[:60] for token in tokens(version))
         function = next((one for one in said if one.startswith(VIRTUOSO_FUNCTIONS)), None)
-        found = _forbidden_word(version, EXTERNAL_ACCESS) or function
+        found = _forbidden_word(version) or function
         if found:
             raise QueryError(
                 f"{found} is refused: a query reads this knowledge base and nothing else. "
@@ -42,22 +39,9 @@ def refuse_external_access(text: str) -> None:
             )
 
 
-def refuse_nondeterminism(update: str) -> None:
-    """Raise a QueryError for an update that calls RAND, UUID, NOW or the like.
-
-    It is tried on a copy before it is applied, and both must have the same effect.
-    """
-    found = _forbidden_word(update, NONDETERMINISTIC)
-    if found:
-        raise QueryError(
-            f"{found} is refused in an update: it must do the same each time. "
-            "Write the value itself."
-        )
-
-
-def _forbidden_word(text: str, refused: Iterable[str]) -> str | None:
+def _forbidden_word(text: str) -> str | None:
     capitals = text.upper()
-    suspects = [word for word in refused if word in capitals]
+    suspects = [word for word in EXTERNAL_ACCESS if word in capitals]
     return next(_keywords(text, suspects), None) if suspects else None
 
 
@@ -86,7 +70,6 @@ def _contained(said: str, suspects: list[str]) -> Iterator[str]:
 def _joined_to_name(
     name: str, suspects: list[str], before: str, following: str, *, depth: int
 ) -> Iterator[str]:
-    """The keywords that a parser may read at the start of what looks like a prefixed name."""
     prefix, _, local = name.upper().partition(":")
     is_declared_here = before.upper() == "PREFIX"
     opens_group = following == "{"  # as after SERVICE; names in a pattern are followed by others

@@ -25,7 +25,25 @@ T = TypeVar("T")
 EngineQuad: TypeAlias = Any  # a statement as pyoxigraph has it
 
 
-class Store(Protocol):
+class ReadableStore(Protocol):
+    """What is read of a store, node by node."""
+
+    def quads(
+        self,
+        subject: Iri | None = None,
+        predicate: Iri | None = None,
+        object: Term | None = None,
+        graph: Iri | None = None,
+    ) -> Iterator[Quad]:
+        """All statements that match, in any order; None matches everything."""
+        ...
+
+    def properties(self, subject: Iri, graph: Iri) -> list[tuple[Iri, Term]]:
+        """The properties of a node in a graph, as (predicate, object)."""
+        ...
+
+
+class Store(ReadableStore, Protocol):
     """A store of RDF quads, in memory, on disk or behind an endpoint."""
 
     @property
@@ -49,20 +67,6 @@ class Store(Protocol):
 
     def run(self, query: str, limits: QueryLimits | None = None) -> QueryResult:
         """The result of any query; QueryError if it is wrong or exceeds its limits, if any."""
-        ...
-
-    def quads(
-        self,
-        subject: Iri | None = None,
-        predicate: Iri | None = None,
-        object: Term | None = None,
-        graph: Iri | None = None,
-    ) -> Iterator[Quad]:
-        """All statements that match, in any order; None matches everything."""
-        ...
-
-    def properties(self, subject: Iri, graph: Iri) -> list[tuple[Iri, Term]]:
-        """The properties of a node in a graph, as (predicate, object)."""
         ...
 
     def apply(self, *, insert: Iterable[Quad] = (), delete: Iterable[Quad] = ()) -> None:
@@ -104,6 +108,10 @@ class EmbeddedStore(Protocol):
 
     def rows(self, query: str) -> Iterator[list[str]]:
         """Iterate over the rows of a SELECT query, tab-separated values, many at a time."""
+        ...
+
+    def check_tables(self) -> None:
+        """Read every statement in every way it is stored; StoreError where one is damaged."""
         ...
 
     def load(self, lines: Iterable[bytes]) -> None:

@@ -11,10 +11,9 @@ live inside the folder (or, where that cannot be written or its disk is full, am
 files) until their reader is done; what a killed reader left is removed by the next owner.
 """
 
-from __future__ import annotations
-
 import contextlib
 import errno
+import glob
 import os
 import shutil
 import sys
@@ -24,6 +23,7 @@ import weakref
 from pathlib import Path
 
 from ...ontology.errors import StoreError
+from .mark import MARK, MarkWriter, read_mark
 
 MARKER_FILE = "CURRENT"  # the engine writes it into every folder that it makes
 SNAPSHOTS = "snapshots"
@@ -32,7 +32,7 @@ MAX_LOGGED_CHANGES = 1_000  # after which the tables are written and the log beg
 _CAN_SYNC_LOG = sys.platform == "linux"
 _TRIES, _PAUSE_S = 100, 0.02
 _IMMUTABLE_SUFFIXES = {".sst"}
-_NOT_COPIED = {"LOCK", "LOG", SNAPSHOTS}
+_NOT_COPIED = {"LOCK", "LOG", SNAPSHOTS, MARK}  # the mark is copied first
 _TRANSIENT = ("LOG.", "bulk-")  # earlier engine reports, and what is being loaded
 
 
@@ -68,35 +68,37 @@ def remove_leftovers(folder: Path) -> None:
 
 
 class WriteAheadLogSync:
-    """The engine's write-ahead log of one folder, as its owner sees it."""
+    """The engine's write-ahead log of one folder, and its mark, as the owner sees them."""
 
-    def __init__(self, folder: Path | None) -> None:
-        """Watch the log of a folder; None for a store that is not on disk."""
-        self._folder = folder
-        self._synced: dict[str, int] = {}  # file -> how much of it the disk has [bytes]
+    def __init__(self, folder: Path) -> None:
+        """Watch the log of a folder."""
+        self._folder, self._mark = folder, MarkWriter(folder)
+        self._known = set[str]()
         self.changes = 0  # in the log that are not in the tables yet
 
-    def sync(self) -> bool:
-        """Wait until the log is on disk; False when the tables must be written instead."""
-        if self._folder is None:
-            return True
+    def sync(self, number: int) -> bool:
+        """Wait until the log is on disk, and mark it; False when tables must be written instead.
+
+        `number` is that of the last utterance.
+        """
         self.changes += 1
-        logs = self._folder.glob("*.log") if _CAN_SYNC_LOG else ()
-        sizes = {file.name: file.stat().st_size for file in logs}
-        if not sizes or self.changes >= MAX_LOGGED_CHANGES:
+        if not _CAN_SYNC_LOG or self.changes >= MAX_LOGGED_CHANGES:
             return False
-        for name, size in sizes.items():
-            if self._synced.get(name) != size:
-                with contextlib.suppress(FileNotFoundError):  # it is in the tables by now
-                    sync(self._folder / name)
-        if not sizes.keys() <= self._synced.keys():
+        changed = self._mark.changed_logs()
+        for file in changed:
+            with contextlib.suppress(FileNotFoundError):  # it is in the tables by now
+                sync(file)
+        if not self._known.issuperset(file.name for file in changed):
             sync(self._folder)  # a new file is safe only when its directory entry is on disk too
-        self._synced = sizes
+        self._known.update(file.name for file in changed)
+        self._mark.write(number)
         return True
 
-    def reset(self) -> None:
+    def reset(self, number: int) -> None:
         """Note that the tables hold all changes."""
         self.changes = 0
+        self._mark.changed_logs()
+        self._mark.write(number)
 
 
 class Snapshot:
@@ -112,7 +114,7 @@ class Snapshot:
         except OSError:
             name = tempfile.mkdtemp(prefix="hilt-")
         self.path = Path(name)
-        weakref.finalize(self, _remove_snapshot, self.path, os.getpid())
+        weakref.finalize(self, _remove, self.path, os.getpid())
 
 
 def take_snapshot(folder: Path) -> Snapshot:
@@ -125,7 +127,7 @@ def take_snapshot(folder: Path) -> Snapshot:
     return _copy_until_consistent(folder, Snapshot(None))
 
 
-def _remove_snapshot(path: Path, owner: int | None = None) -> None:
+def _remove(path: Path, owner: int | None = None) -> None:
     if owner not in {None, os.getpid()}:  # after a fork it is still that of the other process
         return
     shutil.rmtree(path, ignore_errors=True)
@@ -134,11 +136,18 @@ def _remove_snapshot(path: Path, owner: int | None = None) -> None:
             path.parent.rmdir()
 
 
-def remove_stale_snapshots(folder: Path) -> None:
-    """Remove the snapshots of processes that do not exist any more."""
-    for snapshot in list((folder / SNAPSHOTS).glob("*")):
-        if not _is_alive(snapshot.name.partition("-")[0]):
-            _remove_snapshot(snapshot)
+def unfinished_name(folder: Path) -> str:
+    """How the name of a folder begins in which this process prepares another one."""
+    return f".{folder.name}.unfinished-{os.getpid()}-"
+
+
+def remove_what_dead_processes_left(folder: Path) -> None:
+    """Remove the snapshots and unfinished folders of processes that do not exist any more."""
+    begin = unfinished_name(folder).removesuffix(f"{os.getpid()}-")
+    unfinished = folder.parent.glob(f"{glob.escape(begin)}*")
+    for left in [*(folder / SNAPSHOTS).glob("*"), *unfinished]:
+        if not _is_alive(left.name.removeprefix(begin).partition("-")[0]):
+            _remove(left)
 
 
 def _copy_until_consistent(folder: Path, snapshot: Snapshot) -> Snapshot:
@@ -150,8 +159,9 @@ def _copy_until_consistent(folder: Path, snapshot: Snapshot) -> Snapshot:
 
 
 def _copy(folder: Path, target: Path) -> bool:
-    """Copy the files as they are now; False when they changed meanwhile in a way that matters."""
     before = _state(folder)
+    if marked := read_mark(folder):
+        (target / MARK).write_bytes(marked)
     try:
         for name in before:
             _copy_file(folder / name, target / name)

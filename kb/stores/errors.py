@@ -1,7 +1,6 @@
 """Translation of the errors of pyoxigraph and of the file system into Hilt's own."""
 
-from __future__ import annotations
-
+import re
 from collections.abc import Generator
 from contextlib import contextmanager
 from pathlib import Path
@@ -12,6 +11,7 @@ from .directory import MARKER_FILE
 
 _REMOTE_CONTEXT = "LoadDocumentCallback"  # what pyoxigraph says of a JSON-LD context elsewhere
 _NO_SPACE = "No space left"
+_LOCK = re.compile(r"\block\b", re.IGNORECASE)  # but not a damaged block
 _REFUSALS = ("Read-only file system", "Permission denied", "Operation not permitted")
 
 
@@ -64,7 +64,7 @@ def open_error(folder: Path, error: Exception) -> StoreError:
         return StoreError(
             f'The knowledge base "{folder}" may not be written: {refused.lower()}. {advice}'
         )
-    if "lock" in str(error).replace(str(folder), "").lower():
+    if _LOCK.search(str(error).replace(str(folder), "")):
         return InUseError(str(folder))
     if is_there:
         return StoreError(

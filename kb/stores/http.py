@@ -14,8 +14,6 @@ A request that may be repeated is retried after increasing pauses when the conne
 server is busy. Redirects are not followed, so that no other server receives the credentials.
 """
 
-from __future__ import annotations
-
 import os
 import re
 import time
@@ -211,7 +209,6 @@ class EndpointTransport:
     def _once(
         self, request: httpx.Request, limits: QueryLimits
     ) -> tuple[int, EndpointResponse, float | None]:
-        """One attempt: status, answer, and the seconds that the server asks to wait."""
         deadline = time.monotonic() + limits.seconds
         received = bytearray()
         with closing(self._client.send(request, stream=True)) as response:

@@ -1,7 +1,5 @@
 """Opening a store by its location: in memory, in a folder, or behind a SPARQL endpoint."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

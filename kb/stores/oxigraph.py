@@ -15,6 +15,7 @@ import os
 import shutil
 import tempfile
 import threading
+from collections import deque
 from collections.abc import Generator, Iterable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
@@ -24,25 +25,23 @@ import pyoxigraph as engine
 
 from ...ontology.errors import QueryError, StoreError
 from ...ontology.logs import timed
-from ...ontology.vocabulary import PREFIXES, Iri
-from ..rdf.terms import Quad, Term
+from ...ontology.vocabulary import PREFIXES, Iri, term
+from ..rdf.terms import BASE_GRAPH, BASE_NODE, Quad, Term
+from ..sparql import results
 from ..sparql.query_text import delete_insert, keywords
-from ..sparql.results import (
-    STATEMENT,
-    BooleanResult,
-    ConstructResult,
-    QueryLimits,
-    QueryResult,
-    SelectResult,
-)
 from . import directory
 from .base import MEMORY
 from .directory import WriteAheadLogSync
 from .errors import open_error, translated_errors
+from .mark import check_files, check_number
 from .query_subprocess import WorkerProcess
 from .term_conversion import from_engine, named_node, quad_from_engine, quad_to_engine, to_engine
 
 _PREFIXES = dict(PREFIXES)
+_SEQUENCE = term("sequence")
+# The places in a statement that choose each of the engine's indexes, but for the one by which it
+# goes through all statements.
+_INDEXES = ((0,), (1,), (1, 3), (2,), (2, 3))
 _BUFFER = 2**18  # bytes that are split into rows at once
 
 
@@ -65,19 +64,19 @@ class OxigraphStore:
         self._process = os.getpid()
         self._worker = WorkerProcess()
         self._folder = folder
-        self._log = WriteAheadLogSync(folder)
+        self._log = WriteAheadLogSync(folder) if folder else None
         self._snapshot = snapshot  # what is read, by a worker too; None where that would be old
         self.location = location
         self.read_only = read_only
 
-    def select(self, query: str) -> SelectResult:
+    def select(self, query: str) -> results.SelectResult:
         """All rows of a SELECT query."""
         found = self._evaluate(query)
-        if type(found) is not SelectResult:
+        if type(found) is not results.SelectResult:
             raise QueryError("Expected a SELECT query.")
         return found
 
-    def run(self, query: str, limits: QueryLimits | None = None) -> QueryResult:
+    def run(self, query: str, limits: results.QueryLimits | None = None) -> results.QueryResult:
         """The result of any query; with limits evaluated in another process over a snapshot."""
         if limits is None:
             return self._evaluate(query)
@@ -86,18 +85,18 @@ class OxigraphStore:
                 snapshot = self._snapshot = self._snapshot or self._take_snapshot()
             return self._worker.request(limits, source=snapshot.path, query=query)
 
-    def _evaluate(self, query: str) -> QueryResult:
+    def _evaluate(self, query: str) -> results.QueryResult:
         found = self._run(query)
         if isinstance(found, engine.QueryBoolean):
-            return BooleanResult(bool(found))
+            return results.BooleanResult(bool(found))
         with translated_errors(self.location):
             if isinstance(found, engine.QueryTriples):
                 parts = (tuple(map(from_engine, triple)) for triple in found)
-                return ConstructResult(STATEMENT, tuple(parts))
+                return results.ConstructResult(results.STATEMENT, tuple(parts))
             solutions = cast(engine.QuerySolutions, found)
             names = tuple(variable.value for variable in solutions.variables)
             rows = (tuple(None if t is None else from_engine(t) for t in row) for row in solutions)
-            return SelectResult(names, tuple(rows))
+            return results.SelectResult(names, tuple(rows))
 
     def quads(
         self,
@@ -170,6 +169,24 @@ class OxigraphStore:
         """A number that differs when the statements do; they are not held in memory."""
         return sum(map(hash, self._engine().quads_for_pattern(None, None, None, None)))
 
+    def check_tables(self) -> None:
+        """Read every statement by each index of the engine; StoreError if a table is damaged."""
+        by_index = [set[tuple[object, ...]]() for _ in _INDEXES]
+        with self._lock, translated_errors(self.location):
+            count = 0
+            deque(self._engine().named_graphs(), maxlen=0)
+            for quad in self._engine().quads_for_pattern(None, None, None, None):
+                count += 1
+                for patterns, kept in zip(by_index, _INDEXES, strict=True):
+                    patterns.add(tuple(quad[at] if at in kept else None for at in range(4)))
+            for patterns in by_index:
+                found = map(self._engine().quads_for_pattern, *zip(*patterns, strict=True))
+                if sum(1 for some in found for _ in some) != count:
+                    raise StoreError(
+                        f'The knowledge base "{self.location}" is damaged: its indexes differ. '
+                        "Restore it from a backup or an export."
+                    )
+
     def rows(self, query: str) -> Iterator[list[str]]:
         """Iterate over the rows of a SELECT query, tab-separated values, many at a time."""
         with tempfile.TemporaryDirectory(prefix="hilt-") as folder:
@@ -182,6 +199,21 @@ class OxigraphStore:
                 while text := lines.read(_BUFFER) + lines.readline():
                     yield text.decode().removesuffix("\n").split("\n")
 
+    def checked(self, number: int) -> OxigraphStore:
+        """The store, marked as acknowledged; StoreError if it ends before this utterance."""
+        try:
+            check_number(self._last_number(), number, self.location)
+            if self._log:
+                self._log.reset(self._last_number())
+        except BaseException:
+            self.close()
+            raise
+        return self
+
+    def _last_number(self) -> int:
+        numbers = self.quads(BASE_NODE, _SEQUENCE, None, BASE_GRAPH)
+        return max((cast(int, quad.object) for quad in numbers), default=0)
+
     def writing(self) -> AbstractContextManager[object]:
         """The lock round every write; the same thread may take it again."""
         return self._lock
@@ -190,7 +222,7 @@ class OxigraphStore:
         """Close the store and release its folder."""
         with self._lock:
             self._worker.close()
-            if self._inner is not None and self._log.changes:
+            if self._inner is not None and self._log and self._log.changes:
                 with contextlib.suppress(OSError):  # the log has it all
                     self._write_tables(self._inner)
             self._inner = self._snapshot = None
@@ -201,6 +233,7 @@ class OxigraphStore:
             store = self._engine()
             if self._folder:
                 store.backup(target)
+                WriteAheadLogSync(target).reset(self._last_number())
             elif self._snapshot:
                 shutil.copytree(self._snapshot.path, target)
             else:
@@ -214,7 +247,8 @@ class OxigraphStore:
 
     def _write_tables(self, store: engine.Store) -> None:
         store.flush()
-        self._log.reset()
+        if self._log:
+            self._log.reset(self._last_number())
 
     def _run(self, query: str) -> object:
         with timed(__name__, "query %s", query), translated_errors(self.location, query):
@@ -243,7 +277,7 @@ class OxigraphStore:
                 raise StoreError(f'The knowledge base "{self.location}" is open for reading only.')
             self._snapshot = None
             yield store
-            if not self._log.sync():
+            if self._log and not self._log.sync(self._last_number()):
                 self._write_tables(store)
 
 
@@ -271,25 +305,33 @@ def open_memory(*, read_only: bool = False) -> OxigraphStore:
 def open_folder(folder: Path, *, read_only: bool = False) -> OxigraphStore:
     """A store in a folder, which is created if it does not exist.
 
-    Raises:
-        StoreError: the folder is in use, cannot be written, holds something else, or is damaged.
+    StoreError if the folder is in use, cannot be written, holds something else, or is damaged.
     """
     try:
         directory.undo_replacement(folder)
         is_there = directory.is_base(folder)
-        if read_only:
-            if not is_there:
-                raise StoreError(f'There is no knowledge base "{folder}" to read.')
-            snapshot = directory.take_snapshot(folder)
-            inner = engine.Store.read_only(str(snapshot.path))
-            return OxigraphStore(inner, str(folder), read_only=True, snapshot=snapshot)
-        folder.mkdir(parents=True, exist_ok=True)
-        directory.remove_stale_snapshots(folder)
-        opened = engine.Store(str(folder))
-        directory.remove_leftovers(folder)
-        return OxigraphStore(opened, str(folder), read_only=False, folder=folder)
+        if read_only and not is_there:
+            raise StoreError(f'There is no knowledge base "{folder}" to read.')
+        return _open_snapshot_of(folder) if read_only else _open_owned(folder)
     except (OSError, RuntimeError) as error:  # a damaged folder raises RuntimeError
         raise open_error(folder, error) from error
+
+
+def _open_snapshot_of(folder: Path) -> OxigraphStore:
+    snapshot = directory.take_snapshot(folder)
+    number = check_files(snapshot.path, str(folder))
+    inner = engine.Store.read_only(str(snapshot.path))
+    store = OxigraphStore(inner, str(folder), read_only=True, snapshot=snapshot)
+    return store.checked(number)
+
+
+def _open_owned(folder: Path) -> OxigraphStore:
+    folder.mkdir(parents=True, exist_ok=True)
+    directory.remove_what_dead_processes_left(folder)
+    number = check_files(folder, str(folder))
+    inner = engine.Store(str(folder))
+    directory.remove_leftovers(folder)
+    return OxigraphStore(inner, str(folder), read_only=False, folder=folder).checked(number)
 
 
 def open_snapshot(snapshot: Path) -> OxigraphStore:

@@ -6,8 +6,6 @@ reads a new snapshot when the store has changed. Requests and answers are docume
 `query_worker`.
 """
 
-from __future__ import annotations
-
 import pickle
 import signal
 import subprocess
@@ -25,8 +23,7 @@ QUERY_WORKER = f"{__package__}.query_worker"
 class WorkerProcess:
     """A process that answers requests, started when the first one comes."""
 
-    def __init__(self, module: str = QUERY_WORKER) -> None:
-        self._module = module
+    def __init__(self) -> None:
         self._process: subprocess.Popen[bytes] | None = None
         self._megabytes = 0
         self._lock = threading.Lock()
@@ -34,9 +31,7 @@ class WorkerProcess:
     def request(self, limits: QueryLimits, **fields: object) -> Any:
         """Send a request, and return the answer, as of a `query` over a snapshot, the `source`.
 
-        Raises:
-            QueryError: it is wrong, or was stopped.
-            StoreError: the source cannot be read.
+        QueryError if it is wrong, or was stopped; StoreError if the source cannot be read.
         """
         with self._lock:
             answer = self._answer({**fields, "megabytes": limits.megabytes}, limits)
@@ -54,7 +49,6 @@ class WorkerProcess:
         self._process = None
 
     def _answer(self, request: dict[str, object], limits: QueryLimits) -> object:
-        """Send a request and read its answer; the process is killed when the time is over."""
         process, end = self._started(limits), time.monotonic() + limits.seconds
         to, answers = cast("IO[bytes]", process.stdin), cast("IO[bytes]", process.stdout)
         timer = threading.Timer(limits.seconds, process.kill)
@@ -79,7 +73,7 @@ class WorkerProcess:
             self.close()
             self._megabytes = limits.megabytes
             self._process = subprocess.Popen(  # noqa: S603 - a module of Hilt
-                [sys.executable, "-m", self._module],
+                [sys.executable, "-m", QUERY_WORKER],
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=subprocess.DEVNULL,
@@ -88,7 +82,6 @@ class WorkerProcess:
 
 
 def _exit_error(code: int, limits: QueryLimits, *, was_stopped: bool) -> QueryError:
-    """Why the process ended: its time was over, or the system killed it."""
     if was_stopped:
         return limits.time_error()
     if code == -signal.SIGSEGV:  # pyoxigraph's parser recurses for each bracket

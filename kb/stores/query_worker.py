@@ -2,27 +2,26 @@
 
 It reads pickled requests from stdin: `source` (the folder of a snapshot), `query`, and `megabytes`,
 its memory beyond what it needs to open the source. It answers with the result or the error,
-pickled. The process that asked kills it when it takes too long.
+pickled. The process that asked kills it when it takes too long. A request with an `update` is
+answered with the statements that it leaves in an empty store.
 """
-
-from __future__ import annotations
 
 import contextlib
 import pickle
 import sys
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from ...ontology.errors import QueryError, StoreError
-from .oxigraph import OxigraphStore, open_snapshot
+from ..rdf.terms import Quad
+from .oxigraph import OxigraphStore, open_memory, open_snapshot
 
-Answer = Callable[[dict[str, Any]], object]
 MAX_SHARE = 4  # an answer takes several times its size there; it may have 1/4 of the memory
 
 
-def serve(answer: Answer) -> None:
+def serve() -> None:
     """Answer the requests on stdin until there are no more."""
+    answer = _QueryAnswers()
     with contextlib.suppress(EOFError):
         while True:
             request = pickle.load(sys.stdin.buffer)  # noqa: S301 - of the process that asked
@@ -30,8 +29,7 @@ def serve(answer: Answer) -> None:
             sys.stdout.buffer.flush()
 
 
-def limit_memory(megabytes: int) -> None:
-    """Let this process have so much more memory than it has now, where the system can."""
+def _limit_memory(megabytes: int) -> None:
     try:
         import resource
     except ImportError:  # Windows; there only time is limited
@@ -47,14 +45,23 @@ class _QueryAnswers:
         self._store: OxigraphStore | None = None
 
     def __call__(self, request: dict[str, Any]) -> object:
+        if "update" in request:
+            _limit_memory(request["megabytes"])
+            return _outcome(request["update"])
         if self._store is None or request["source"] != self._opened:
             source = self._opened = request["source"]
             self._store = open_snapshot(source)
-            limit_memory(request["megabytes"])
+            _limit_memory(request["megabytes"])
         return self._store.run(request["query"])
 
 
-def _answer_or_error(answer: Answer, request: dict[str, Any]) -> bytes:
+def _outcome(update: str) -> list[Quad]:
+    store = open_memory()
+    store.update(update)
+    return list(store.quads())
+
+
+def _answer_or_error(answer: _QueryAnswers, request: dict[str, Any]) -> bytes:
     try:
         body = pickle.dumps(answer(request))
         if len(body) > request["megabytes"] * 1_000_000 // MAX_SHARE:
@@ -68,7 +75,6 @@ def _answer_or_error(answer: Answer, request: dict[str, Any]) -> bytes:
 
 
 def _address_space() -> int:
-    """The address space of this process in bytes; 1 GB where it is not known."""
     try:
         pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0])
     except (OSError, ValueError, IndexError):
@@ -79,4 +85,4 @@ def _address_space() -> int:
 
 
 if __name__ == "__main__":
-    serve(_QueryAnswers())
+    serve()

@@ -1,7 +1,5 @@
 """Parsing and serialization of RDF text by pyoxigraph: Turtle, TriG, N-Quads, JSON-LD, ..."""
 
-from __future__ import annotations
-
 import io
 import re
 from collections.abc import Iterable, Iterator, Mapping
@@ -103,8 +101,7 @@ def write_rdf_to(
 ) -> None:
     """Write statements of pyoxigraph as RDF text into a stream; as `write_rdf` otherwise.
 
-    Raises:
-        DataError: a text has a character that XML cannot hold.
+    DataError if a text has a character that XML cannot hold.
     """
     chosen, declared = RDF_FORMATS[format], dict(prefixes)
     if chosen == engine.RdfFormat.RDF_XML:
@@ -142,7 +139,6 @@ def _line(stream: BinaryIO, number: int) -> str:
 
 
 def _checked_for_xml(quad: engine.Quad) -> engine.Quad:
-    """The statement itself; pyoxigraph would write what no XML parser reads."""
     value = quad.object
     found = _NOT_IN_XML.search(value.value) if isinstance(value, engine.Literal) else None
     if found:
@@ -156,6 +152,5 @@ def _checked_for_xml(quad: engine.Quad) -> engine.Quad:
 
 
 def _order(quad: engine.Quad) -> tuple[str, bool, str, str]:
-    """Subject by subject, the class of each first."""
     predicate = quad.predicate.value
     return str(quad.subject), predicate != TYPE, predicate, str(quad.object)

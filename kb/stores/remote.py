@@ -4,32 +4,25 @@ It uses only what engines were found to agree on. Every query names the base's g
 dataset, so that an endpoint may hold other data too. Literals are compared by value, because
 engines write numbers differently. A result that the endpoint truncates is read page by page.
 
-A unit of up to `BATCH` statements is one update operation, which is atomic if updates of the
-endpoint are. A larger one is sent in parts, which may be repeated. Only one process at a time may
-write to a base; endpoints do not enforce that.
+Several processes may share an endpoint: `writing` gives one of them at a time the right to write
+(`write_lease`). A unit of up to `BATCH` statements is one update operation, which is atomic if
+operations of the endpoint are. A larger one is prepared in parts and made visible at the end.
 """
 
 from __future__ import annotations
 
 import threading
-from collections.abc import Iterable, Iterator, Sequence
-from contextlib import AbstractContextManager
+from collections.abc import Generator, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from decimal import Decimal
 from pathlib import Path
+from typing import cast
 from urllib.parse import urlencode, urljoin
 
 from ...ontology.errors import QueryError, StoreError
 from ...ontology.vocabulary import GRAPH_NAMES, Iri, iri
 from ..rdf.terms import Quad, Term, as_sparql
-from ..sparql.query_text import (
-    delete_insert,
-    insert_data,
-    keywords,
-    page_query,
-    query_form,
-    result_limit,
-    with_prefixes,
-)
+from ..sparql import query_text
 from ..sparql.results import (
     BooleanResult,
     ConstructResult,
@@ -41,10 +34,13 @@ from ..sparql.results import (
 )
 from .base import batched
 from .http import EndpointConfig, EndpointResponse, EndpointTransport, parse_address
+from .write_lease import CHANGES, IS_DECIDED, REPLACES, WriteLease, prepared
 
+POSTED = 10_000  # statements prepared at a time
 BATCH = 1_000  # statements of one update; some engines take no more than 1,400
 MAX_MEGABYTES = 4_096  # of the answer to a call without limits
 CALL = QueryLimits(seconds=60, megabytes=MAX_MEGABYTES)
+LONG_CALL = QueryLimits(seconds=3_600, megabytes=MAX_MEGABYTES)  # makes visible what is prepared
 ROWS, TRIPLES = "application/sparql-results+json", "application/n-triples, text/plain;q=0.2"
 PAGE = 1_000  # solutions of a page where the endpoint does not say how many it sends
 VIRTUOSO, VIRTUOSO_UPDATES = "Virtuoso", "sparql-auth"
@@ -61,21 +57,27 @@ class RemoteStore:
         self._transport = transport
         self._address = transport.address
         self._lock = threading.RLock()
-        graphs = [str(iri("graph", name)) for name in GRAPH_NAMES]
-        self._dataset = {"default-graph-uri": graphs, "named-graph-uri": graphs}
+        self._lease = WriteLease(self.location, self._claims, self._write, self._write_all)
+        self._graphs = [iri("graph", name) for name in GRAPH_NAMES]
+        names = [str(graph) for graph in self._graphs]
+        self._dataset = {"default-graph-uri": names, "named-graph-uri": names}
         self._server = ""
-        self._is_open = True
+        self._is_open, self._is_sure = True, True  # that the right to write was not lost
 
     def connect(self) -> None:
-        """Note the endpoint's server software; StoreError if it does not answer, or refuses."""
+        """Note the endpoint's server software, and complete what a dead writer left unfinished.
+
+        A StoreError says that the endpoint does not answer, or refuses.
+        """
         try:
             self._server = self._read("ASK {}", ROWS, CALL).server
         except QueryError as error:
             raise StoreError(f'"{self.location}" is not a SPARQL endpoint: {error}') from error
+        self._complete()
 
     def select(self, query: str, limits: QueryLimits = CALL) -> SelectResult:
         """All rows of a SELECT query, however many the endpoint sends at once."""
-        if query_form(query) != "SELECT":
+        if query_text.query_form(query) != "SELECT":
             raise QueryError("Expected a SELECT query.")
         response = self._read(query, ROWS, limits)
         found = read_solutions(response.body)
@@ -86,7 +88,7 @@ class RemoteStore:
     def run(self, query: str, limits: QueryLimits | None = None) -> QueryResult:
         """The result of any query; the endpoint's own limits apply too."""
         limits = limits or CALL
-        match query_form(query):
+        match query_text.query_form(query):
             case "ASK":
                 return BooleanResult(read_boolean(self._read(query, ROWS, limits).body))
             case "CONSTRUCT" | "DESCRIBE":
@@ -119,20 +121,27 @@ class RemoteStore:
         return [(quad.predicate, quad.object) for quad in self.quads(subject, graph=graph)]
 
     def apply(self, *, insert: Iterable[Quad] = (), delete: Iterable[Quad] = ()) -> None:
-        """Delete, then insert; one operation when it is not too large for one."""
-        old, new = [q for quad in delete for q in _number_variants(quad)], list(insert)
-        with self._lock:
+        """Delete, then insert; prepared in parts where it is too large for one operation."""
+        self._check_writable()
+        with self.writing():
+            old, new = [q for quad in delete for q in _number_variants(quad)], list(insert)
             if len(old) + len(new) <= BATCH:
-                self._write(delete_insert(old, new), may_repeat=True)
-                return
-            for part in batched(old, BATCH):
-                self._write(delete_insert(part, []), may_repeat=True)
-            self._insert(new)
+                self._write(self._lease.fenced(old, new))
+                self._is_sure = False
+            else:
+                self._write_large({"old": old, "new": new})
+
+    def replace(self, quads: Iterable[Quad]) -> None:
+        """Delete everything, then insert statements, as one unit."""
+        self._check_writable()
+        with self.writing():
+            self._write_large({"new": quads}, self._graphs)
 
     def update(self, update: str) -> None:
         """Run a SPARQL update, once."""
-        with self._lock:
-            self._write(with_prefixes(update), may_repeat=False)
+        self._check_writable()
+        with self.writing():
+            self._write(query_text.with_prefixes(update), may_repeat=False)
 
     def save(self, target: Path) -> None:
         """Write all statements into a folder on this machine."""
@@ -140,22 +149,46 @@ class RemoteStore:
 
         save_quads(self.quads(), target)
 
-    def writing(self) -> AbstractContextManager[object]:
-        """A lock between the threads of this process."""
-        return self._lock
+    @contextmanager
+    def writing(self) -> Generator[None]:
+        """The right to write: of one thread of one process; StoreError if others do not end."""
+        with self._lock:
+            if self.read_only or self._lease.node:
+                yield
+                return
+            try:
+                self._lease.acquire()
+                self._is_sure = True
+                yield
+                if not self._is_sure:
+                    self._lease.confirmed()
+            finally:
+                self._lease.release()
 
     def close(self) -> None:
         """Close the connections."""
         self._is_open = False
         self._transport.close()
 
+    def _complete(self) -> None:
+        claims = self._lease.claims()
+        if any(one.is_decided or not (one.is_live or self.read_only) for one in claims):
+            try:
+                self._lease.acquire()
+            except StoreError as error:
+                raise StoreError(
+                    f'The last large write to "{self.location}" is unfinished. It is completed '
+                    f"when the base is opened for writing. {error}"
+                ) from error
+            finally:
+                self._lease.release()
+
     def _read_pages(
         self, query: str, first: SelectResult, size: int, limits: QueryLimits
     ) -> SelectResult:
-        """The rows of a result that the endpoint truncates after `size`, page by page."""
         rows: list[tuple[Term | None, ...]] = []
         while len(rows) % size == 0:
-            text = page_query(query, first.variables, size=size, offset=len(rows))
+            text = query_text.page_query(query, first.variables, size=size, offset=len(rows))
             page = read_solutions(self._read(text, ROWS, limits).body).rows
             rows += page
             if not page:
@@ -163,13 +196,13 @@ class RemoteStore:
         return SelectResult(first.variables, tuple(rows))
 
     def _construct(self, query: str, limits: QueryLimits) -> list[Quad]:
-        is_cut = self._server.startswith(VIRTUOSO) and query_form(query) == "CONSTRUCT"
-        if not is_cut or (result_limit(query) or PAGE + 1) <= PAGE:
+        is_cut = self._server.startswith(VIRTUOSO) and query_text.query_form(query) == "CONSTRUCT"
+        if not is_cut or (query_text.result_limit(query) or PAGE + 1) <= PAGE:
             return self._triples(query, limits)
         # It truncates statements silently, so they are read in pages from the start.
         found: dict[Quad, None] = {}
         for offset in range(0, 10**9, PAGE):
-            page = self._triples(page_query(query, (), size=PAGE, offset=offset), limits)
+            page = self._triples(query_text.page_query(query, (), size=PAGE, offset=offset), limits)
             if not page:
                 break
             found.update(dict.fromkeys(page))
@@ -182,41 +215,71 @@ class RemoteStore:
 
     def _read(self, query: str, accept: str, limits: QueryLimits) -> EndpointResponse:
         self._check_open()
-        fields: dict[str, str | Sequence[str]] = {"query": with_prefixes(query)}
-        if "FROM" not in keywords(query):  # a query may name its own dataset
+        sent = query_text.with_prefixes(query)
+        fields: dict[str, str | Sequence[str]] = {"query": sent}
+        if "FROM" not in query_text.keywords(query):  # a query may name its own dataset
             fields |= self._dataset
         if self._server.startswith(VIRTUOSO):  # else it continues when the client has stopped
             fields["timeout"] = str(max(1_000, int(limits.seconds * 1_000)))
-        return self._transport.post(self._address.query, form=fields, accept=accept, limits=limits)
+        address = self._address.query
+        with query_text.errors_as_typed(query, sent):
+            return self._transport.post(address, form=fields, accept=accept, limits=limits)
 
-    def _write(self, update: str, *, may_repeat: bool) -> None:
-        self._check_writable()
+    def _claims(self, query: str) -> SelectResult:
+        return read_solutions(self._read(query, ROWS, CALL).body)
+
+    def _write(self, update: str, *, may_repeat: bool = True, limits: QueryLimits = CALL) -> None:
+        self._check_open()
         address = self._address.update
         if self._server.startswith(VIRTUOSO) and not self._address.is_update_given:
             address = urljoin(self._address.query, VIRTUOSO_UPDATES)
         self._transport.post(
-            address, form={"update": update}, accept="*/*", limits=CALL, may_repeat=may_repeat
+            address, form={"update": update}, accept="*/*", limits=limits, may_repeat=may_repeat
         )
 
-    def _insert(self, quads: Sequence[Quad]) -> None:
-        for graph in dict.fromkeys(quad.graph for quad in quads):
-            inside = [quad for quad in quads if quad.graph == graph]
-            if self._address.graphs and graph:
-                self._post(graph, inside)
-            else:
-                for part in batched(inside, BATCH):
-                    self._write(insert_data(part), may_repeat=True)
+    def _write_all(self, updates: Sequence[str]) -> None:
+        for update in updates if self._server.startswith(VIRTUOSO) else [" ;\n".join(updates)]:
+            self._write(query_text.with_prefixes(update), limits=LONG_CALL)
 
-    def _post(self, graph: Iri, quads: Sequence[Quad]) -> None:
-        self._check_writable()
-        lines = (" ".join(map(as_sparql, quad[:3])) + " .\n" for quad in quads)
-        self._transport.post(
-            f"{self._address.graphs}?{urlencode({'graph': graph})}",
-            content="".join(lines).encode(),
-            content_type="application/n-triples",
-            accept="*/*",
-            limits=CALL,
-        )
+    def _write_large(
+        self, parts: Mapping[str, Iterable[Quad]], replaced: Sequence[Iri] = ()
+    ) -> None:
+        """Prepare statements by their kind, then decide that they count and make them visible."""
+        try:
+            marks = [(each, graph) for graph in replaced for each in (CHANGES, REPLACES)]
+            self._lease.mark(*marks)
+            self._prepare(parts, {*replaced})
+            self._lease.mark((IS_DECIDED, True))
+            self._write_all(self._lease.confirmed().updates())
+            self._is_sure = True  # whoever completes it
+        except BaseException:
+            self._lease.abandon()
+            raise
+
+    def _prepare(self, parts: Mapping[str, Iterable[Quad]], marked: set[Iri]) -> None:
+        claim = cast(Iri, self._lease.node)
+        for kind, quads in parts.items():
+            for some in batched(quads, POSTED):
+                for graph in sorted({cast(Iri, quad.graph) for quad in some}):
+                    if graph not in marked:
+                        self._lease.mark((CHANGES, graph))
+                        marked.add(graph)
+                    inside = [quad for quad in some if quad.graph == graph]
+                    self._insert(prepared(claim, kind, graph), inside)
+
+    def _insert(self, graph: Iri, quads: Sequence[Quad]) -> None:
+        if self._address.graphs:
+            lines = (" ".join(map(as_sparql, quad[:3])) + " .\n" for quad in quads)
+            self._transport.post(
+                f"{self._address.graphs}?{urlencode({'graph': graph})}",
+                content="".join(lines).encode(),
+                content_type="application/n-triples",
+                accept="*/*",
+                limits=CALL,
+            )
+            return
+        for part in batched(quads, BATCH):
+            self._write(query_text.insert_data([quad._replace(graph=graph) for quad in part]))
 
     def _check_writable(self) -> None:
         self._check_open()

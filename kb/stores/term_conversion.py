@@ -1,7 +1,5 @@
 """Conversion between Hilt's RDF terms and those of pyoxigraph."""
 
-from __future__ import annotations
-
 from functools import lru_cache
 from typing import Any, cast
 

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from hilt.inference.affordance import Affordances
 from hilt.inference.decision import DecisionRule
-from hilt.inference.explanation import counterfactuals, explain_choice, rejection_reason
+from hilt.inference.explanation import counterfactuals, rejection_reason
 from hilt.inference.interval_operators import Operators
 from hilt.inference.settings import Settings
 from hilt.inference.types import Goal, Inference, Observation, Target
@@ -82,9 +82,9 @@ def test_proof_has_exactly_the_rules_that_apply(told: list[Rule]):
 
 def test_why_prints_the_proof_from_the_conclusion_down():
     """Each line has the interval, the step and the statement."""
-    text = explain_choice(decided([rule("knife", 0.95)]))
+    proof = decided([rule("knife", 0.95)]).candidates[0].proof
 
-    lines = [line.strip() for line in text.splitlines()]
+    lines = [line.strip() for line in proof.lines()]
     assert lines[0] == "[0.85, 1.00]  modus ponens  knife affords affordance:cutting"
     assert lines[1] == "[0.90, 1.00]  seen  object:knife seen on knife"
     assert lines[2].startswith("[0.95, 1.00]  told  <Rule object:knife => usedFor(cutting)")

@@ -11,9 +11,16 @@ from collections.abc import Generator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
+from urllib.parse import parse_qs
 
 import httpx
+import pyoxigraph
 import pytest
+
+from hilt.kb.sparql.query_text import with_prefixes
+from hilt.kb.stores.http import EndpointConfig, EndpointTransport
+from hilt.kb.stores.remote import RemoteStore
 
 PASSWORD = "correct horse"  # noqa: S105 - of a server that lives for some seconds
 MAX_ROWS = 1_000  # that Virtuoso gives at once here; its default is 10,000
@@ -117,3 +124,64 @@ ServerPort = 127.0.0.1:{port}
 [SPARQL]
 ResultSetMaxRows = {MAX_ROWS}
 """
+
+
+class InMemoryEndpoint:
+    """An endpoint in this process; it is not reached after `stop_after` more updates.
+
+    A `server` called Virtuoso is sent one operation at a time.
+
+    Attributes:
+        store: all statements.
+        updates: the updates that it was sent.
+    """
+
+    def __init__(self, server: str = "") -> None:
+        self.store, self._server = pyoxigraph.Store(), server
+        self.updates: list[str] = []
+        self.stop_after: int | None = None
+
+    def open(self, *, read_only: bool = False, graphs: str | None = None) -> RemoteStore:
+        """A process's own connection to it."""
+        address = EndpointConfig("http://h/query", "http://h/update", graphs, is_update_given=True)
+        transport = EndpointTransport(
+            address, pause=lambda _: None, connection=httpx.MockTransport(self._answer)
+        )
+        store = RemoteStore(transport, read_only=read_only)
+        store.connect()
+        return store
+
+    def pass_time(self) -> None:
+        """Let the lease of every claim end."""
+        change = """DELETE { GRAPH graph:writers { ?claim hilt:claimedAt ?time } }
+            INSERT { GRAPH graph:writers { ?claim hilt:claimedAt ?long_ago } }
+            WHERE { VALUES ?long_ago { "2000-01-01T00:00:00Z"^^xsd:dateTime }
+              GRAPH graph:writers { ?claim hilt:claimedAt ?time } }"""
+        self.store.update(with_prefixes(change))
+
+    def _answer(self, request: httpx.Request) -> httpx.Response:
+        if self.stop_after == 0:
+            raise httpx.ConnectError("stopped")
+        if request.url.path == "/store":
+            graph = pyoxigraph.NamedNode(request.url.params["graph"])
+            format = pyoxigraph.RdfFormat.N_TRIPLES
+            self.store.load(request.content, format, to_graph=graph)
+            return self._changed(request.url.params["graph"])
+        form = parse_qs(request.content.decode())
+        if request.url.path == "/update":
+            self.store.update(form["update"][0])
+            return self._changed(form["update"][0])
+        graphs = [pyoxigraph.NamedNode(one) for one in form.get("named-graph-uri", [])]
+        dataset: dict[str, Any] = (
+            {"default_graph": graphs, "named_graphs": graphs} if graphs else {}
+        )
+        found = self.store.query(form["query"][0], **dataset)
+        return httpx.Response(
+            200, content=found.serialize(format=pyoxigraph.QueryResultsFormat.JSON)
+        )
+
+    def _changed(self, update: str) -> httpx.Response:
+        self.updates.append(update)
+        if self.stop_after is not None:
+            self.stop_after -= 1
+        return httpx.Response(204)

@@ -170,3 +170,27 @@ def test_snapshot_can_be_bounded_and_copied(tmp_path: Path):
             assert backup(reading, tmp_path / "backup") == 1
 
     assert not (tmp_path / "kb" / directory.SNAPSHOTS).exists()
+
+
+def test_killed_restore_leaves_nothing_for_long(tmp_path: Path):
+    """What it had prepared is removed when the base is opened next, but not of one that runs."""
+    with KnowledgeBase.open(tmp_path / "kb") as kb:
+        backup(kb, tmp_path / "saved")
+    program = """
+import os, sys
+from pathlib import Path
+from hilt.kb import backup
+backup._sync = lambda folder: os._exit(1)
+backup.restore(Path(sys.argv[1]), sys.argv[2], replace=True)
+"""
+    ended = subprocess.run(
+        [sys.executable, "-c", program, str(tmp_path / "saved"), str(tmp_path / "kb")], check=False
+    )
+    assert ended.returncode == 1
+    (left,) = tmp_path.glob(".kb.*")
+    running = tmp_path / f".kb.unfinished-{os.getpid()}-x"
+    running.mkdir()
+
+    KnowledgeBase.open(tmp_path / "kb").close()
+
+    assert not left.exists() and running.exists()

@@ -15,6 +15,7 @@ from hilt.kb.learned_words import LearnedWord
 from hilt.kb.rule import Atom, Rule, functional
 from hilt.kb.stores.opening import open_store
 from hilt.ontology.errors import UnknownNameError, ValidationError
+from hilt.ontology.vocabulary import split
 
 from .conftest import BLADE, CUTTING, HANDLE, import_text, teach, ticking
 from .strategies import rules
@@ -27,6 +28,29 @@ def other() -> Iterator[KnowledgeBase]:
     """A second base."""
     with KnowledgeBase(open_store("memory:"), clock=ticking()) as base:
         yield base
+
+
+@given(st.data())
+@settings(max_examples=25)
+def test_feed_and_the_named_query_agree(data: st.DataObject):
+    """Whatever is told, taken back and replaced, and from whatever number on."""
+    with KnowledgeBase(open_store("memory:"), clock=ticking()) as kb:
+        for number in range(data.draw(st.integers(1, 5))):
+            known = st.lists(st.sampled_from([rule.id for rule in kb.rules()] or [""]), max_size=2)
+            gone, old = (list(filter(None, data.draw(known))) for _ in range(2))
+            new = data.draw(st.lists(rules, max_size=2))
+            kb.believe(f"{number}.", "x", "sam", new, retracts=gone, supersedes=old)
+        since = data.draw(st.integers(0, 5))
+
+        found = kb.answer("changed-since", since=str(since))
+        fed = {
+            (change.utterance.sequence, kind, rule.id)
+            for change in rule_changes(kb, since=since)
+            for kind in ("asserts", "retracts", "supersedes")
+            for rule in map(kb.rule, getattr(change.utterance, kind))
+        }
+    listed = {(row[0], row[1].rpartition("#")[2], f"rule/{split(row[2])[1]}") for row in found}
+    assert listed == fed
 
 
 def test_change_tells_what_an_utterance_did(paper: KnowledgeBase):

@@ -195,6 +195,23 @@ def test_correction_that_shares_the_edge_keeps_it(paper: KnowledgeBase):
     assert rule_mapping.plain_edges(BLADE)[0] in set(paper.store.quads())
 
 
+@pytest.mark.parametrize("other", [
+    grasping("mug", "blade", "pass", interval=Interval(0.75, 1)),
+    grasping("knife", "blade", "pour", interval=Interval(0.75, 1)),
+    grasping("knife", "blade", "pass", interval=Interval(0.75, 1), properties=("hot",)),
+])  # fmt: skip
+def test_what_follows_is_up_to_date_when_rules_end(paper: KnowledgeBase, other: Rule):
+    """Edges and relations of the rules that stay are there, and no others."""
+    teach(paper, other)
+
+    paper.retract(BLADE.id, "Forget it.", "", "sam")
+
+    kept = set(paper.store.quads(None, None, None, rule_mapping.DERIVED))
+    assert list(check_invariants(paper.store, whole=True)) == []
+    paper.derive()
+    assert set(paper.store.quads(None, None, None, rule_mapping.DERIVED)) == kept
+
+
 def test_unknown_rule_cannot_be_taken_back(paper: KnowledgeBase):
     """The error lists rules there are, and nothing is written."""
     with pytest.raises(UnknownNameError, match=f"Known: .*{BLADE.id}"):

@@ -47,6 +47,8 @@ TRIAL = """trial:1.0 a hilt:GraspTrial ; hilt:index 0 ; hilt:chosenObject object
 PART = """part:knife.blade a hilt:Part ; rdfs:label "blade of knife" ; hilt:isA part:blade ;
     hilt:partOf object:knife ; hilt:whole object:knife ; hilt:role role:edge ;
     hilt:property property:sharp ; hilt:mass 0.1 ."""
+RELATION = """relation:graspedBy.action-pass a hilt:Relation ;
+    rdfs:subPropertyOf hilt:graspedBy ; hilt:context action:pass ."""
 NODE = """node:pass.graspObject a hilt:Node ; rdfs:label "pass.graspObject" ;
     hilt:rule rule:0123456789abcdef ; hilt:does action:graspObject ; hilt:under node:pass ;
     hilt:heeds node:graspObject ."""
@@ -60,7 +62,7 @@ PHRASE = """phrase:0123abcd a hilt:Phrase ; hilt:pattern "you cut with a ?object
 TAUGHT = """taught:0123abcd a hilt:TaughtAction ; hilt:denotes action:serve ;
     hilt:meaning "{}" ; prov:wasAttributedTo speaker:sam ."""
 BASE = """<https://w3id.org/hilt/base> a hilt:Base ; hilt:formatVersion 1 ; hilt:sequence 3 ;
-    hilt:domainHash "x" ."""
+    hilt:derivation 1 ; hilt:domainHash "x" ."""
 EXAMPLES = {
     "Rule": RULE.replace("ActionRule", "Rule"),
     "ActionRule": RULE,
@@ -71,6 +73,7 @@ EXAMPLES = {
     "Step": STEP,
     "GraspTrial": TRIAL,
     "Part": PART,
+    "Relation": RELATION,
     "Node": NODE,
     "Object": OBJECT,
     "Speaker": TRUST,
@@ -160,6 +163,7 @@ BREAKS = [
     (PART, "role:edge", "property:edge", "hilt:role leads to"),
     (PART, "property:sharp", "role:sharp", "hilt:property leads to"),
     (PART, "hilt:mass 0.1", "hilt:mass -0.1", "hilt:mass is one decimal"),
+    (RELATION, "relation:graspedBy.action-pass a", "node:x a", "relation is a node relation:NAME"),
     (NODE, "node:pass.graspObject a", "step:x a", "An action node is a node"),
     (NODE, "rule:0123456789abcdef", "rule:x", "hilt:rule leads to"),
     (NODE, "action:graspObject", "node:x", "hilt:does leads to"),
@@ -181,6 +185,7 @@ BREAKS = [
     (TAUGHT, 'hilt:meaning "{}" ;', "", "A taught action has one hilt:meaning"),
     (BASE, "hilt:formatVersion 1 ;", "", "one hilt:formatVersion"),
     (BASE, "hilt:sequence 3", 'hilt:sequence "3"', "at most one hilt:sequence"),
+    (BASE, "hilt:derivation 1", 'hilt:derivation "1"', "at most one hilt:derivation"),
     (BASE, 'hilt:domainHash "x"', "hilt:domainHash 1", "at most one hilt:domainHash"),
     ("hilt:active a hilt:Status .", "hilt:active a", "hilt:maybe a", "A status is"),
     (EXAMPLES["Functor"], "functor:moveTo a", "functor:Move a", "A functor is"),

@@ -15,44 +15,35 @@ contains all results in one file that others can check: `examples/check_certific
 again from the definition, without Hilt, and compares number by number.
 """
 
-from __future__ import annotations
-
 from collections import defaultdict
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import comb
-from typing import ClassVar, cast
+from typing import ClassVar
 
 from ....inference.interval_operators import EPSILON
 from ....inference.settings import Settings
 from ...execution.outcome import Json
 from ..experiment import Case, CaseResult, Experiment
 from ..learning_scenarios import ACTIONS, CONTEXTS, LEVELS
-from ..verification.finite_cases import (
-    CheckResult,
-    VerbalizedSpace,
-    check_grasps,
-    check_scores,
-    check_words,
-)
-from ..verification.hypotheses import COMMANDS, check_growth, check_situations, check_teaching
+from ..verification import finite_cases, hypotheses
+from ..verification.finite_cases import CheckResult, VerbalizedSpace
 from ..verification.scenario_space import ScenarioSpace
 from ..verification.weak_orders import WeakOrderClass, weak_order_blocks
 
 FORMAT = 2  # of the certificate
 OUTCOMES = ("none", "unique", "ties")
 Facts = Mapping[str, Sequence[Json]]
-FIXED: Mapping[str, Callable[..., CheckResult]] = {
-    "words": check_words,
-    "scores": check_scores,
-    "grasps": check_grasps,
+CHECKS: Mapping[str, Callable[..., CheckResult]] = {
+    "words": finite_cases.check_words,
+    "scores": finite_cases.check_scores,
+    "grasps": finite_cases.check_grasps,
+    "teaching": hypotheses.check_teaching,
+    "situations": hypotheses.check_situations,
+    "growth": hypotheses.check_growth,
 }
-DRAWN: Mapping[str, Callable[..., CheckResult]] = {  # from the seed
-    "teaching": check_teaching,
-    "situations": check_situations,
-    "growth": check_growth,
-}
+DRAWN = ("teaching", "situations", "growth")  # from the seed
 
 
 @dataclass(frozen=True)
@@ -95,7 +86,12 @@ class AllScenariosExperiment(Experiment):
 
     def run(self, case: Case) -> CaseResult:
         """Run one block with the code under test."""
-        facts, wrong = self._run(case.spec)
+        ((what, numbers),) = case.spec.items()
+        if what == "choices":
+            facts, wrong = WeakOrderClass(self.objects, *numbers).verify()
+        else:
+            seed = (self.seed,) if what in DRAWN else ()
+            facts, wrong = CHECKS[what](self._space, *seed, *numbers)
         found = f"{len(wrong)} wrong" + (f", the first: {wrong[0]}" if wrong else "")
         return CaseResult(case.key, not wrong, "check", 0, found, "0 wrong", facts)
 
@@ -112,14 +108,6 @@ class AllScenariosExperiment(Experiment):
     @cached_property
     def _space(self) -> VerbalizedSpace:
         return VerbalizedSpace.from_paper(self.objects, self.affordances)
-
-    def _run(self, spec: Json) -> CheckResult:
-        ((what, numbers),) = cast("Mapping[str, list[int]]", spec).items()
-        if what == "choices":
-            return WeakOrderClass(self.objects, *numbers).verify()
-        if what in DRAWN:
-            return DRAWN[what](self._space, self.seed, *numbers)
-        return FIXED[what](self._space, *numbers)
 
     @staticmethod
     def _facts(results: Sequence[CaseResult]) -> dict[str, list[Json]]:
@@ -144,8 +132,8 @@ class RandomScenariosExperiment(AllScenariosExperiment):
     def summary(self, results: Sequence[CaseResult]) -> Json:
         """Return the numbers of sentences and of decisions."""
         facts = self._facts(results).get("teaching", [])
-        told = sum(cast("int", each["told"]) for each in facts)
-        return {"sentences": told, "decisions": COMMANDS * len(facts)}
+        told = sum(each["told"] for each in facts)
+        return {"sentences": told, "decisions": hypotheses.COMMANDS * len(facts)}
 
     def files(self, results: Sequence[CaseResult]) -> Mapping[str, Json]:
         """Return no certificate: `AllScenariosExperiment` makes it."""
@@ -170,7 +158,7 @@ def make_certificate(space: ScenarioSpace, facts: Facts, pinned: Json) -> Json:
         "scores": [each["rows"] for each in facts.get("scores", ())],
         "choices": list(facts.get("choices", ())),
         "grasps": [each["rows"] for each in facts.get("grasps", ())],
-        **{name: list(facts.get(name, ())) for name in ("teaching", "situations", "growth")},
+        **{name: list(facts.get(name, ())) for name in DRAWN},
     }
 
 
@@ -180,7 +168,7 @@ def count_totals(space: ScenarioSpace, facts: Facts) -> Json:
     A rule state is a way to teach the cells of one affordance, with a scene; its outcome is that
     there is no right choice, a unique one, or ties.
     """
-    choices = cast("Sequence[dict[str, int]]", facts.get("choices", ()))
+    choices = facts.get("choices", ())
     counted = {
         "words": len(space.cells) * len(LEVELS) + len(space.commands()) + 2 ** len(space.objects),
         "scores": len(space.cells) * (space.full + 1),

@@ -8,14 +8,11 @@ perfectly; with simulation a robot looks with its cameras and executes its decis
 undisturbed table.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
 from pathlib import Path
-from typing import cast
 
 from ....sim.scene.scene import Scene, scene_with
 from ...agent import Agent
@@ -74,10 +71,8 @@ class DecisionExperiment(Experiment):
 
     def run(self, case: Case) -> CaseResult:
         """Give the command to an agent that was taught the scenario and has the scene."""
-        spec = cast("dict[str, str]", case.spec)
-        objects = cast("list[str]", case.spec["scene"])
-        scenario = self.scenarios[spec["scenario"]]
-        truth = CorrectChoices.from_scenario(scenario, spec["action"], spec["affordance"], objects)
+        asked = (case.spec[name] for name in ("action", "affordance", "scene"))
+        truth = CorrectChoices.from_scenario(self.scenarios[case.spec["scenario"]], *asked)
         reply = self._reply(case, simulate=self.sim)
         result = judge_command(case, truth, reply)
         if self.sim:  # camera images cannot be reproduced later, so the explanation is kept
@@ -96,10 +91,9 @@ class DecisionExperiment(Experiment):
             return agent.body.picture(path)
 
     def _reply(self, case: Case, *, simulate: bool) -> Reply:
-        spec = cast("dict[str, str]", case.spec)
-        objects = cast("list[str]", case.spec["scene"])
+        spec = case.spec
         taught = self._taught_agents[spec["scenario"]]
-        scene = self._scene(objects, cast("int", case.spec["seed"]), taught)
+        scene = self._scene(spec["scene"], spec["seed"], taught)
         with taught.in_scene(scene, simulate=simulate) as agent:
             return agent.hear(command(spec["action"], spec["affordance"]), only="do", keep=False)
 

@@ -6,8 +6,6 @@ that is nearest to its share. A row is right if exactly what was said is stored.
 random scenes are compared with the file.
 """
 
-from __future__ import annotations
-
 import csv
 import io
 from collections import Counter
@@ -17,7 +15,7 @@ from functools import cached_property
 from math import inf
 from pathlib import Path
 from random import Random
-from typing import ClassVar, cast
+from typing import ClassVar
 
 from ....kb.rule import Rule
 from ....ontology.actions import load_actions
@@ -108,8 +106,8 @@ class FactsExperiment(Experiment):
     def run(self, case: Case) -> CaseResult:
         """Compare what was stored, or what is chosen, with the file."""
         if "row" in case.spec:
-            return self._row(case, cast("int", case.spec["row"]))
-        scene, use = cast("list[str]", case.spec["scene"]), str(case.spec["use"])
+            return self._row(case, case.spec["row"])
+        scene, use = case.spec["scene"], case.spec["use"]
         shares = {
             f.object: WORDS[f.word] for f in self._facts if f.use == use and f.object in scene
         }
@@ -118,9 +116,8 @@ class FactsExperiment(Experiment):
         truth = CorrectChoices(right, 0, dict.fromkeys(scene, frozenset[str]()))
         agent, _ = self._taught
         with agent.in_scene(scene_with(scene, seed=0, objects=agent.objects)) as other:
-            result = other.hear(command("pointTo", use), only="do", keep=False).result
-        best = result.decision.object.best if result and result.decision else None
-        chosen = best.object if best else None
+            reply = other.hear(command("pointTo", use), only="do", keep=False)
+        chosen = reply.chosen.object if reply.chosen else None
         is_right, expected = truth.allows(chosen, None), truth.describe()
         return CaseResult(case.key, is_right, truth.kind, 0, chosen or "nothing", expected)
 

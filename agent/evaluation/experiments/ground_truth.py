@@ -128,7 +128,6 @@ def _execution_facts(achieved: GoalResult, truth: CorrectChoices, *, is_done: bo
 
 
 def _grasp_facts(world: WorldOutcome, taken: str, parts: Collection[str]) -> Json:
-    """Return how an object was held; `right_part` only if the fingers touched something."""
     right_part = len(world.touched) == 1 and world.touched[0] in parts
     facts: Json = {
         "success": right_part and world.lifted_m >= LIFTED_M and world.held_s >= HELD_S,
@@ -143,7 +142,6 @@ def _grasp_facts(world: WorldOutcome, taken: str, parts: Collection[str]) -> Jso
 
 def explain_reply(reply: Reply) -> list[str]:
     """Return the command and its answer, then every candidate with its verdict and proof."""
-    decision = reply.result.decision if reply.result else None
-    explained = decision.explained() if decision else ()
+    explained = reply.decision.explained() if reply.decision else ()
     lines = (line for about, proof in explained for line in (about, *proof))
     return [reply.text, reply.said, *lines]

@@ -6,13 +6,11 @@ count as fewer independent ones (Kish, Survey Sampling, 1965: the design effect 
 the trial means over that of independent samples).
 """
 
-from __future__ import annotations
-
+from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import sqrt
 from pathlib import Path
-from typing import cast
 
 from ....ontology.yaml_reader import YamlNode, read_yaml
 from ...execution.outcome import Json
@@ -58,33 +56,26 @@ CURVES = {name: _curve(name, spec) for name, spec in read_yaml(CURVES_FILE).entr
 
 def curve_points(results: Sequence[CaseResult]) -> list[Json]:
     """Return the curves of the results: a point for each line and value, with its interval."""
-    found: dict[str, dict[str, dict[float, list[Json]]]] = {}
+    trials: dict[tuple[str, str, float], list[Json]] = defaultdict(list)
     for result in results:
         if result.kind == "check":  # not an error
             curve, line, value, _ = result.key.split("/")
-            lines = found.setdefault(curve, {})
-            lines.setdefault(line, {}).setdefault(float(value), []).append(result.facts)
-    return [
-        {
-            "curve": name,
-            "label": CURVES[name].label,
-            "lines": {
-                line: [_point(value, trials) for value, trials in points.items()]
-                for line, points in lines.items()
-            },
-        }
-        for name, lines in found.items()
-    ]
+            trials[curve, line, float(value)].append(result.facts)
+    found: dict[str, Json] = {}
+    for (curve, line, value), facts in trials.items():
+        drawn = {"curve": curve, "label": CURVES[curve].label, "lines": {}}
+        lines = found.setdefault(curve, drawn)["lines"]
+        lines.setdefault(line, []).append(_point(value, facts))
+    return list(found.values())
 
 
 def _point(value: float, trials: Sequence[Json]) -> Json:
-    counts = cast("Sequence[dict[str, int]]", trials)
-    per_trial = counts[0]["commands"]
-    interval = clustered_interval([trial["right"] for trial in counts], per_trial)
+    per_trial = trials[0]["commands"]
+    interval = clustered_interval([trial["right"] for trial in trials], per_trial)
     return {
         "x": value,
         "decisions": len(trials) * per_trial,
-        **{name: sum(trial[name] for trial in counts) for name in OUTCOMES},
+        **{name: sum(trial[name] for trial in trials) for name in OUTCOMES},
         "accuracy": round(interval.share, 6),
         "lower": round(interval.lower, 6),
         "upper": round(interval.upper, 6),
@@ -125,12 +116,10 @@ def clustered_interval(successes: Sequence[int], per_trial: int) -> ConfidenceIn
     """
     count = len(successes) * per_trial
     share = sum(successes) / count
-    effective = count / _design_effect(successes, per_trial, share)
+    design_effect = 1.0
+    if len(successes) > 1 and share not in {0.0, 1.0}:
+        spread = sum((each / per_trial - share) ** 2 for each in successes) / (len(successes) - 1)
+        ratio = spread * per_trial / (share * (1 - share))
+        design_effect = min(max(ratio, 1.0), float(per_trial))
+    effective = count / design_effect
     return wilson_interval(share * effective, effective)
-
-
-def _design_effect(successes: Sequence[int], per_trial: int, share: float) -> float:
-    if len(successes) < 2 or share in {0.0, 1.0}:
-        return 1.0
-    spread = sum((each / per_trial - share) ** 2 for each in successes) / (len(successes) - 1)
-    return min(max(spread * per_trial / (share * (1 - share)), 1.0), float(per_trial))

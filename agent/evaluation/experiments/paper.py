@@ -5,13 +5,11 @@ has all objects, they are distinct, and together they test all four principles. 
 7,680 cases. Its 16 grasp rules are each taught by sentence and executed in simulation.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations, cycle
 from random import Random
-from typing import ClassVar, cast
+from typing import ClassVar
 
 from ...agent import Agent
 from ...config import AgentConfig
@@ -50,7 +48,6 @@ class PaperExperiment(DecisionExperiment):
             yield scenes
 
     def _covers(self, scenes: Sequence[frozenset[str]]) -> bool:
-        """Whether the scenes test each principle, as in the paper; a single scene cannot."""
         tested = {
             CorrectChoices.from_scenario(scenario, "pointTo", affordance, scene).principle
             for scenario in self.scenarios.values()
@@ -109,9 +106,7 @@ class GraspExperiment(Experiment):
 
     def run(self, case: Case) -> CaseResult:
         """Teach one grasp rule, command the action, and judge what the robot did."""
-        spec = cast("dict[str, str]", case.spec)
-        name, context, part = spec["object"], spec["context"], spec["part"]
-        seed = cast("int", case.spec["seed"])
+        name, context, part, seed = (case.spec[k] for k in ("object", "context", "part", "seed"))
         with Agent.open("memory:", AgentConfig(scene=f"objects:{name}", seed=seed)) as agent:
             agent.hear(grasp_sentence(name, context, part), only="tell")
             reply = agent.hear(f"{ACTIONS[context]} the {name}", only="do")

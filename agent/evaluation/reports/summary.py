@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, Any, cast
 
 from ...execution.outcome import Json
 from ..experiment import CaseResult, Experiment, TimedResult
@@ -21,7 +21,7 @@ class EvaluationReport:
     name: str
     options: Mapping[str, object]
     runs: tuple[TimedResult, ...]
-    summary: Mapping[str, object] = field(default_factory=dict[str, object])
+    summary: Json = field(default_factory=dict[str, Any])
 
     @classmethod
     def from_runs(cls, experiment: Experiment, runs: Sequence[TimedResult]) -> EvaluationReport:
@@ -79,22 +79,19 @@ class EvaluationReport:
 
     def table(self) -> Table:
         """Return a table of the cases."""
-        from ...presentation.console import RecordTable
+        from ...presentation.console import table, yes_or_no
 
-        table = RecordTable("case", "chosen", "expected", "right")
-        for result in self.results:
-            mark = "[green]yes" if result.right else "[red]no"
-            table.add_row(result.key, result.found, result.expected, mark)
-        return table
+        rows = ((r.key, r.found, r.expected, yes_or_no(r.right)) for r in self.results)
+        return table(("case", "chosen", "expected", "right"), rows)
 
     def lines(self) -> list[str]:
         """Return the summary as lines of text: wrong cases, quantities, and last the count."""
         counts = self.counts()
         right, runs = counts["right"], counts["runs"]
-        principles = cast("dict[str, dict[str, int]]", counts["by_principle"]).items()
+        principles = counts["by_principle"].items()
         summary = {name: value for name, value in self.summary.items() if name != "curves"}
         return [
-            *(f"wrong: {each}" for each in cast("list[str]", counts["wrong"])),
+            *(f"wrong: {each}" for each in counts["wrong"]),
             *(f"principle {n}: {each['right']} of {each['runs']} right" for n, each in principles),
             *(f"{name.replace('_', ' ')}: {as_text(value)}" for name, value in summary.items()),
             f"{self.name}: {right} of {runs} right (seed {counts['seed']})",
@@ -102,21 +99,22 @@ class EvaluationReport:
 
     def points(self) -> Table | None:
         """Return a table of the points of the curves; None if there are none."""
-        from ...presentation.console import RecordTable
+        from ...presentation.console import table
 
-        curves = cast("list[Json]", self.summary.get("curves"))
-        if not curves:
-            return None
-        table = RecordTable("curve", "line", "at", "mean", "95 % interval", "decisions")
-        for curve in curves:
-            measure = str(curve.get("measure", "accuracy"))
-            form = ".1%" if measure == "accuracy" else ".2f"
-            for line, points in cast("dict[str, list[dict[str, float]]]", curve["lines"]).items():
-                for at in points:
-                    band = f"{at['lower']:{form}} to {at['upper']:{form}}"
-                    shown = (f"{at['x']:g}", f"{at[measure]:{form}}", band, str(at["decisions"]))
-                    table.add_row(str(curve["curve"]), line, *shown)
-        return table
+        curves = self.summary.get("curves")
+        columns = ("curve", "line", "at", "mean", "95 % interval", "decisions")
+        return table(columns, _points(curves)) if curves else None
+
+
+def _points(curves: Sequence[Json]) -> Iterator[Sequence[object]]:
+    for curve in curves:
+        measure = str(curve.get("measure", "accuracy"))
+        form = ".1%" if measure == "accuracy" else ".2f"
+        for line, points in curve["lines"].items():
+            for at in points:
+                band = f"{at['lower']:{form}} to {at['upper']:{form}}"
+                shown = (f"{at['x']:g}", f"{at[measure]:{form}}", band, at["decisions"])
+                yield (curve["curve"], line, *shown)
 
 
 def as_text(value: object) -> str:

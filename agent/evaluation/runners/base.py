@@ -4,8 +4,6 @@ A worker process gets the name and options of an experiment and constructs it ag
 results are transferred as lines of JSON.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future
@@ -15,25 +13,19 @@ from itertools import islice
 from multiprocessing import get_context
 from queue import Empty, SimpleQueue
 from time import process_time
-from typing import Protocol
 
 from pebble import ProcessExpired, ProcessPool
 
 from ....ontology.errors import WorkersUnavailableError
-from ..experiment import Case, CaseResult, Experiment, TimedResult, to_json_line
-from ..experiments.registry import make_experiment
+from ..experiment import Case, CaseResult, Experiment, TimedResult, make_experiment, to_json_line
 
 START_S = 120.0  # how long the worker processes may take to start a case [s]
 TIMEOUT_S = 600.0  # [s]; ten times as long as any case of ours takes
 ATTEMPTS = 3  # how often a case is started whose worker dies or times out
 
 
-class Runner(Protocol):
-    """Runs cases."""
-
-    def run(self, experiment: Experiment, cases: Sequence[Case]) -> Iterator[TimedResult]:
-        """Run each case once, and yield the results as they become available."""
-        ...
+Runner = Callable[[Experiment, Sequence[Case]], Iterator[TimedResult]]
+"""Runs each case once, and yields the results as they become available."""
 
 
 def run_case(experiment: Experiment, case: Case) -> TimedResult:
@@ -50,8 +42,7 @@ def run_case(experiment: Experiment, case: Case) -> TimedResult:
 def run_in_worker(name: str, options: str, case: str) -> str:
     """Run a case in a worker process; arguments and result are JSON.
 
-    Raises:
-        WorkersError: the experiment cannot be constructed in this process.
+    WorkersError if the experiment cannot be constructed in this process.
     """
     try:
         experiment = _experiment(name, options)
@@ -121,12 +112,9 @@ def run_in_pool(
             begin(each, 1)
 
 
-class SerialRunner:
-    """Runs cases in this process, one after the other; cases that hang are not stopped."""
-
-    def run(self, experiment: Experiment, cases: Sequence[Case]) -> Iterator[TimedResult]:
-        """Run the cases in their order."""
-        return (run_case(experiment, case) for case in cases)
+def run_serially(experiment: Experiment, cases: Sequence[Case]) -> Iterator[TimedResult]:
+    """Run cases in this process, one after the other; those that hang are not stopped."""
+    return (run_case(experiment, case) for case in cases)
 
 
 @dataclass(frozen=True)
@@ -141,7 +129,7 @@ class ProcessRunner:
     timeout_s: float = TIMEOUT_S
     attempts: int = ATTEMPTS
 
-    def run(self, experiment: Experiment, cases: Sequence[Case]) -> Iterator[TimedResult]:
+    def __call__(self, experiment: Experiment, cases: Sequence[Case]) -> Iterator[TimedResult]:
         """Run the cases, each in one of the processes; WorkersError if none can be started."""
         if not cases:
             return

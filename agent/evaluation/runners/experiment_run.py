@@ -1,24 +1,13 @@
 """Running an experiment: choice of the runner, the journal, and a progress bar."""
 
-from __future__ import annotations
+from collections.abc import Sequence
 
-from collections.abc import Callable, Generator, Sequence
-from contextlib import contextmanager
-
+from rich import progress
 from rich.console import Console
-from rich.progress import (
-    BarColumn,
-    MofNCompleteColumn,
-    Progress,
-    ProgressColumn,
-    Task,
-    TextColumn,
-    TimeRemainingColumn,
-)
 from rich.text import Text
 
 from ..experiment import Case, Experiment, TimedResult
-from .base import TIMEOUT_S, ProcessRunner, Runner, SerialRunner
+from .base import TIMEOUT_S, ProcessRunner, Runner, run_serially
 from .journal import RunJournal
 from .ray import RayRunner
 
@@ -40,7 +29,7 @@ def make_runner(
     if ray:
         return RayRunner(ray, workers, timeout_s=timeout_s)
     if workers is None or workers == 1:
-        return SerialRunner()
+        return run_serially
     return ProcessRunner(workers, timeout_s)
 
 
@@ -61,22 +50,23 @@ def run_experiment(
     cases = experiment.cases() if cases is None else cases
     runs = dict(journal.runs) if journal else {}
     left = [case for case in cases if case.key not in runs]
-    with show_progress(experiment.name, len(cases), len(cases) - len(left), console) as advance:
-        for run in (runner or SerialRunner()).run(experiment, left):
+    with progress_bar(console) as bar:
+        task = bar.add_task(experiment.name, total=len(cases), completed=len(runs))
+        for run in (runner or run_serially)(experiment, left):
             runs[run.result.key] = run
             if journal:
                 journal.add(run)
-            advance()
+            bar.advance(task)
     ordered = tuple(runs[case.key] for case in cases)
     if journal:
         journal.finish(cases, experiment.files([run.result for run in ordered]))
     return ordered
 
 
-class SpeedColumn(ProgressColumn):
+class SpeedColumn(progress.ProgressColumn):
     """The rate in cases per second, or in seconds per case where they are slow."""
 
-    def render(self, task: Task) -> Text:
+    def render(self, task: progress.Task) -> Text:
         """Return the rate as a text."""
         speed = task.finished_speed or task.speed
         if not speed:
@@ -84,27 +74,18 @@ class SpeedColumn(ProgressColumn):
         return Text(f"{speed:.1f} a second" if speed >= 1 else f"{1 / speed:.1f} s each")
 
 
-@contextmanager
-def show_progress(
-    name: str, total: int, finished: int, console: Console | None
-) -> Generator[Callable[[], None]]:
-    """Show a progress bar during a block, which gets a function to call after each case.
-
-    `finished` of the `total` cases are finished already. Nothing is shown if the console is None or
-    not a terminal.
-    """
-    if console is None or not console.is_terminal:
-        yield lambda: None
-        return
+def progress_bar(console: Console | None) -> progress.Progress:
+    """Return a bar of cases; it shows nothing if the console is None or not a terminal."""
     columns = (
-        TextColumn("{task.description}"),
-        BarColumn(),
-        MofNCompleteColumn(),
+        progress.TextColumn("{task.description}"),
+        progress.BarColumn(),
+        progress.MofNCompleteColumn(),
         SpeedColumn(),
-        TimeRemainingColumn(compact=True),
-        TextColumn("left"),
+        progress.TimeRemainingColumn(compact=True),
+        progress.TextColumn("left"),
     )
+    quiet = console is None or not console.is_terminal
     # Few refreshes: more take time that the cases need.
-    with Progress(*columns, console=console, transient=True, refresh_per_second=4) as bar:
-        task = bar.add_task(name, total=total, completed=finished)
-        yield lambda: bar.advance(task)
+    return progress.Progress(
+        *columns, console=console, transient=True, refresh_per_second=4, disable=quiet
+    )

@@ -10,8 +10,6 @@ When all cases are finished, the folder also contains
 and the files of the experiment itself, such as the certificate of all learning scenarios.
 """
 
-from __future__ import annotations
-
 import csv
 import hashlib
 import io
@@ -20,8 +18,8 @@ import os
 from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager
 from pathlib import Path
-from typing import cast
 
+from ....ontology.disk_cache import write_atomically
 from ....ontology.errors import DataError, StoreError
 from ...execution.outcome import Json
 from ..experiment import Case, Experiment, TimedResult, to_json_line
@@ -76,10 +74,13 @@ class RunJournal(AbstractContextManager["RunJournal"]):
         """
         runs = [self.runs[case.key] for case in cases]
         lines = (f"{to_json_line(each.result)}\n" for each in runs)
-        _replace(self.folder / RESULTS, "".join(lines))
-        _replace(self.folder / TIMES, _times(runs))
+        write_atomically(self.folder / RESULTS, "".join(lines))
+        table = io.StringIO()
+        rows = ((each.result.key, round(each.cpu_s, 6), each.attempts) for each in runs)
+        csv.writer(table, lineterminator="\n").writerows([("key", "cpu_s", "attempts"), *rows])
+        write_atomically(self.folder / TIMES, table.getvalue())
         for name, document in (files or {}).items():
-            _replace(self.folder / name, f"{to_json_line(document)}\n")
+            write_atomically(self.folder / name, f"{to_json_line(document)}\n")
 
     def _lock(self) -> None:
         if os.name == "nt":  # an open file cannot be opened again for writing there
@@ -144,12 +145,9 @@ def _header(experiment: Experiment, cases: Sequence[Case]) -> Json:
 
 def _parsed(source: str, number: int, line: bytes) -> Json:
     try:
-        document: object = json.loads(line)
-    except ValueError as error:
-        raise DataError("is not JSON.", source=source, line=number) from error
-    if not isinstance(document, dict):
-        raise DataError("expected a JSON object.", source=source, line=number)
-    return cast("Json", document)
+        return dict(json.loads(line))
+    except (TypeError, ValueError) as error:
+        raise DataError("expected a JSON object.", source=source, line=number) from error
 
 
 def _read_run(source: str, number: int, line: bytes) -> TimedResult:
@@ -157,19 +155,3 @@ def _read_run(source: str, number: int, line: bytes) -> TimedResult:
         return TimedResult.from_json(_parsed(source, number, line))
     except (KeyError, TypeError) as error:
         raise DataError("is not a result.", source=source, line=number) from error
-
-
-def _times(runs: Sequence[TimedResult]) -> str:
-    table = io.StringIO()
-    rows = ((each.result.key, round(each.cpu_s, 6), each.attempts) for each in runs)
-    csv.writer(table, lineterminator="\n").writerows([("key", "cpu_s", "attempts"), *rows])
-    return table.getvalue()
-
-
-def _replace(path: Path, text: str) -> None:
-    beside = path.with_name(f"{path.name}.part")
-    with beside.open("w", encoding="utf-8", newline="\n") as file:
-        file.write(text)
-        file.flush()
-        os.fsync(file.fileno())
-    beside.replace(path)

@@ -3,13 +3,12 @@
 Hilt must be installed on every node. The cases of a failed node are started again on another one.
 """
 
-from __future__ import annotations
-
 import faulthandler
 import os
 import socket
 from collections.abc import Generator, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass, field
 from typing import Any
 
 from ....ontology.errors import WorkersUnavailableError, extra_required
@@ -20,10 +19,20 @@ LOCAL = "local"
 CONNECT_S = 10.0  # how long the head node may take to answer [s]
 
 
+def _import_ray() -> Any:
+    # Ray reads this when it is imported: no usage statistics are sent.
+    os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")
+    with extra_required("cluster", "ray"):
+        import ray  # pyright: ignore[reportMissingImports] - an extra
+
+    return ray
+
+
+@dataclass(frozen=True)
 class RayRunner:
     """Runs cases on a Ray cluster.
 
-    Args:
+    Attributes:
         address: the address of its head node, "auto", or "local" to start a cluster.
         workers: maximum number of cases at the same time; None is the number of processors.
         timeout_s: how long a case may take before it is stopped [s].
@@ -33,19 +42,13 @@ class RayRunner:
         MissingExtraError: Ray is not installed.
     """
 
-    def __init__(
-        self,
-        address: str,
-        workers: int | None = None,
-        *,
-        timeout_s: float = TIMEOUT_S,
-        attempts: int = ATTEMPTS,
-    ) -> None:
-        self.address, self.workers = address, workers
-        self.timeout_s, self.attempts = timeout_s, attempts
-        self._ray = _import_ray()
+    address: str
+    workers: int | None = None
+    timeout_s: float = TIMEOUT_S
+    attempts: int = ATTEMPTS
+    _ray: Any = field(default_factory=_import_ray, repr=False, compare=False)
 
-    def run(self, experiment: Experiment, cases: Sequence[Case]) -> Iterator[TimedResult]:
+    def __call__(self, experiment: Experiment, cases: Sequence[Case]) -> Iterator[TimedResult]:
         """Run the cases on the cluster; WorkersError if it cannot be reached."""
         work = (self.timeout_s, experiment.name, to_json_line(experiment.options))
         with self._connected():
@@ -61,8 +64,10 @@ class RayRunner:
     @contextmanager
     def _connected(self) -> Generator[None]:
         own = self.address == LOCAL
+        host, colon, port = self.address.removeprefix("ray://").rpartition(":")
         try:
-            _check_address(self.address)
+            if colon:  # Ray itself would retry for minutes
+                socket.create_connection((host, int(port)), CONNECT_S).close()
             self._ray.init(
                 address=None if own else self.address,
                 num_cpus=self.workers if own else None,
@@ -84,19 +89,3 @@ def _run_within(timeout_s: float, *work: str) -> str:
         return run_in_worker(*work)
     finally:
         faulthandler.cancel_dump_traceback_later()
-
-
-def _check_address(address: str) -> None:
-    """Check that an address accepts connections; Ray itself would retry for minutes."""
-    host, colon, port = address.removeprefix("ray://").rpartition(":")
-    if colon:
-        socket.create_connection((host, int(port)), CONNECT_S).close()
-
-
-def _import_ray() -> Any:
-    # Ray reads this when it is imported: no usage statistics are sent.
-    os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")
-    with extra_required("cluster", "ray"):
-        import ray  # pyright: ignore[reportMissingImports] - an extra
-
-    return ray

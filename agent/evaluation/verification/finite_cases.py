@@ -5,8 +5,6 @@ Cells, objects, parts, actions and levels are given by their indices; sets of ob
 as bit masks.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from dataclasses import astuple
 from functools import cached_property
@@ -140,7 +138,8 @@ def check_scores(space: VerbalizedSpace, shift: int) -> CheckResult:
     cell was taught; and evaluating its proof again must give the same interval.
     """
     cells, objects = space.cells, space.objects
-    codes = space.shifted(shift)
+    # The 16 shifts together give each cell each code once, always among other codes.
+    codes = [(shift + i) % (space.full + 1) for i in range(len(cells))]
     with space.taught_agent(codes) as taught:
         found = [_score(space, taught, cell) for cell in cells]
         full = [candidate_of(cell, decide_about(taught, cell, objects)) for cell in cells]
@@ -159,7 +158,6 @@ def check_scores(space: VerbalizedSpace, shift: int) -> CheckResult:
 def _score(
     space: VerbalizedSpace, taught: TaughtAgent, cell: RuleKey
 ) -> tuple[Candidate | None, list[float]]:
-    """Return the candidate of a cell with only its object in the scene, and its row."""
     decided = decide_about(taught, cell, [cell.object])
     candidate = candidate_of(cell, decided)
     rules = candidate.rules if candidate else ()

@@ -11,8 +11,6 @@ growth      H2: rules are taught one by one in a random order, until all 288 are
             others the node and the base hold, the scores of its cells are those of the definition
 """
 
-from __future__ import annotations
-
 import hashlib
 from collections.abc import Iterator, Sequence
 from random import Random
@@ -23,24 +21,10 @@ from ....sim.scene.scene import scene_with
 from ...agent import Agent
 from ...config import AgentConfig
 from ..learning_scenarios import ACTIONS, CONTEXTS, LEVELS, command
-from .finite_cases import (
-    CheckResult,
-    VerbalizedSpace,
-    candidate_of,
-    decide_about,
-    differences,
-    highest_codes,
-    parts_mask,
-    score_of,
-)
+from . import finite_cases, taught_agent
+from .finite_cases import CheckResult, VerbalizedSpace
 from .scenario_space import CONFIDENCES, Codes, RuleKey, ScenarioSpace, belief, code_of
-from .taught_agent import (
-    GraphStatement,
-    TaughtAgent,
-    TracedDecision,
-    acceptable_candidates,
-    belief_statements,
-)
+from .taught_agent import TaughtAgent
 
 COMMANDS = 5  # given in each random learning scenario
 Choice = list[int]  # scene, action, affordance, acceptable objects, acceptable parts of the first
@@ -61,13 +45,13 @@ def check_teaching(space: VerbalizedSpace, seed: int, number: int) -> CheckResul
         for sentence in rng.sample(once * 2, len(once) * 2):
             agent.hear(sentence, only="tell")
         held = _read_back(space, agent.base.rules())
-        statements = belief_statements(agent.base)
+        statements = taught_agent.belief_statements(agent.base)
         choices = [_commanded(space, agent, *each) for each in asked]
     apart = (space.statements_of(each) for each in ("", *once))
     wrong = [] if held == list(codes) else [f"{codes} is read back as {held}"]
-    if statements != frozenset[GraphStatement]().union(*apart):
+    if statements != frozenset[taught_agent.GraphStatement]().union(*apart):
         wrong.append("the beliefs are not the union of the beliefs from each sentence")
-    wrong += differences(
+    wrong += finite_cases.differences(
         choices, [[*each, *_definition(space, codes, *each)[:2]] for each in asked]
     )
     return {"codes": codes, "held": held, "told": 2 * len(once), "choices": choices}, wrong
@@ -89,16 +73,14 @@ def _commanded(space: ScenarioSpace, agent: Agent, mask: int, action: int, wante
     text = command([*ACTIONS][action], space.affordances[wanted])
     scene = scene_with(space.scene(mask), seed=0, objects=agent.objects)
     with agent.in_scene(scene) as other:
-        result = other.hear(text, only="do", keep=False).result
-    decision = result.decision if result else None
+        decision = other.hear(text, only="do", keep=False).decision
     chosen = (decision.object, decision.part) if decision else (None, None)
     return [mask, action, wanted, *_masks(space, *chosen)]
 
 
 def _masks(space: ScenarioSpace, found: Inference | None, part: Inference | None) -> Choice:
-    """Return the acceptable objects, and the acceptable parts of the first of them."""
-    names = [each.object for each in acceptable_candidates(found)]
-    return [space.mask(names), parts_mask(space, names[0], part) if names else 0]
+    names = [each.object for each in taught_agent.acceptable_candidates(found)]
+    return [space.mask(names), finite_cases.parts_mask(space, names[0], part) if names else 0]
 
 
 def check_situations(space: VerbalizedSpace, seed: int, number: int, action: int) -> CheckResult:
@@ -109,21 +91,18 @@ def check_situations(space: VerbalizedSpace, seed: int, number: int, action: int
     learning scenario of all rules.
     """
     codes = space.drawn(_random(seed, number), 0.5 if number else 1.0)
+    lines: list[list[int]] = []
     with space.taught_agent(codes) as taught:
-        lines = list(_situations(space, taught, action))
+        for mask in range(2 ** len(space.objects)):
+            for wanted, affordance in enumerate(space.affordances):
+                target = Target(used_for=affordance)
+                decided = taught.decide([*ACTIONS][action], target, space.scene(mask))
+                sets = map(space.cell_mask, (decided.read, decided.listed))
+                lines.append([mask, wanted, *_masks(space, decided.object, decided.part), *sets])
     truth = [[*each[:2], *_definition(space, codes, each[0], action, each[1])] for each in lines]
     counts = [sum(min(line[2].bit_count(), 2) == n for line in lines) for n in range(3)]
     facts = {"codes": codes, "none": counts[0], "unique": counts[1], "ties": counts[2]}
-    return {**facts, "digest": _digest(lines)}, differences(lines, truth)
-
-
-def _situations(space: VerbalizedSpace, taught: TaughtAgent, action: int) -> Iterator[list[int]]:
-    for mask in range(2 ** len(space.objects)):
-        for number, affordance in enumerate(space.affordances):
-            target = Target(used_for=affordance)
-            decided = taught.decide([*ACTIONS][action], target, space.scene(mask))
-            sets = map(space.cell_mask, (decided.read, decided.listed))
-            yield [mask, number, *_masks(space, decided.object, decided.part), *sets]
+    return {**facts, "digest": _digest(lines)}, finite_cases.differences(lines, truth)
 
 
 def _definition(
@@ -131,14 +110,14 @@ def _definition(
 ) -> list[int]:
     scene = [i for i in range(len(space.objects)) if mask >> i & 1]
     node = space.node(RuleKey("", space.affordances[affordance]))
-    tops = highest_codes([codes[node[i]] for i in scene])
+    tops = finite_cases.highest_codes([codes[node[i]] for i in scene])
     objects = [name for i, name in enumerate(scene) if tops >> i & 1]
     context = [*ACTIONS][action]
     held = [space.objects[i] for i in objects[:1] if context in CONTEXTS]
     grasped = [space.index[RuleKey(o, part, context)] for o in held for part in space.parts[o]]
     read = {*([node[i] for i in scene] if objects else node), *grasped}
     listed = {*node, *(space.node(RuleKey("", "", context)) if held else ())}
-    parts = highest_codes([codes[cell] for cell in grasped])
+    parts = finite_cases.highest_codes([codes[cell] for cell in grasped])
     sets = (sum(1 << cell for cell in each if codes[cell]) for each in (read, listed))
     return [sum(1 << i for i in objects), parts, *sets]
 
@@ -162,19 +141,19 @@ def check_growth(space: VerbalizedSpace, seed: int, number: int) -> CheckResult:
             node = space.node(cell)
             scores = [*_node_scores(taught, [space.cells[each] for each in node])]
             right = [[belief(code), 1.0, int(code > 0)] for code in (codes[each] for each in node)]
-            wrong += differences([[*each[:2], each[3]] for each in scores], right)
+            wrong += finite_cases.differences([[*each[:2], each[3]] for each in scores], right)
             lines += scores
     return {"order": order, "digest": _digest(lines)}, wrong
 
 
 def _node_scores(taught: TaughtAgent, node: Sequence[RuleKey]) -> Iterator[list[float]]:
     scene = list(dict.fromkeys(cell.object for cell in node))
-    decided: dict[str, TracedDecision] = {}
+    decided: dict[str, taught_agent.TracedDecision] = {}
     for cell in node:
         asked = cell.object if cell.context else cell.argument
         if asked not in decided:
-            decided[asked] = decide_about(taught, cell, scene)
-        yield score_of(candidate_of(cell, decided[asked]))
+            decided[asked] = finite_cases.decide_about(taught, cell, scene)
+        yield finite_cases.score_of(finite_cases.candidate_of(cell, decided[asked]))
 
 
 def _digest(lines: Sequence[Sequence[float]]) -> str:

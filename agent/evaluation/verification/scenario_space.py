@@ -116,13 +116,6 @@ class ScenarioSpace:
         """Return the bit mask of a set of objects."""
         return sum(1 << self.objects.index(name) for name in names)
 
-    def shifted(self, shift: int) -> Codes:
-        """Return the learning scenario whose i-th cell has code shift + i, modulo their number.
-
-        The 16 shifts together give each cell each code once, always among other codes.
-        """
-        return tuple((shift + i) % (self.full + 1) for i in range(len(self.cells)))
-
     def drawn(self, rng: Random, share: float) -> Codes:
         """Return a random learning scenario, to which each rule belongs with the chance `share`."""
         bits = [1 << i for i in range(len(LEVELS))]

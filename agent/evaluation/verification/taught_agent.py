@@ -11,8 +11,6 @@ met the cells L and read the cells R decides alike in all learning scenarios tha
 have the same number of rules in each cell of L.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, fields

@@ -16,7 +16,7 @@ import hashlib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
-from itertools import product
+from itertools import permutations, product
 from typing import cast
 
 from ....inference.decision import DecisionRule
@@ -50,9 +50,6 @@ class OpaqueScore:
 
     def __lt__(self, other: OpaqueScore) -> bool:
         return self._level < other._level
-
-    def __gt__(self, other: OpaqueScore) -> bool:
-        return self._level > other._level
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, OpaqueScore) and self._level == other._level
@@ -131,18 +128,10 @@ def weak_order_blocks(objects: int) -> list[WeakOrderClass]:
 @cache
 def surjections(places: int, levels: int) -> tuple[tuple[int, ...], ...]:
     """Return all surjections from places to levels, in lexicographic order."""
-    return tuple(_surjections(places, levels, frozenset()))
-
-
-def _surjections(places: int, levels: int, used: frozenset[int]) -> Iterator[tuple[int, ...]]:
-    if levels - len(used) > places:
-        return
-    if not places:
-        yield ()
-        return
-    for level in range(levels):
-        for rest in _surjections(places - 1, levels, used | {level}):
-            yield (level, *rest)
+    if places == levels:
+        return tuple(permutations(range(levels)))
+    maps = product(range(levels), repeat=places) if places > levels else ()
+    return tuple(each for each in maps if len({*each}) == levels)
 
 
 class _Chooser:

@@ -2,6 +2,8 @@
 
 import json
 import shutil
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -10,6 +12,7 @@ import pytest
 from hilt.agent.agent import Agent
 from hilt.agent.cli import main
 from hilt.agent.config import AgentConfig
+from hilt.kb import KnowledgeBase
 from hilt.kb.episodes import Episode, GraspTrial
 
 Run = Callable[..., tuple[int, str, str]]
@@ -187,6 +190,47 @@ def test_watch_shows_changes_a_line_each(run: Run):
     assert (code, change["text"]) == (0, PASS)
     assert [rule["part"] for rule in change["rules"]["told"]] == ["blade"]
     assert "+ object:knife" in run("watch", "--since", "0", "--for", "0")[1]
+
+
+@pytest.mark.parametrize(
+    ("wanted", "shown"),
+    [
+        (("--object", "mug"), [3]),
+        (("--speaker", "Anna"), [3]),
+        (("--object", "knife", "--speaker", "sam"), [1, 2, 4]),
+        (("--since", "4"), [4]),
+    ],
+)
+def test_feed_is_of_an_object_or_a_speaker(run: Run, wanted: tuple[str, ...], shown: list[int]):
+    """Each line has its number, so that who reads can go on behind it."""
+    run("trust", "anna", "1")
+    run("tell", "A mug is used for drinking", "--speaker", "anna")
+    run("forget", "last")
+
+    _, out, _ = run("watch", "--since", "0", *wanted, "--for", "0", "--json")
+
+    changes = [json.loads(line) for line in out.splitlines()]
+    touched = [one["sequence"] for one in changes if any(one["rules"].values())]
+    assert touched == [number + (number > 2) for number in shown]
+    assert all(one["speaker"] and one["time"] for one in changes)
+
+
+def test_feed_goes_on_where_another_process_writes(run: Run, tmp_path: Path):
+    """It shows each change once, however it is polled."""
+    feed = subprocess.Popen(
+        [sys.executable, "-c", "from hilt.agent.cli import main; main()",
+         *("watch", "--since", "2", "--json", "--every", "0.05", "--kb", str(tmp_path / "kb"))],
+        stdout=subprocess.PIPE, text=True,
+    )  # fmt: skip
+    with feed, KnowledgeBase.open(tmp_path / "kb") as base:
+        numbers = [
+            base.record(f"Hello {number}.", "", "sam", "statement", accepted=True).sequence
+            for number in range(5)
+        ]
+        assert feed.stdout is not None
+        seen = [json.loads(feed.stdout.readline())["sequence"] for _ in numbers]
+        feed.terminate()
+    assert seen == numbers
 
 
 def test_diff_of_equal_bases_is_empty(run: Run, hilt: Run, tmp_path: Path):

@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 from experience import ExperienceExperiment, is_contradicted
 
-from hilt.agent.evaluation.reports.html import render_page
+from hilt.agent.evaluation.reports.export import render_page
 from hilt.agent.evaluation.reports.summary import EvaluationReport
-from hilt.agent.evaluation.runners.base import SerialRunner
+from hilt.agent.evaluation.runners.base import run_serially
 from hilt.inference.experience import contradiction, credible_interval
 from hilt.kb.interval import Interval
 
@@ -25,7 +25,7 @@ def test_experience_lessens_regret_and_is_reported():
     experiment = ExperienceExperiment(trials=1, episodes=60)
     cases = experiment.cases()
 
-    report = EvaluationReport.from_runs(experiment, list(SerialRunner().run(experiment, cases)))
+    report = EvaluationReport.from_runs(experiment, list(run_serially(experiment, cases)))
     page = render_page(experiment, cases, report)
 
     (curve,) = report.as_json()["curves"]

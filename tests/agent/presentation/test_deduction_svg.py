@@ -27,7 +27,10 @@ def test_rules_of_a_proof_are_sentences(taught: Agent) -> None:
     assert result and result.decision
 
     drawn = draw_svg(
-        [from_proof(each, taught.dialogue.describe) for each in result.decision.proofs()]
+        [
+            from_proof(each, taught.dialogue.conversation.describe)
+            for each in result.decision.proofs()
+        ]
     )
 
     assert "Sam: a knife is used for" in drawn

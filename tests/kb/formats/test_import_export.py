@@ -14,8 +14,10 @@ from rdflib import Dataset, Graph
 from rdflib.compare import isomorphic
 
 from hilt.kb.bulk.exporter import statements
+from hilt.kb.formats import import_export
 from hilt.kb.formats.import_export import export_file, import_file, write_base
 from hilt.kb.knowledge_base import KnowledgeBase
+from hilt.kb.rdf.rule_mapping import DERIVED_FROM
 from hilt.kb.rule import Rule
 from hilt.kb.stores.opening import open_store
 from hilt.kb.validation import check_invariants
@@ -126,6 +128,103 @@ def test_export_is_the_same_for_the_same_base(paper: KnowledgeBase):
     assert written(paper, "trig") == written(paper, "trig")
 
 
+@pytest.mark.parametrize(
+    "format", ["turtle", "turtle12", "ntriples", "rdfxml", "trig", "nquads", "jsonld"]
+)
+def test_longer_file_comes_back_too(
+    paper: KnowledgeBase, format: str, monkeypatch: pytest.MonkeyPatch
+):
+    """What stands in order streams, and what does not is put in order: the same rules."""
+    monkeypatch.setattr(import_export, "MAX_BY_HAND", 0)
+    again = fresh()
+
+    import_text(again, written(paper, format), format=format)
+
+    assert again.rules(status=None) == paper.rules(status=None)
+    assert list(check_invariants(again.store, whole=True)) == []
+
+
+@pytest.mark.parametrize("name", ["rule:mug", BLADE.id.replace("/", ":")])
+def test_longer_file_may_scatter_what_it_says_of_a_rule(
+    kb: KnowledgeBase, monkeypatch: pytest.MonkeyPatch, name: str
+):
+    """And name it as it likes, as a shorter one."""
+    monkeypatch.setattr(import_export, "MAX_BY_HAND", 0)
+    apart = (
+        BY_HAND.replace("hilt:lower 0.75 ;", "") + 'object:mug a hilt:Object ; rdfs:label "mug" .\n'
+    )
+    text = f"{apart}rule:mug hilt:lower 0.75 .".replace("rule:mug", name)
+
+    assert import_text(kb, text.encode(), format="turtle").new == 1
+    assert [rule.interval.lower for rule in kb.rules()] == [0.75]
+
+
+def test_rule_is_not_taken_from_an_utterance_that_did_not_say_it(paper: KnowledgeBase):
+    """A file that says so is refused, and names both."""
+    first, second = (f"<{PREFIXES['utterance']}{number}>".encode() for number in (1, 2))
+    source = f"<{DERIVED_FROM}> ".encode()
+    forged = written(paper, "nquads").replace(source + first, source + second)
+
+    with pytest.raises(ValidationError, match="utterance:2: It does not assert the rule:"):
+        import_text(fresh(), forged, format="nquads")
+
+
+NODE, BASE = PREFIXES["object"], PREFIXES["graph"]
+RULES = f"<{PREFIXES['rule']}".encode()
+SAME, LABEL = PREFIXES["owl"] + "sameAs", PREFIXES["rdfs"] + "label"
+
+
+@pytest.mark.parametrize("most", [0, 1000])
+@pytest.mark.parametrize(
+    ("line", "what"),
+    [
+        (f"<{NODE}knife> <{SAME}> <http://x.org/Knife> <{BASE}domain> .", "owl:sameAs"),
+        (f'<{NODE}knife> <{LABEL}> "couteau" <{BASE}beliefs> .', "rdfs:label"),
+    ],
+)
+def test_what_is_not_taken_is_counted(
+    paper: KnowledgeBase, monkeypatch: pytest.MonkeyPatch, line: str, what: str, most: int
+):
+    """Whether the file streams or is put in order; all that Hilt wrote itself is taken."""
+    monkeypatch.setattr(import_export, "MAX_BY_HAND", most)
+    household = load_objects(), load_actions()
+    paper.load_domain(*household)
+    other = fresh()
+    other.load_domain(*household)
+    text = written(paper, "nquads")
+
+    assert import_text(other, text, format="nquads", dry_run=True).as_json()["not_taken"] == {}
+    found = import_text(other, text + line.encode(), format="nquads")
+
+    graph = line.rsplit("/", 1)[1].removesuffix("> .")
+    assert found.as_json()["not_taken"] == {f"{what} in graph:{graph}": 1}
+
+
+def test_foreign_property_of_a_rule_is_refused_in_a_stream_too(
+    paper: KnowledgeBase, monkeypatch: pytest.MonkeyPatch
+):
+    """As it is in a short file."""
+    monkeypatch.setattr(import_export, "MAX_BY_HAND", 0)
+    text = written(paper, "nquads")
+    line = next(line for line in text.splitlines() if line.startswith(RULES))
+    node, at = line.split()[0], text.index(line)
+    foreign = node + f' <{PREFIXES["rdfs"]}comment> "!" <{BASE}beliefs> .\n'.encode()
+
+    with pytest.raises(ValidationError, match="rdfs:comment is no part of a rule"):
+        import_text(fresh(), text[:at] + foreign + text[at:], format="nquads")
+
+
+def test_trust_that_the_base_has_its_own_of_is_not_taken(paper: KnowledgeBase, kb: KnowledgeBase):
+    """And is counted."""
+    other = fresh()
+    teach(other, CUTTING)
+    other.set_trust("sam", 0.5)
+
+    found = import_text(other, written(paper, "nquads"), format="nquads")
+
+    assert found.not_taken == {"hilt:trustLower in graph:beliefs": 1}
+
+
 # --- Joining
 
 
@@ -194,10 +293,14 @@ def test_dry_run_writes_nothing(paper: KnowledgeBase):
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [
-        ("hilt:lower 0.75", "hilt:lower 1.3", "1.3.*is not an interval"),
+        (
+            "hilt:lower 0.75",
+            "hilt:lower 1.3",
+            r"hilt:lower is one decimal in \[0, hilt:upper\].*1\.3",
+        ),
         ("hilt:upper 1.0", "hilt:upper 0.1", r"\[0\.75, 0\.1\]|hilt:upper"),
         ("part:handle", "part:handle , part:rim", "at most one hilt:part"),
-        ("speaker:eve", "<http://x/eve>", "no speaker's name"),
+        ("speaker:eve", "<http://x/eve>", "leads to one speaker:NAME"),
         ("hilt:ActionRule", "hilt:FunctionalRule", "functional rule"),
         (
             "speaker:eve .",

@@ -8,6 +8,7 @@ import pytest
 
 from hilt.kb.knowledge_base import KnowledgeBase
 from hilt.kb.rdf.domain import DOMAIN
+from hilt.kb.rdf.terms import Literal
 from hilt.kb.sparql.results import BooleanResult
 from hilt.kb.validation import check_shapes
 from hilt.ontology.actions import load_actions
@@ -49,10 +50,12 @@ def test_parts_are_those_of_the_data(home: KnowledgeBase, name: str):
     found = home.select(
         "SELECT ?name { GRAPH graph:domain { ?part hilt:whole ?object ; hilt:isA ?kind . "
         "?kind rdfs:label ?name ; hilt:partOf ?object . ?object rdfs:label ?label } }",
-        {"label": name},
+        {"label": Literal(name, language="en")},
     )
 
-    assert {row[0] for row in found} == set(OBJECTS[name].parts)
+    assert {row[0] for row in found} == {
+        Literal(part, language="en") for part in OBJECTS[name].parts
+    }
 
 
 def test_domain_says_nothing_about_use_or_grasp(home: KnowledgeBase):

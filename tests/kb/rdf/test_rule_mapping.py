@@ -11,10 +11,10 @@ from hypothesis import given
 
 from hilt.kb.interval import Interval
 from hilt.kb.rdf import rule_mapping
-from hilt.kb.rdf.terms import Quad
-from hilt.kb.rule import Atom, Rule, functional, grasping
+from hilt.kb.rdf.terms import Literal, Quad
+from hilt.kb.rule import KIND_OF, Atom, Rule, functional, grasping
 from hilt.ontology.errors import ValidationError
-from hilt.ontology.vocabulary import Iri, iri, term
+from hilt.ontology.vocabulary import Iri, external, iri, term
 
 from ..conftest import BLADE, CUTTING
 from ..strategies import rules
@@ -51,7 +51,7 @@ def test_rule_hangs_on_its_node():
         iri("node", "pass.graspObject"),
         rule_mapping.RULE,
         rule_mapping.rule_iri(BLADE.id),
-        rule_mapping.BELIEFS,
+        rule_mapping.DERIVED,
     )
 
 
@@ -147,3 +147,36 @@ def test_bounds_are_short_decimals():
 
     assert dict(star_of(rule))[rule_mapping.LOWER] == Decimal("0.333333")
     assert dict(star_of(rule))[rule_mapping.UPPER] == Decimal(1)
+
+
+def test_relation_beside_an_edge_names_its_conditions():
+    """The contexts of a rule, and its further features: a hot mug, to pass it."""
+    hot = replace(BLADE, features=BLADE.features | {Atom("property", "hot")})
+
+    found = {quad[:3] for quad in rule_mapping.rule_quads(hot)}
+
+    relation = iri("relation", "graspedBy.action-pass--with-property-hot")
+    assert (iri("object", "knife"), relation, iri("part", "blade")) in found
+    assert (relation, rule_mapping.CONTEXT, iri("action", "pass")) in found
+    assert (relation, rule_mapping.FEATURE, iri("property", "hot")) in found
+    assert (relation, external("rdfs:subPropertyOf"), term("graspedBy")) in found
+
+
+def test_kind_of_thing_is_a_class_with_a_word():
+    """A label in the language of the words; what an action does is written apart."""
+    knife, pick = Atom("object", "knife"), Atom("action", "pickUp")
+
+    found = {quad[:3] for quad in rule_mapping.atom_label_quads([knife, pick])}
+
+    assert (iri("object", "knife"), external("rdf:type"), external("owl:Class")) in found
+    assert (iri("action", "pickUp"), rule_mapping.LABEL, Literal("pick up", language="en")) in found
+
+
+def test_kind_of_a_kind_is_its_subclass():
+    """A ladle is a kind of spoon."""
+    spoon = Atom("object", "spoon")
+    rule = Rule(frozenset([Atom("object", "ladle")]), frozenset(), KIND_OF, spoon, Interval(1, 1))
+
+    (edge,) = rule_mapping.plain_edges(rule)
+
+    assert edge[:3] == (iri("object", "ladle"), external("rdfs:subClassOf"), iri("object", "spoon"))

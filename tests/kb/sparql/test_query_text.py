@@ -6,7 +6,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hilt.kb.sparql.query_text import bind_variables, query_form, syntax_message
+from hilt.kb.sparql.query_text import (
+    bind_variables,
+    errors_as_typed,
+    query_form,
+    syntax_message,
+    with_prefixes,
+)
 from hilt.kb.stores.opening import open_store
 from hilt.ontology.errors import QueryError
 from hilt.ontology.vocabulary import Iri
@@ -87,3 +93,20 @@ def test_mistake_is_told_with_its_place():
     """Line, column, and what stands there."""
     with pytest.raises(QueryError, match=r'at line 2, column 6: found "\{ \?s \?p \?o \}"'):
         open_store("memory:").select("SELECT ?s\nWERE { ?s ?p ?o }")
+
+
+@pytest.mark.parametrize(
+    ("query", "place"),
+    [
+        ("SELECT ?s { ?s hilt:lower 1 . ?s hilt:upper ! . ?s ?p ?o }", "line 1, column 45"),
+        ("PREFIX x: <urn:x>\nSELECT ?s\n{ ?s hilt:upper ! . ?s ?p 1 }", "line 3, column 17"),
+        ("PREFIX x: <urn:x>\nSELECT ?s { ?s hilt:lower 1 }\n\nLIMIT ten", "line 4, column 7"),
+    ],
+)
+def test_place_of_an_error_is_that_in_the_text_as_typed(query: str, place: str):
+    """What Hilt adds, values of variables and declarations, does not count."""
+    values = {"s": Iri("urn:a:name:that:makes:it:longer")}
+
+    for sent in (bind_variables(query, values), with_prefixes(query), query):
+        with pytest.raises(QueryError, match=place), errors_as_typed(query, sent):
+            open_store("memory:").select(sent)

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hilt.kb.sparql.safety import refuse_external_access, refuse_nondeterminism
+from hilt.kb.sparql.safety import refuse_external_access
 from hilt.kb.stores.opening import open_store
 from hilt.ontology.errors import HiltError, QueryError
 
@@ -96,22 +96,3 @@ def test_what_is_not_refused_reaches_nothing(middle: str):
         with contextlib.suppress(QueryError):
             refuse_external_access(query)
             assert "port 9" not in complaint(query)
-
-
-@pytest.mark.parametrize(
-    "text",
-    [
-        "INSERT { ?s ?p ?x } WHERE { BIND(NOW() AS ?x) }",
-        "INSERT { ?s ?p 1 } WHERE { FILTER(1<2&&RAND()>0.5) }",
-        "INSERT { ?s ?p ?x } WHERE { BIND(struuid() AS ?x) }",
-    ],
-)
-def test_chance_is_refused(text: str):
-    """What would differ each time cannot be tried out first."""
-    with pytest.raises(QueryError, match="must do the same each time"):
-        refuse_nondeterminism(text)
-
-
-def test_names_may_sound_like_chance():
-    """Only functions are refused."""
-    refuse_nondeterminism("INSERT DATA { ex:now ex:knows 'NOW, you know' }")

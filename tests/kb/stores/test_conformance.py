@@ -312,6 +312,9 @@ def questioned(store: Store) -> KnowledgeBase:
     child = [Atom("role", "child")]
     kb.believe("No.", "", "anna", [norm("forbidden", "pass", interval=CERTAIN, contexts=child)])
     kb.retract(BLADE.id, "Forget it.", "", "sam")
+    kb.set_trust("anna", 0.5)
+    hot = functional("mug", "cutting", interval=Interval(0.4, 1), properties=("hot",))
+    kb.believe("Hot ones.", "", "anna", [hot])
     kb.record_episode(EPISODE)
     return kb
 
@@ -332,6 +335,8 @@ QUESTIONS: list[tuple[str, dict[str, str]]] = [
     ("how-to-grasp", {"object": "knife", "context": "pickUp"}),
     ("rules-of-node", {"node": "pickUp.graspObject"}),
     ("uses-of", {"object": "knife"}),
+    ("trust-in", {}),
+    ("trust-in", {"speaker": "anna"}),
     ("who-said", {"rule": CUTTING.id}),
 ]
 

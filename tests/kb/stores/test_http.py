@@ -24,6 +24,8 @@ from hilt.kb.stores.remote import RemoteStore
 from hilt.ontology.errors import QueryError, StoreError
 from hilt.ontology.vocabulary import Iri, iri
 
+from ..endpoints import InMemoryEndpoint
+
 ADDRESS = EndpointConfig("http://h/query", "http://h/update")
 QUAD = Quad(Iri("urn:s"), Iri("urn:p"), 1, iri("graph", "beliefs"))
 Handler = Callable[[httpx.Request], httpx.Response]
@@ -191,15 +193,14 @@ def test_token_is_sent_as_bearer():
 
 def test_bulk_goes_by_the_graph_store_protocol():
     """Where its address is known, one request a graph in place of many updates."""
-    address = EndpointConfig("http://h/query", "http://h/update", "http://h/store")
-    served = Served(in_turn(httpx.Response(204)), address)
-    store = RemoteStore(served.transport, read_only=False)
+    endpoint = InMemoryEndpoint()
+    store = endpoint.open(graphs="http://h/store")
 
     store.apply(insert=[QUAD._replace(object=number) for number in range(2_500)])
 
-    (request,) = served.requests
-    assert request.url.path == "/store" and "beliefs" in request.url.params["graph"]
-    assert len(request.content.splitlines()) == 2_500
+    (graph,) = (one for one in endpoint.updates if one.startswith("http"))
+    assert graph.endswith("new?https://w3id.org/hilt/graph/beliefs")
+    assert len(list(store.quads())) == 2_500
 
 
 def test_read_only_endpoint_is_never_written_to():

@@ -7,10 +7,15 @@ from typing import cast
 import pytest
 
 from hilt.agent.cli import main
-from hilt.agent.evaluation.experiment import Case, CaseResult, TimedResult, to_json_line
+from hilt.agent.evaluation.experiment import (
+    Case,
+    CaseResult,
+    TimedResult,
+    make_experiment,
+    to_json_line,
+)
 from hilt.agent.evaluation.experiments.ground_truth import CorrectChoices
 from hilt.agent.evaluation.experiments.paper import PaperExperiment, SituationsExperiment
-from hilt.agent.evaluation.experiments.registry import make_experiment
 from hilt.agent.evaluation.learning_scenarios import LEVELS, load_scenarios
 from hilt.agent.evaluation.reports.summary import EvaluationReport
 from hilt.agent.evaluation.runners.experiment_run import run_experiment

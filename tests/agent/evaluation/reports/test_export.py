@@ -16,8 +16,7 @@ from hilt.agent.cli import main
 from hilt.agent.evaluation.experiment import Case, CaseResult, TimedResult
 from hilt.agent.evaluation.experiments.noise_robustness import NoiseExperiment
 from hilt.agent.evaluation.experiments.paper import PaperExperiment
-from hilt.agent.evaluation.reports.export import write_report
-from hilt.agent.evaluation.reports.html import COLOURS, EmbeddedPicture, plot_curve, render_page
+from hilt.agent.evaluation.reports.export import COLOURS, plot_curve, render_page, write_report
 from hilt.agent.evaluation.reports.summary import EvaluationReport
 from hilt.agent.evaluation.runners.experiment_run import run_experiment
 
@@ -73,7 +72,7 @@ def test_every_case_links_to_its_explanation(paper):
 
 def test_page_needs_nothing_else(paper):
     """No script, and nothing that is loaded from elsewhere."""
-    text = render_page(*paper, pictures=[EmbeddedPicture("scene 1", "AAAA")])
+    text = render_page(*paper, pictures=[("scene 1", "AAAA")])
 
     assert Links(text).sources == ["data:image/jpeg;base64,AAAA"]
     assert "<script" not in text and "http" not in text

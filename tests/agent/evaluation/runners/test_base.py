@@ -1,14 +1,12 @@
 """Engines: the same results whatever happens to the workers."""
 
-from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
 from evaluation_faults import Squares
 
-from hilt.agent.evaluation.experiment import CaseResult, Experiment
-from hilt.agent.evaluation.experiments.registry import make_experiment
-from hilt.agent.evaluation.runners.base import ProcessRunner, Runner, SerialRunner
+from hilt.agent.evaluation.experiment import CaseResult, Experiment, make_experiment
+from hilt.agent.evaluation.runners.base import ProcessRunner, Runner, run_serially
 from hilt.agent.evaluation.runners.experiment_run import make_runner, run_experiment
 from hilt.ontology.errors import DataError, UnknownNameError, WorkersUnavailableError
 
@@ -22,7 +20,7 @@ def test_processes_give_what_one_process_gives():
     """The decisions of a run are the same in two processes, fact by fact and in order."""
     experiment = make_experiment("paper", {"scenes": 2})
 
-    assert results(experiment, ProcessRunner(2)) == results(experiment, SerialRunner())
+    assert results(experiment, ProcessRunner(2)) == results(experiment, run_serially)
 
 
 def test_case_whose_worker_dies_is_begun_again(tmp_path: Path):
@@ -58,7 +56,7 @@ def test_case_that_always_kills_is_given_up(tmp_path: Path):
     assert found[2].found == "its worker process died or timed out 2 times"
 
 
-@pytest.mark.parametrize("runner", [SerialRunner(), ProcessRunner(2)], ids=["serial", "processes"])
+@pytest.mark.parametrize("runner", [run_serially, ProcessRunner(2)], ids=["serial", "processes"])
 def test_error_of_a_case_is_its_result(runner: Runner):
     """A case that raises is wrong, says how, and stops nothing."""
     found = results(make_experiment("evaluation_faults:Broken", {"count": 3}), runner)
@@ -104,6 +102,5 @@ def test_unknown_option_is_told():
 
 def test_one_worker_needs_no_process():
     """By default cases run where the command runs."""
-    runners: Sequence[Runner] = (make_runner(), make_runner(2))
-
-    assert [type(runner) for runner in runners] == [SerialRunner, ProcessRunner]
+    assert make_runner() is run_serially
+    assert isinstance(make_runner(2), ProcessRunner)

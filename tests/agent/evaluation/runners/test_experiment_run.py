@@ -7,16 +7,17 @@ from rich.console import Console
 from rich.progress import Progress
 from rich.text import Text
 
-from hilt.agent.evaluation.runners.experiment_run import SpeedColumn, show_progress
+from hilt.agent.evaluation.runners.experiment_run import SpeedColumn, progress_bar
 
 
 def shown(*, terminal: bool, begun: int) -> str:
     """What a run of four cases shows."""
     file = io.StringIO()
     console = Console(file=file, force_terminal=terminal, width=100)
-    with show_progress("paper", 4, begun, console) as advance:
+    with progress_bar(console) as bar:
+        task = bar.add_task("paper", total=4, completed=begun)
         for _ in range(4 - begun):
-            advance()
+            bar.advance(task)
     return file.getvalue()
 
 

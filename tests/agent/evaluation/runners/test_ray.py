@@ -63,4 +63,4 @@ def test_cluster_that_does_not_answer_is_told():
     with pytest.raises(
         WorkersUnavailableError, match=r'No Ray cluster at "127\.0\.0\.1:1": .*refused'
     ):
-        list(runner.run(Squares(), Squares().cases()))
+        list(runner(Squares(), Squares().cases()))

@@ -2,7 +2,7 @@
 
 import pytest
 
-from hilt.agent.evaluation.experiments.registry import EXPERIMENTS, make_experiment
+from hilt.agent.evaluation.experiment import EXPERIMENTS, make_experiment
 
 
 @pytest.mark.parametrize("name", EXPERIMENTS)
