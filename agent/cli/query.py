@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -118,13 +117,10 @@ def _print(found: QueryResult, format_: str) -> None:
 
 def _list(*, as_json: bool) -> None:
     from ...kb.sparql.named_queries import named_query, query_names
+    from ..documents import question_as_json
 
     named = [named_query(name) for name in query_names()]
     if as_json:
-        common.print_json([
-            {"name": one.name, "question": one.question,
-             "parameters": [asdict(each) for each in one.parameters.values()]}
-            for one in named
-        ])  # fmt: skip
+        common.print_json([question_as_json(one) for one in named])
         return
     common.terminal().print(presentation.console.questions(named))

@@ -66,6 +66,7 @@ def trust(
 ) -> None:
     """Set the trust in a speaker, 0 for none; or show the trust in each speaker."""
     from ...ontology.errors import NotFoundError
+    from ..documents import trust_as_json
 
     if suggest:
         if degree is not None:
@@ -84,7 +85,7 @@ def trust(
             name = base.match_speaker(str(speaker))
             shown = {name: base.set_trust(name, degree)}
     if as_json:
-        print_json({name: {"lower": t.lower, "upper": t.upper} for name, t in shown.items()})
+        print_json(trust_as_json(shown))
         return
     for name, interval in shown.items():
         typer.echo(f"{name} is trusted to {interval.lower:g}.", err=degree is not None)
@@ -118,6 +119,7 @@ def graph(
     """Draw the rules as a graph, coloured by context; --json prints it and draws nothing."""
     from ...kb.formats.graphml import graph_of
     from ...kb.views import parse_moment, view
+    from ..documents import graph_as_json
 
     moment = None if at is None else parse_moment(at)
     with open_for_reading(kb) as base:
@@ -125,11 +127,8 @@ def graph(
         rules = source.rules(
             object=name, affordance=affordance, context=context, part=part, speaker=speaker
         )
-    found = graph_of(rules)
     if as_json:
-        nodes = [{"id": node, **data} for node, data in found.nodes(data=True)]
-        edges = [{"from": a, "to": b, **data} for a, b, data in found.edges(data=True)]
-        print_json({"nodes": nodes, "edges": edges})
+        print_json(graph_as_json(rules))
         return
     if len(rules) > MOST_RULES:
         raise DataError(
@@ -138,7 +137,7 @@ def graph(
             "GraphML.",
             source=file,
         )
-    _write(found, file)
+    _write(graph_of(rules), file)
     typer.echo(f"Drew {counted(len(rules), 'rule')} into {file}.", err=True)
 
 

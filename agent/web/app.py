@@ -1,0 +1,106 @@
+"""The application: the JSON interface, the page, health and metrics, behind one door."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncGenerator
+from contextlib import asynccontextmanager
+from importlib.metadata import version
+from pathlib import Path
+
+from anyio import to_thread
+from fastapi import APIRouter, FastAPI, Request
+from fastapi.staticfiles import StaticFiles
+from prometheus_client import CollectorRegistry, Gauge, generate_latest
+from prometheus_client.exposition import CONTENT_TYPE_LATEST
+from starlette.middleware.cors import CORSMiddleware
+from starlette.responses import PlainTextResponse, RedirectResponse, Response
+
+from ..execution.outcome import Json
+from .doorkeeper import Doorkeeper
+from .problems import Problem, answer_with_problems
+from .routes import conversation, knowledge, robot, session, streams
+from .security import Gate, address_of, is_loopback
+from .service import Service
+
+STATIC = Path(__file__).with_name("static")
+READERS = 4  # threads
+_NO_PAGE = 'The page is not built. Run "make page" in the checkout.\n'
+_health = APIRouter(tags=["health"])
+
+
+def make_app(service: Service, gate: Gate) -> FastAPI:
+    """Return the application of a service; its lifespan closes the service."""
+
+    @asynccontextmanager
+    async def lifespan(_: FastAPI) -> AsyncGenerator[None]:
+        to_thread.current_default_thread_limiter().total_tokens = READERS
+        yield
+        await service.stop()
+        await service.close()
+
+    registry = CollectorRegistry()
+    app = FastAPI(
+        title="Hilt", version=version("hilt"), lifespan=lifespan, docs_url=None, redoc_url=None
+    )
+    app.state.service, app.state.gate, app.state.registry = service, gate, registry
+    for each in (conversation, knowledge, robot, streams, session):
+        app.include_router(each.router, prefix="/api/v1")
+    app.include_router(_health)
+    _count(service, registry)
+    answer_with_problems(app)
+    if gate.settings.origins:
+        origins, methods = sorted(gate.settings.origins), ["GET", "POST", "PUT", "DELETE"]
+        headers = ["Authorization", "Content-Type", "Idempotency-Key", "Prefer"]
+        app.add_middleware(
+            CORSMiddleware, allow_origins=origins, allow_methods=methods, allow_headers=headers
+        )
+    app.add_middleware(Doorkeeper, settings=gate.settings, registry=registry)
+    app.mount("/static", StaticFiles(directory=STATIC, check_dir=False), name="static")
+    return app
+
+
+def _count(service: Service, registry: CollectorRegistry) -> None:
+    for name, told, read in (
+        ("hilt_utterances", "Utterances in the history", lambda: service.base.sequence),
+        ("hilt_waiting", "Utterances that wait to be heard", lambda: service.waiting),
+        ("hilt_streams", "Readers of events", lambda: service.hub.readers),
+    ):
+        Gauge(name, told, registry=registry).set_function(read)
+
+
+@_health.get("/healthz")
+async def healthz() -> Json:
+    """Whether the service is alive."""
+    return {"alive": True}
+
+
+@_health.get("/readyz")
+def readyz(request: Request) -> Json:
+    """Whether the base is open, and the robot able to move."""
+    service: Service = request.app.state.service
+    if service.is_stopping:
+        raise Problem(503, "stopping", "Stopping", "The service ends.")
+    return {"ready": True, "sequence": service.base.sequence, "moves": service.agent.simulate}
+
+
+@_health.get("/metrics")
+async def metrics(request: Request) -> Response:
+    """Counts and times, for Prometheus; readers and this machine may see them."""
+    if not is_loopback(address_of(request)):
+        request.app.state.gate.caller_of(request)
+    return Response(generate_latest(request.app.state.registry), media_type=CONTENT_TYPE_LATEST)
+
+
+@_health.get("/", include_in_schema=False)
+async def page(request: Request, key: str | None = None) -> Response:
+    """The page; a key in the address is exchanged for a cookie, and taken out of it."""
+    if key is not None:
+        response = RedirectResponse("/", 303)
+        session.set_cookie(request.app.state.gate, response, key, address_of(request))
+        return response
+    file = STATIC / "index.html"
+    if not file.exists():
+        return PlainTextResponse(_NO_PAGE)
+    return Response(
+        file.read_bytes(), media_type="text/html", headers={"Cache-Control": "no-cache"}
+    )

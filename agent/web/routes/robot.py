@@ -1,0 +1,62 @@
+"""The robot: its table, its lease, and how it is stopped."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from fastapi import APIRouter, Request
+from pydantic import BaseModel, Field
+
+from ...documents import things_as_json
+from ...execution.outcome import Json
+from ..security import Operator, Reader
+from ..service import scene_as_json
+from .conversation import service_of
+
+router = APIRouter(tags=["robot"])
+
+
+class Table(BaseModel):
+    """What is laid on the table."""
+
+    scene: str = Field(max_length=500, examples=["all", "objects:knife,mug", "random:7"])
+    seed: int = Field(default=0, ge=0, le=2**31 - 1)
+
+
+class LeaseWish(BaseModel):
+    """For how long somebody wants to command the robot alone."""
+
+    seconds: Annotated[float, Field(ge=0, le=600)] = 60
+
+
+@router.get("/scene")
+async def scene(request: Request, _: Reader) -> Json:
+    """What stands on the table, and where, as soon as there is a body."""
+    service = service_of(request)
+    agent = service.agent
+    known = scene_as_json(agent)
+    if not agent.has_body:
+        return known
+    return known | {"things": await service.run(lambda: things_as_json(agent.body))}
+
+
+@router.post("/scene")
+async def set_scene(request: Request, caller: Operator, wanted: Table) -> Json:
+    """Lay the table anew."""
+    service = service_of(request)
+    service.check_lease(caller)
+    await service.set_scene(wanted.scene, wanted.seed)
+    return scene_as_json(service.agent)
+
+
+@router.post("/robot/stop")
+async def stop(request: Request, _: Operator) -> Json:
+    """Stop what moves, and drop the commands that wait, whoever holds the lease."""
+    service_of(request).stop_robot()
+    return {"stopped": True}
+
+
+@router.post("/robot/lease")
+async def lease(request: Request, caller: Operator, wish: LeaseWish) -> Json:
+    """Command the robot alone for some time; 0 seconds give it back."""
+    return service_of(request).lease(caller, wish.seconds)

@@ -1,0 +1,114 @@
+"""What happens, as it happens: Server-Sent Events for programs, a WebSocket for the page."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncGenerator
+from contextlib import suppress
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Header, Query, Request, WebSocket
+from fastapi.sse import EventSourceResponse, ServerSentEvent
+from starlette.websockets import WebSocketDisconnect, WebSocketState
+
+from ...execution.outcome import Json
+from ..events import EventStream
+from ..problems import Problem
+from ..security import Gate, Reader, address_of
+from ..service import Service, scene_as_json
+from ..tokens import Caller
+from .conversation import service_of
+
+router = APIRouter(tags=["events"])
+PROTOCOL = 1
+_HELLO_SECONDS, _PING_SECONDS = 5.0, 15.0
+_WHO, _TOO_MANY = 4401, 4429
+Number = Annotated[int | None, Query(ge=0, le=2**53)]
+
+
+@router.get("/events", response_class=EventSourceResponse)
+async def events(
+    request: Request,
+    caller: Reader,
+    since: Number = None,
+    last_event_id: Annotated[str | None, Header()] = None,
+) -> AsyncGenerator[ServerSentEvent]:
+    """Everything that happens; `Last-Event-ID` or `since` replays what was said after it."""
+    service = service_of(request)
+    after = int(last_event_id) if last_event_id and last_event_id.isdecimal() else since
+    with service.hub.subscribed(caller) as stream:
+        yield ServerSentEvent(data=hello(service), event="hello")
+        async for event in stream.read(after, service.base):
+            if isinstance(event, dict):
+                number = str(event["id"]) if "id" in event else None
+                yield ServerSentEvent(data=event, event=event["type"], id=number)
+
+
+@router.websocket("/live")
+async def live(socket: WebSocket) -> None:
+    """The same events as JSON texts, and frames of the scene as binary messages.
+
+    Who has no cookie sends `{"type": "hello", "token": ..., "since": ...}` first.
+    """
+    service: Service = socket.app.state.service
+    await socket.accept()
+    code = 1000
+    try:
+        caller, first = await _greeted(socket, socket.app.state.gate)
+        with service.hub.subscribed(caller) as stream:
+            await socket.send_json(hello(service))
+            since = first.get("since")
+            code = await _both_ways(socket, stream, service, since)
+    except Problem as problem:
+        await _ended(socket, _TOO_MANY if problem.status_code == 429 else _WHO)
+    except (WebSocketDisconnect, asyncio.TimeoutError, ValueError, KeyError):
+        code = _WHO
+    await _ended(socket, code)
+
+
+def hello(service: Service) -> Json:
+    """The first event: the protocol, the last utterance, and the scene."""
+    known = {"type": "hello", "version": PROTOCOL, "sequence": service.base.sequence}
+    return known | {"scene": scene_as_json(service.agent)}
+
+
+async def _greeted(socket: WebSocket, gate: Gate) -> tuple[Caller, dict[str, Any]]:
+    """Who listens, and the first message; the cookie says it, or a token in that message."""
+    message = asyncio.wait_for(socket.receive_json(), _HELLO_SECONDS)
+    first: dict[str, Any] = await message
+    if first.get("token"):
+        caller = gate.caller_with(str(first["token"]), address_of(socket))
+    else:
+        caller = gate.caller_of(socket)
+    socket.scope["hilt.caller"] = caller
+    return caller, first
+
+
+async def _both_ways(
+    socket: WebSocket, stream: EventStream, service: Service, since: int | None
+) -> int:
+    async def listen() -> None:
+        with suppress(WebSocketDisconnect):
+            while True:
+                await socket.receive_text()
+
+    async def tell() -> None:
+        async for event in stream.read(since, service.base):
+            if isinstance(event, bytes):
+                await socket.send_bytes(event)
+            else:
+                await socket.send_json(event)
+
+    tasks = [asyncio.ensure_future(each) for each in (listen(), tell())]
+    try:
+        await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
+    finally:
+        for task in tasks:
+            task.cancel()
+    return stream.end or 1000
+
+
+async def _ended(socket: WebSocket, code: int) -> None:
+    if socket.application_state is not WebSocketState.DISCONNECTED:
+        with suppress(RuntimeError, WebSocketDisconnect):
+            await socket.close(code)
