@@ -90,6 +90,20 @@ class Bodies:
         state = self._client.call("getLinkState", number, index, computeForwardKinematics=1)
         return poses.from_quaternion(state[4], state[5])
 
+    def link_poses(self, body: str, links: Sequence[str]) -> Array:
+        """Return x y z [m] and quaternion x y z w of links' URDF frames in the world (n, 7)."""
+        record, found = self._record(body), np.empty((len(links), 7))
+        indices = [record.links[link] for link in links]
+        if moving := [index for index in indices if index != BASE]:
+            states = self._client.call(
+                "getLinkStates", record.number, moving, computeForwardKinematics=1
+            )
+            found[[i != BASE for i in indices]] = [(*state[4], *state[5]) for state in states]
+        if BASE in indices:
+            base = self.pose(body)
+            found[indices.index(BASE)] = (*base[:3, 3], *poses.quaternion(base[:3, :3]))
+        return found
+
     def place(self, body: str, world_from_base: Array) -> None:
         """Move a body to a pose, at rest."""
         record = self._record(body)
