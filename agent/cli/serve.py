@@ -53,9 +53,6 @@ def serve(
         list[str] | None,
         typer.Option("--allow-origin", help="A site whose pages may ask, with tokens."),
     ] = None,
-    rate: Annotated[
-        float, typer.Option("--rate", min=0, help="Requests a second of a token; 0: any.")
-    ] = 10.0,
     as_json: AsJson = False,
 ) -> None:
     """Talk, watch and query in a browser, and answer programs over HTTP, until Ctrl-C."""
@@ -71,9 +68,9 @@ def serve(
 
     if no_auth:
         typer.echo("Without keys: every program of this machine may do everything.", err=True)
-    chosen = server.ServerOptions(
+    chosen = server.ServiceSettings(
         *(host, port, tuple(names or ()), tuple(origins or ()), certificate, key_file),
-        *(behind_proxy, not no_auth, speaker, rate),
+        *(behind_proxy, not no_auth, speaker),
     )
     tokens = server.tokens_beside(kb or str(default_location()))
     server.serve(Agent.open(kb, config), chosen, tokens, ready)

@@ -13,6 +13,7 @@ from fastapi.staticfiles import StaticFiles
 from prometheus_client import CollectorRegistry, Gauge, generate_latest
 from prometheus_client.exposition import CONTENT_TYPE_LATEST
 from starlette.middleware.cors import CORSMiddleware
+from starlette.middleware.sessions import SessionMiddleware
 from starlette.responses import PlainTextResponse, RedirectResponse, Response
 
 from ..execution.outcome import Json
@@ -28,8 +29,11 @@ _NO_PAGE = 'The page is not built. Run "make page" in the checkout.\n'
 _health = APIRouter(tags=["health"])
 
 
-def make_app(service: Service, gate: Gate) -> FastAPI:
-    """Return the application of a service; its lifespan closes the service."""
+def make_app(service: Service, gate: Gate, secret: str, port: int = 0) -> FastAPI:
+    """Return the application of a service; its lifespan closes the service.
+
+    Cookies are signed with the secret; they are known by the port, which browsers do not heed.
+    """
 
     @asynccontextmanager
     async def lifespan(_: FastAPI) -> AsyncGenerator[None]:
@@ -49,11 +53,19 @@ def make_app(service: Service, gate: Gate) -> FastAPI:
     _count(service, registry)
     answer_with_problems(app)
     if gate.settings.origins:
-        origins, methods = sorted(gate.settings.origins), ["GET", "POST", "PUT", "DELETE"]
-        headers = ["Authorization", "Content-Type", "Idempotency-Key", "Prefer"]
         app.add_middleware(
-            CORSMiddleware, allow_origins=origins, allow_methods=methods, allow_headers=headers
+            CORSMiddleware,
+            allow_origins=gate.settings.origins,
+            allow_methods=["*"],
+            allow_headers=["Authorization", "Content-Type", "Idempotency-Key", "Prefer"],
         )
+    app.add_middleware(
+        SessionMiddleware,
+        secret_key=secret,
+        session_cookie=f"hilt_{port}",
+        same_site="strict",
+        https_only=gate.settings.has_tls,
+    )
     app.add_middleware(Doorkeeper, settings=gate.settings, registry=registry)
     app.mount("/static", StaticFiles(directory=STATIC, check_dir=False), name="static")
     return app
@@ -95,9 +107,8 @@ async def metrics(request: Request) -> Response:
 async def page(request: Request, key: str | None = None) -> Response:
     """The page; a key in the address is exchanged for a cookie, and taken out of it."""
     if key is not None:
-        response = RedirectResponse("/", 303)
-        session.set_cookie(request.app.state.gate, response, key, address_of(request))
-        return response
+        request.app.state.gate.begin_session(request, key)
+        return RedirectResponse("/", 303)
     file = STATIC / "index.html"
     if not file.exists():
         return PlainTextResponse(_NO_PAGE)

@@ -1,4 +1,4 @@
-"""The outermost layer of the service, which every request passes before anything else sees it.
+"""What every request passes before anything else sees it.
 
 `Host` must be a name that is served, against DNS rebinding, and the `Origin` of a browser must be
 ours, also for WebSockets. Bodies are counted while they come. What was asked is counted and noted:
@@ -7,16 +7,16 @@ who, what and how it ended, never a token and never a body.
 
 from __future__ import annotations
 
-import asyncio
 import logging
 import time
-from urllib.parse import urlsplit
 
 from prometheus_client import CollectorRegistry, Counter, Histogram
 from starlette.datastructures import Headers, MutableHeaders
+from starlette.middleware.body_limit import RequestBodyLimitMiddleware
+from starlette.middleware.trustedhost import TrustedHostMiddleware
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from .problems import Problem, forbidden
+from .problems import forbidden
 from .security import ServiceSettings
 from .tokens import Caller
 
@@ -27,98 +27,60 @@ _HEADERS = {
     "X-Content-Type-Options": "nosniff",
     "Referrer-Policy": "no-referrer",
 }
-_IMPORT = "/api/v1/import"
-_BODY_SECONDS = 120.0  # in which a body must be there
-_POLICY_VIOLATED = 1008
+_LARGE = ("/api/v1/import", "/store")  # what takes whole files
+_OWN_HOSTS = ("127.0.0.1", "localhost", "::1", "[::1]")
 _audit = logging.getLogger("hilt.audit")
 
 
 class Doorkeeper:
-    """An ASGI middleware; counts into a registry of Prometheus."""
+    """The outermost middleware; counts into a registry of Prometheus."""
 
     def __init__(
         self, app: ASGIApp, settings: ServiceSettings, registry: CollectorRegistry
     ) -> None:
-        self._app, self._settings = app, settings
+        self._settings = settings
+        hosts = [*_OWN_HOSTS, settings.host, *settings.names]
+        app = TrustedHostMiddleware(app, hosts, www_redirect=False)
+        self._small = RequestBodyLimitMiddleware(app, settings.most_body)
+        self._large = RequestBodyLimitMiddleware(app, settings.most_import)
         labels = ("method", "route", "status")
         self._asked = Counter("hilt_requests", "Requests", labels, registry=registry)
         self._took = Histogram("hilt_request_seconds", "Time of requests", registry=registry)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass a request on, or refuse it."""
-        if scope["type"] not in {"http", "websocket"}:
-            await self._app(scope, receive, send)
+        if scope["type"] == "lifespan":
+            await self._small(scope, receive, send)
             return
         started, status = time.monotonic(), 101
 
         async def sending(message: Message) -> None:
             nonlocal status
-            if message["type"] == "http.response.start":
+            if message["type"] in {"http.response.start", "websocket.http.response.start"}:
                 status = message["status"]
                 headers = MutableHeaders(scope=message)
                 for name, value in _HEADERS.items():
                     headers.setdefault(name, value)
-            elif message["type"] == "websocket.close":
-                status = message.get("code", status)
             await send(message)
 
+        large = scope["path"].startswith(_LARGE)
+        app = self._small if not large else self._large
+        if not self._is_welcome(Headers(scope=scope)):
+            app = forbidden("Pages of other sites may not ask here.").answer
         try:
-            self._check(Headers(scope=scope))
-            await self._app(scope, self._bounded(scope, receive), sending)
-        except Problem as problem:  # of the check; what the app raises it answers itself
-            if scope["type"] == "http":
-                await problem.response(scope, receive, sending)
-            else:
-                await sending({"type": "websocket.close", "code": _POLICY_VIOLATED})
+            await app(scope, receive, sending)
         finally:
             self._note(scope, status, time.monotonic() - started)
 
-    def _check(self, headers: Headers) -> None:
-        host, origin = headers.get("host", ""), headers.get("origin")
-        if _hostname(host) not in self._settings.hosts:
-            raise Problem(421, "host", "Unknown host", "This service has another name.")
-        is_ours = origin is None or origin.partition("://")[2] == host
-        is_known = origin in self._settings.origins and "cookie" not in headers
-        if not (is_ours or is_known):
-            raise forbidden("Pages of other sites may not ask here.")
-
-    def _bounded(self, scope: Scope, receive: Receive) -> Receive:
-        if scope["type"] != "http":
-            return receive
-        is_import = scope["path"] == _IMPORT
-        most = self._settings.most_import if is_import else self._settings.most_body
-        left, end = most, time.monotonic() + _BODY_SECONDS * (10 if is_import else 1)
-        is_whole = False
-
-        async def counted() -> Message:
-            nonlocal left, is_whole
-            if is_whole:  # it waits for the end of the connection
-                return await receive()
-            try:
-                message = await asyncio.wait_for(receive(), max(0.0, end - time.monotonic()))
-            except asyncio.TimeoutError:
-                raise Problem(408, "slow", "Too slow", "The body did not end in time.") from None
-            left -= len(message.get("body", b""))
-            if left < 0:
-                raise Problem(413, "too-large", "Too large", f"A body has at most {most} bytes.")
-            is_whole = not message.get("more_body")
-            return message
-
-        return counted
+    def _is_welcome(self, headers: Headers) -> bool:
+        origin = headers.get("origin")
+        is_ours = origin is None or origin.partition("://")[2] == headers.get("host")
+        return is_ours or (origin in self._settings.origins and "cookie" not in headers)
 
     def _note(self, scope: Scope, status: int, seconds: float) -> None:
         route = getattr(scope.get("route"), "path", "-")
         method, caller = scope.get("method", "WS"), scope.get("hilt.caller")
         self._asked.labels(method, route, status).inc()
         self._took.observe(seconds)
-        if isinstance(caller, Caller):
-            _audit.info("%s %s %s %s %s", caller.id, caller.speaker, method, route, status)
-        else:
-            _audit.info("- - %s %s %s", method, route, status)
-
-
-def _hostname(host: str) -> str | None:
-    try:
-        return urlsplit(f"//{host}").hostname
-    except ValueError:
-        return None
+        who = f"{caller.id} {caller.speaker}" if isinstance(caller, Caller) else "- -"
+        _audit.info("%s %s %s %s", who, method, route, status)

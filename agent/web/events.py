@@ -96,9 +96,8 @@ class Hub:
         """A new reader for the block; a problem if there are too many."""
         own = Counter(self._streams.values())[caller.id]
         if own >= MOST_STREAMS_EACH or self.readers >= MOST_STREAMS:
-            headers = {"Retry-After": "5"}
             detail = f"At most {MOST_STREAMS_EACH} streams a token, {MOST_STREAMS} in all."
-            raise Problem(429, "too-many", "Too many streams", detail, headers=headers)
+            raise Problem(429, "too-many", "Too many streams", detail, headers={"Retry-After": "5"})
         self._loop = asyncio.get_running_loop()
         self._streams[stream := EventStream()] = caller.id
         try:

@@ -41,8 +41,8 @@ class Problem(HTTPException):
         self.document |= {"detail": detail, **more}
 
     @property
-    def response(self) -> JSONResponse:
-        """The answer of the server."""
+    def answer(self) -> JSONResponse:
+        """The answer of the server, to a WebSocket too, which is not accepted."""
         media = "application/problem+json"
         return JSONResponse(self.document, self.status_code, self.headers, media)
 
@@ -72,7 +72,7 @@ def answer_with_problems(app: FastAPI) -> None:
     """Let an app answer every exception that is foreseen with a problem document."""
 
     async def answer(_: Request, error: Exception) -> JSONResponse:
-        return problem_of(error).response
+        return problem_of(error).answer
 
     for kind in (HTTPException, RequestValidationError, errors.HiltError):
         app.add_exception_handler(kind, answer)

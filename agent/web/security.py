@@ -8,149 +8,144 @@ from __future__ import annotations
 
 import secrets
 import time
-from collections import defaultdict, deque
 from collections.abc import Callable, Coroutine
 from dataclasses import dataclass, field
 from ipaddress import ip_address
+from pathlib import Path
 from typing import Annotated, Any, TypeAlias
 
 from fastapi import Depends
+from limits import RateLimitItem, parse
+from limits.storage import MemoryStorage
+from limits.strategies import MovingWindowRateLimiter
 from starlette.requests import HTTPConnection
 
 from .problems import Problem, forbidden
 from .tokens import ROLES, Caller, TokenFile
 
-_FAILED_KEYS, _MINUTE = 5, 60.0  # of an address
+OWNER = "owner"
+_READS = {"GET", "HEAD", "OPTIONS"}
 
 
 @dataclass(frozen=True)
 class ServiceSettings:
-    """What a service allows.
+    """Where and for whom a service listens, and what it allows.
 
     Attributes:
-        hosts: the names that it is reached by, without ports.
-        speaker: for whom the owner speaks, who has the key.
-        key: the first one-time key; None lets everybody in as the owner.
-        origins: other sites whose pages may ask with a bearer token.
-        rate, burst: requests a second of a token, and how many may come at once; 0 for no limit.
+        port: 0 for a free one.
+        names: further host names by which it is reached.
+        origins: other sites whose pages may ask, with a bearer token.
+        certificate, key_file: of TLS, in PEM.
+        behind_proxy: whether a proxy does TLS.
+        needs_key: whether the owner shows a one-time key.
+        speaker: for whom the owner speaks.
+        requests: of a token; so many may come at once. "" for any number.
+        failures: wrong keys of an address.
         most_body, most_import: bytes.
-        secure: whether cookies go over TLS only.
     """
 
-    hosts: frozenset[str] = frozenset({"127.0.0.1", "localhost", "::1"})
+    host: str = "127.0.0.1"
+    port: int = 8765
+    names: tuple[str, ...] = ()
+    origins: tuple[str, ...] = ()
+    certificate: Path | None = None
+    key_file: Path | None = None
+    behind_proxy: bool = False
+    needs_key: bool = True
     speaker: str = "sam"
-    key: str | None = None
-    origins: frozenset[str] = frozenset()
-    rate: float = 10.0
-    burst: int = 30
+    requests: str = "30/3 seconds"
+    failures: str = "5/minute"
     most_body: int = 2**20
     most_import: int = 2**28
-    secure: bool = False
-    cookie: str = "hilt"
+
+    @property
+    def has_tls(self) -> bool:
+        """Whether what is asked is encrypted on its way."""
+        return self.certificate is not None or self.behind_proxy
 
 
 @dataclass
 class Gate:
-    """Knows who asks, by their token or their session, and how much they ask.
+    """Knows who asks, by a token, a session or the one-time key, and how much they ask.
 
     Attributes:
-        key: the one-time key that opens the next session; None when none is needed.
+        key: opens the next session of the owner; None when none is needed.
     """
 
     settings: ServiceSettings
     tokens: TokenFile
     key: str | None = None
-    _sessions: dict[str, str] = field(default_factory=dict[str, str])  # to ids of callers
-    _failed: dict[str, deque[float]] = field(default_factory=lambda: defaultdict(deque))
-    _buckets: dict[str, tuple[float, float]] = field(default_factory=dict[str, tuple[float, float]])
+    _limiter: MovingWindowRateLimiter = field(
+        default_factory=lambda: MovingWindowRateLimiter(MemoryStorage())
+    )
 
     def __post_init__(self) -> None:
-        self.key = self.settings.key
+        self.key = secrets.token_urlsafe(24) if self.settings.needs_key else None
 
     @property
     def owner(self) -> Caller:
         """Who started the service."""
-        return Caller("owner", self.settings.speaker, frozenset(ROLES))
+        return Caller(OWNER, self.settings.speaker, frozenset(ROLES))
 
-    def open_session(self, key: str, address: str) -> str:
-        """The cookie for a one-time key or a token; Problem 401 if it is neither."""
-        caller = self.owner if self._is_key(key) else self.caller_with(key, address)
-        self._sessions[session := secrets.token_urlsafe(32)] = caller.id
-        return session
+    def begin_session(self, asked: HTTPConnection, key: str) -> None:
+        """Give a browser a cookie for the key, which counts once, or for a token; or Problem."""
+        if self.key and secrets.compare_digest(key.encode(), self.key.encode()):
+            self.key = secrets.token_urlsafe(24)
+            asked.session["caller"] = OWNER
+        else:
+            asked.session["caller"] = self.caller_with(asked, key).id
 
-    def close_session(self, session: str) -> None:
-        """Forget a session."""
-        self._sessions.pop(session, None)
-
-    def _is_key(self, key: str) -> bool:
-        if self.key is None or not secrets.compare_digest(key.encode(), self.key.encode()):
-            return False
-        self.key = secrets.token_urlsafe(24)  # each opens one session
-        return True
-
-    def caller_with(self, secret: str, address: str) -> Caller:
+    def caller_with(self, asked: HTTPConnection, secret: str) -> Caller:
         """Who shows a token; Problem 401 or, after too many wrong ones, 429."""
-        failed, now = self._failed[address], time.monotonic()
-        while failed and failed[0] < now - _MINUTE:
-            failed.popleft()
-        if len(failed) >= _FAILED_KEYS:
-            raise _too_many("Too many wrong keys.", _MINUTE)
+        address, failures = address_of(asked), parse(self.settings.failures)
+        if not self._limiter.test(failures, address):
+            raise self._too_many(failures, address)
         found = self.tokens.find(secret)
         if found is None:
-            failed.append(now)
+            self._limiter.hit(failures, address)
             raise _unknown("No such key or token, or it has expired.")
         return found.caller
 
     def caller_of(self, asked: HTTPConnection, *, cookies: bool = True) -> Caller:
         """Who asks; Problem 401 if nobody is known, 429 if that one asks too much."""
         scheme, _, secret = asked.headers.get("authorization", "").partition(" ")
-        session = self._in_session(asked.cookies.get(self.settings.cookie, "")) if cookies else None
+        session = self._in_session(asked) if cookies else None
         if scheme.lower() == "bearer":
-            caller = self.caller_with(secret.strip(), address_of(asked))
-        elif session:
-            _check_own_page(asked)
-            caller = session
-        elif self.settings.key is None:
+            caller = self.caller_with(asked, secret.strip())
+        elif not self.settings.needs_key:
             caller = self.owner
+        elif session:
+            caller = session
         else:
             raise _unknown("Show a token (Authorization: Bearer hilt_...), or open the page.")
-        asked.scope["hilt.caller"] = caller
-        self._count(caller)
+        asked.scope["hilt.caller"] = caller  # for the audit log
+        if caller.id != OWNER and self.settings.requests:
+            requests = parse(self.settings.requests)
+            if not self._limiter.hit(requests, caller.id):
+                raise self._too_many(requests, caller.id)
         return caller
 
-    def _in_session(self, session: str) -> Caller | None:
-        known = self._sessions.get(session)
-        if known == self.owner.id:
-            return self.owner
-        valid = (each for each in self.tokens.tokens() if not each.is_expired)
-        return next((each.caller for each in valid if each.id == known), None)
+    def _in_session(self, asked: HTTPConnection) -> Caller | None:
+        known: str | None = asked.session.get("caller")
+        valid = {each.id: each.caller for each in self.tokens.tokens() if each.is_valid}
+        caller = ({OWNER: self.owner} | valid).get(known or "")
+        changes = asked.scope.get("method", "GET") not in _READS
+        is_own = asked.headers.get("sec-fetch-site") == "same-origin" or "origin" in asked.headers
+        if caller and changes and not is_own:  # an origin is checked before
+            raise forbidden("A cookie counts for requests of the page only.")
+        return caller
 
-    def _count(self, caller: Caller) -> None:
-        if caller.id == self.owner.id or not self.settings.rate:
-            return
-        left, then = self._buckets.get(caller.id, (self.settings.burst, time.monotonic()))
-        now = time.monotonic()
-        left = min(self.settings.burst, left + (now - then) * self.settings.rate)
-        self._buckets[caller.id] = (max(0.0, left - 1), now)
-        if left < 1:
-            raise _too_many("Too many requests.", (1 - left) / self.settings.rate)
-
-
-def _check_own_page(asked: HTTPConnection) -> None:
-    changes = asked.scope.get("method", "GET") not in {"GET", "HEAD"}
-    is_own = asked.headers.get("sec-fetch-site") == "same-origin"
-    if changes and not is_own and "origin" not in asked.headers:  # else it was checked before
-        raise forbidden("A cookie counts for requests of the page only.")
+    def _too_many(self, limit: RateLimitItem, who: str) -> Problem:
+        left = self._limiter.get_window_stats(limit, who)
+        seconds = max(1, round(left.reset_time - time.time()))
+        detail = f"At most {limit}."
+        headers = {"Retry-After": str(seconds)}
+        return Problem(429, "too-many", "Too many requests", detail, headers=headers)
 
 
 def _unknown(detail: str) -> Problem:
     headers = {"WWW-Authenticate": "Bearer"}
     return Problem(401, "who", "Who asks?", detail, headers=headers)
-
-
-def _too_many(detail: str, seconds: float) -> Problem:
-    headers = {"Retry-After": str(max(1, round(seconds)))}
-    return Problem(429, "too-many", "Too many requests", detail, headers=headers)
 
 
 def address_of(asked: HTTPConnection) -> str:
@@ -177,13 +172,12 @@ def needs(role: str) -> Callable[[HTTPConnection], Coroutine[Any, Any, Caller]]:
     return caller
 
 
-def check_role(caller: Caller, *roles: str) -> None:
-    """A problem 403 unless somebody has all of these roles."""
-    for role in roles:
-        if not caller.may(role):
-            has = ", ".join(sorted(caller.roles)) or "none"
-            detail = f"This needs the role {role}; this token has: {has}."
-            raise forbidden(detail, needs=role)
+def check_role(caller: Caller, role: str) -> None:
+    """A problem 403 unless somebody has this role."""
+    if not caller.may(role):
+        has = ", ".join(sorted(caller.roles)) or "none"
+        detail = f"This needs the role {role}; this token has: {has}."
+        raise forbidden(detail, needs=role)
 
 
 Reader: TypeAlias = Annotated[Caller, Depends(needs("reader"))]

@@ -5,11 +5,11 @@ from __future__ import annotations
 from datetime import timedelta
 from typing import Annotated, Any
 
-from fastapi import APIRouter, Request, Response
+from fastapi import APIRouter, Request
 from pydantic import BaseModel, Field
 
 from ...execution.outcome import Json
-from ..security import Admin, Gate, Reader, address_of
+from ..security import Admin, Gate, Reader
 
 router = APIRouter(tags=["access"])
 
@@ -40,24 +40,15 @@ async def whoami(caller: Reader) -> Json:
 
 
 @router.post("/session", status_code=204)
-async def begin(request: Request, response: Response, key: Key) -> None:
+async def begin(request: Request, key: Key) -> None:
     """Take a cookie for a key or a token."""
-    set_cookie(_gate(request), response, key.key, address_of(request))
+    _gate(request).begin_session(request, key.key)
 
 
 @router.delete("/session", status_code=204)
-async def end(request: Request, response: Response, _: Reader) -> None:
+async def end(request: Request, _: Reader) -> None:
     """Give the cookie back."""
-    name = _gate(request).settings.cookie
-    _gate(request).close_session(request.cookies.get(name, ""))
-    response.delete_cookie(name)
-
-
-def set_cookie(gate: Gate, response: Response, key: str, address: str) -> None:
-    """Let an answer carry the cookie of a new session; Problem 401 if the key is wrong."""
-    session, settings = gate.open_session(key, address), gate.settings
-    options: dict[str, Any] = {"httponly": True, "samesite": "strict", "secure": settings.secure}
-    response.set_cookie(settings.cookie, session, **options)
+    request.session.clear()
 
 
 @router.get("/tokens")

@@ -14,7 +14,7 @@ from starlette.websockets import WebSocketDisconnect, WebSocketState
 from ...execution.outcome import Json
 from ..events import EventStream
 from ..problems import Problem
-from ..security import Gate, Reader, address_of
+from ..security import Gate, Reader
 from ..service import Service, scene_as_json
 from ..tokens import Caller
 from .conversation import service_of
@@ -77,7 +77,7 @@ async def _greeted(socket: WebSocket, gate: Gate) -> tuple[Caller, dict[str, Any
     message = asyncio.wait_for(socket.receive_json(), _HELLO_SECONDS)
     first: dict[str, Any] = await message
     if first.get("token"):
-        caller = gate.caller_with(str(first["token"]), address_of(socket))
+        caller = gate.caller_with(socket, str(first["token"]))
     else:
         caller = gate.caller_of(socket)
     socket.scope["hilt.caller"] = caller
