@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import AsyncGenerator
 from contextlib import asynccontextmanager
 from importlib.metadata import version
@@ -13,13 +14,15 @@ from fastapi.staticfiles import StaticFiles
 from prometheus_client import CollectorRegistry, Gauge, generate_latest
 from prometheus_client.exposition import CONTENT_TYPE_LATEST
 from starlette.middleware.cors import CORSMiddleware
+from starlette.middleware.gzip import GZipMiddleware
 from starlette.middleware.sessions import SessionMiddleware
 from starlette.responses import PlainTextResponse, RedirectResponse, Response
 
 from ..execution.outcome import Json
 from .doorkeeper import Doorkeeper
 from .problems import Problem, answer_with_problems
-from .routes import conversation, knowledge, robot, session, streams
+from .routes import administration, conversation, evaluations, knowledge, robot, session, streams
+from .routes.evaluations import Evaluations
 from .security import Gate, address_of, is_loopback
 from .service import Service
 
@@ -29,26 +32,37 @@ _NO_PAGE = 'The page is not built. Run "make page" in the checkout.\n'
 _health = APIRouter(tags=["health"])
 
 
-def make_app(service: Service, gate: Gate, secret: str, port: int = 0) -> FastAPI:
+def make_app(service: Service, gate: Gate, *, secret: str, port: int, folder: Path) -> FastAPI:
     """Return the application of a service; its lifespan closes the service.
 
     Cookies are signed with the secret; they are known by the port, which browsers do not heed.
+    Evaluations are kept in the folder.
     """
 
     @asynccontextmanager
     async def lifespan(_: FastAPI) -> AsyncGenerator[None]:
         to_thread.current_default_thread_limiter().total_tokens = READERS
+        shown = asyncio.ensure_future(service.run(service.show_scene))
         yield
+        await app.state.evaluations.stop()
         await service.stop()
+        await asyncio.wait([shown])
         await service.close()
 
     registry = CollectorRegistry()
     app = FastAPI(
-        title="Hilt", version=version("hilt"), lifespan=lifespan, docs_url=None, redoc_url=None
+        title="Hilt",
+        max_body_size=gate.settings.most_body,
+        version=version("hilt"),
+        lifespan=lifespan,
+        docs_url=None,
+        redoc_url=None,
     )
     app.state.service, app.state.gate, app.state.registry = service, gate, registry
-    for each in (conversation, knowledge, robot, streams, session):
-        app.include_router(each.router, prefix="/api/v1")
+    app.state.evaluations = Evaluations(folder, service.hub)
+    routes = (conversation, knowledge, robot, streams, session, evaluations, administration)
+    for each in routes:
+        app.include_router(each.router)
     app.include_router(_health)
     _count(service, registry)
     answer_with_problems(app)
@@ -67,7 +81,8 @@ def make_app(service: Service, gate: Gate, secret: str, port: int = 0) -> FastAP
         https_only=gate.settings.has_tls,
     )
     app.add_middleware(Doorkeeper, settings=gate.settings, registry=registry)
-    app.mount("/static", StaticFiles(directory=STATIC, check_dir=False), name="static")
+    if STATIC.exists():
+        app.mount("/static", GZipMiddleware(StaticFiles(directory=STATIC)), name="static")
     return app
 
 
@@ -107,7 +122,7 @@ async def metrics(request: Request) -> Response:
 async def page(request: Request, key: str | None = None) -> Response:
     """The page; a key in the address is exchanged for a cookie, and taken out of it."""
     if key is not None:
-        request.app.state.gate.begin_session(request, key)
+        request.app.state.gate.begin_session(request, key, tokens=False)
         return RedirectResponse("/", 303)
     file = STATIC / "index.html"
     if not file.exists():

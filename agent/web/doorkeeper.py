@@ -1,8 +1,8 @@
 """What every request passes before anything else sees it.
 
 `Host` must be a name that is served, against DNS rebinding, and the `Origin` of a browser must be
-ours, also for WebSockets. Bodies are counted while they come. What was asked is counted and noted:
-who, what and how it ended, never a token and never a body.
+ours, also for WebSockets. What was asked is counted and noted: who, what and how it ended, never a
+token and never a body.
 """
 
 from __future__ import annotations
@@ -12,7 +12,6 @@ import time
 
 from prometheus_client import CollectorRegistry, Counter, Histogram
 from starlette.datastructures import Headers, MutableHeaders
-from starlette.middleware.body_limit import RequestBodyLimitMiddleware
 from starlette.middleware.trustedhost import TrustedHostMiddleware
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
@@ -27,8 +26,8 @@ _HEADERS = {
     "X-Content-Type-Options": "nosniff",
     "Referrer-Policy": "no-referrer",
 }
-_LARGE = ("/api/v1/import", "/store")  # what takes whole files
 _OWN_HOSTS = ("127.0.0.1", "localhost", "::1", "[::1]")
+_TOO_LARGE = 413
 _audit = logging.getLogger("hilt.audit")
 
 
@@ -40,9 +39,7 @@ class Doorkeeper:
     ) -> None:
         self._settings = settings
         hosts = [*_OWN_HOSTS, settings.host, *settings.names]
-        app = TrustedHostMiddleware(app, hosts, www_redirect=False)
-        self._small = RequestBodyLimitMiddleware(app, settings.most_body)
-        self._large = RequestBodyLimitMiddleware(app, settings.most_import)
+        self._app = TrustedHostMiddleware(app, hosts, www_redirect=False)
         labels = ("method", "route", "status")
         self._asked = Counter("hilt_requests", "Requests", labels, registry=registry)
         self._took = Histogram("hilt_request_seconds", "Time of requests", registry=registry)
@@ -50,7 +47,7 @@ class Doorkeeper:
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass a request on, or refuse it."""
         if scope["type"] == "lifespan":
-            await self._small(scope, receive, send)
+            await self._app(scope, receive, send)
             return
         started, status = time.monotonic(), 101
 
@@ -59,12 +56,13 @@ class Doorkeeper:
             if message["type"] in {"http.response.start", "websocket.http.response.start"}:
                 status = message["status"]
                 headers = MutableHeaders(scope=message)
+                if status == _TOO_LARGE:  # the rest of the body is not awaited
+                    headers["Connection"] = "close"
                 for name, value in _HEADERS.items():
                     headers.setdefault(name, value)
             await send(message)
 
-        large = scope["path"].startswith(_LARGE)
-        app = self._small if not large else self._large
+        app: ASGIApp = self._app
         if not self._is_welcome(Headers(scope=scope)):
             app = forbidden("Pages of other sites may not ask here.").answer
         try:

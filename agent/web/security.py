@@ -41,7 +41,7 @@ class ServiceSettings:
         speaker: for whom the owner speaks.
         requests: of a token; so many may come at once. "" for any number.
         failures: wrong keys of an address.
-        most_body, most_import: bytes.
+        most_body: bytes.
     """
 
     host: str = "127.0.0.1"
@@ -56,7 +56,6 @@ class ServiceSettings:
     requests: str = "30/3 seconds"
     failures: str = "5/minute"
     most_body: int = 2**20
-    most_import: int = 2**28
 
     @property
     def has_tls(self) -> bool:
@@ -87,13 +86,16 @@ class Gate:
         """Who started the service."""
         return Caller(OWNER, self.settings.speaker, frozenset(ROLES))
 
-    def begin_session(self, asked: HTTPConnection, key: str) -> None:
-        """Give a browser a cookie for the key, which counts once, or for a token; or Problem."""
+    def begin_session(self, asked: HTTPConnection, key: str, *, tokens: bool = True) -> None:
+        """Give a browser a cookie for the key, which counts once, or for a token; or Problem.
+
+        No token is taken from an address (`tokens`): it would stand in the history of the browser.
+        """
         if self.key and secrets.compare_digest(key.encode(), self.key.encode()):
             self.key = secrets.token_urlsafe(24)
             asked.session["caller"] = OWNER
         else:
-            asked.session["caller"] = self.caller_with(asked, key).id
+            asked.session["caller"] = self.caller_with(asked, key if tokens else "").id
 
     def caller_with(self, asked: HTTPConnection, secret: str) -> Caller:
         """Who shows a token; Problem 401 or, after too many wrong ones, 429."""

@@ -9,6 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from logging.handlers import RotatingFileHandler
 from pathlib import Path
+from tempfile import mkdtemp
 
 import uvicorn
 
@@ -60,9 +61,9 @@ def serve(
     host = f"[{settings.host}]" if ":" in settings.host else settings.host
     address = f"http{'s' * bool(settings.certificate)}://{host}:{port}/"
     listening = Listening(f"{address}?key={gate.key}" if gate.key else address, gate.key, port)
-    service = Service(agent)
+    service, folder = Service(agent), _evaluations_folder(tokens)
     config = uvicorn.Config(
-        make_app(service, gate, _cookie_secret(tokens), port),
+        make_app(service, gate, secret=_cookie_secret(tokens), port=port, folder=folder),
         ws="websockets-sansio",
         log_config=None,
         access_log=False,  # the address may hold a key; the audit log has all else
@@ -113,6 +114,10 @@ def _bound(settings: ServiceSettings) -> socket.socket:
     except OSError as error:
         place = f"{settings.host}:{settings.port}"
         raise StoreError(f"Cannot listen at {place}: {error.strerror}.") from error
+
+
+def _evaluations_folder(tokens: Path | None) -> Path:
+    return tokens.with_suffix(".evaluations") if tokens else Path(mkdtemp(prefix="hilt-"))
 
 
 def _cookie_secret(tokens: Path | None) -> str:

@@ -30,6 +30,7 @@ from ..dialogue.reply import OpenQuestion, Reply
 from ..execution.embodiment import Embodiment
 from ..execution.outcome import Json, WalkStep
 from .events import Hub, news
+from .live_scene import LiveScene
 from .problems import Problem, forbidden
 from .security import check_role
 from .tokens import Caller
@@ -39,6 +40,7 @@ Listens = Literal["tell", "ask", "do"] | None
 MOST_WAITING = 3  # utterances behind the one that is heard
 MOST_KEPT = 1_000  # jobs, whose answers can be asked for
 CONFIRM_SECONDS = 60
+GOODBYE_SECONDS = 1.0  # for readers of events
 STOP_SECONDS = 10.0  # in which a motion may end when the service does
 _ROLES = {"tell": "teacher", "do": "operator"}
 _STATEMENTS, _COMMANDS = {*KINDS["tell"]}, {*KINDS["do"]}
@@ -110,7 +112,8 @@ class Service:
         self._by_key = OrderedDict[tuple[str, str], Job]()
         self._asked: tuple[str, OpenQuestion, str, float] | None = None
         self._lease: tuple[Caller, float] | None = None
-        self._told = agent.base.sequence
+        self._told, self._scenes = agent.base.sequence, count(1)
+        self.live_scene: LiveScene | None = None
         agent.watchers.append(self._on_step)
 
     @property
@@ -262,8 +265,9 @@ class Service:
             return
         conversation = self.agent.dialogue.conversation
         asked, question = self._asked, conversation.open_question
-        if question and not (asked and asked[1] is question and asked[2] == job.caller.id):
-            conversation.open_question = None if question.asked == job.speaker else question
+        was_own = asked is not None and asked[1] is question and asked[2] == job.caller.id
+        if question and question.asked == job.speaker and not was_own:
+            conversation.open_question = None
         introduction = conversation.language.introduction(text)
         said = self._understood((introduction and introduction.rest) or text, job.speaker)
         name = (introduction and introduction.name) or getattr(said.meaning, "name", None)
@@ -292,14 +296,16 @@ class Service:
     async def confirm(self, id: str, caller: Caller, *, yes: bool) -> Json:  # noqa: A002 - in JSON
         """Answer a question of Hilt by the name that it was given; Problem 410 if it is over."""
 
+        asker = self._asked and self._asked[1].asked
+        said = Said(text="yes" if yes else "no", speaker=asker)
+        job = Job(f"c{next(self._numbers)}", said, caller, None, self._stops)
+
         def answered() -> Json:
             found, question = self._asked, self.agent.dialogue.conversation.open_question
             if found is None or found[0] != id or found[1] is not question:
                 raise Problem(410, "over", "Over", "Something else was said since, or it is long.")
             if found[2] != caller.id or found[3] < time.monotonic():
                 raise Problem(410, "over", "Over", "It was asked of another, or is too long ago.")
-            said = Said(text="yes" if yes else "no", speaker=question.asked)
-            job = Job(f"c{next(self._numbers)}", said, caller, None, self._stops)
             return self._reply(job)
 
         return await self.run(answered)
@@ -337,9 +343,33 @@ class Service:
             self.agent = Agent(old.base, language, old.actions, embodiment, config)
             self.agent.watchers.append(self._on_step)
             old.release_body()
+            self.show_scene()
 
         await self.run(laid)
-        self.hub.publish({"type": "scene", **scene_as_json(self.agent)})
+
+    def show_scene(self) -> None:
+        """Make the body and its picture known, in the thread of the agent; without one the table.
+
+        A robot that is moved by something else is not shown.
+        """
+        agent = self.agent
+        self.live_scene = (
+            LiveScene(agent.body, next(self._scenes), self.hub) if agent.simulate else None
+        )
+        self.hub.publish({"type": "scene", **self.scene_as_json()})
+        self.show_frame()
+
+    def show_frame(self) -> None:
+        """Send a frame to who has just come."""
+        if self.live_scene:
+            self.live_scene.show()
+
+    def scene_as_json(self) -> Json:
+        """What is on the table; with a body, what is drawn, and where the picture is."""
+        scene = self.agent.embodiment.scene
+        things = [{"name": each.name, "object": each.object} for each in scene.placements]
+        known = {"scene": self.agent.config.scene, "seed": scene.seed, "things": things}
+        return known | (self.live_scene.as_json() if self.live_scene else {})
 
     # --- What happens ---------------------------------------------------------------------------
 
@@ -369,6 +399,9 @@ class Service:
         if jobs and (await asyncio.wait(jobs, timeout=STOP_SECONDS))[1]:
             self.stop_robot()
         self.hub.close()
+        end = time.monotonic() + GOODBYE_SECONDS
+        while self.hub.readers and time.monotonic() < end:
+            await asyncio.sleep(0.02)
 
     async def close(self) -> None:
         """Release the body and the base, after what the agent does now."""
@@ -395,10 +428,3 @@ def safe_scene(scene: str) -> str:
         detail = 'A scene is "all", "objects:knife,mug" or "random:SEED".'
         raise Problem(422, "scene", "No such scene", detail)
     return scene
-
-
-def scene_as_json(agent: Agent) -> Json:
-    """What stands on the table, and where, as far as that is known without a body."""
-    scene = agent.embodiment.scene
-    listed = [{"name": each.name, "object": each.object} for each in scene.placements]
-    return {"scene": agent.config.scene, "seed": scene.seed, "things": listed}

@@ -14,7 +14,7 @@ from ..problems import Problem
 from ..security import Reader
 from ..service import Listens, Said, Service
 
-router = APIRouter(tags=["conversation"])
+router = APIRouter(prefix="/api/v1", tags=["conversation"])
 IdempotencyKey = Annotated[str | None, Header(max_length=200)]
 Prefer = Annotated[str | None, Header(description='"respond-async" answers 202 at once')]
 ACCEPTED: dict[int | str, dict[str, Any]] = {202: {"description": "It waits, or is done."}}

@@ -24,7 +24,7 @@ from ..problems import forbidden
 from ..security import Reader, Teacher
 from .conversation import service_of
 
-router = APIRouter(tags=["knowledge"])
+router = APIRouter(prefix="/api/v1", tags=["knowledge"])
 Name = Annotated[str | None, Query(max_length=200)]
 Since = Annotated[int, Query(ge=0, le=2**53)]
 Limit = Annotated[int, Query(ge=1, le=10_000)]

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
+import gzip
 from typing import Annotated
 
-from fastapi import APIRouter, Request
+from fastapi import APIRouter, Request, Response
 from pydantic import BaseModel, Field
 
 from ...documents import things_as_json
 from ...execution.outcome import Json
+from ..problems import Problem
 from ..security import Operator, Reader
-from ..service import scene_as_json
 from .conversation import service_of
 
-router = APIRouter(tags=["robot"])
+router = APIRouter(prefix="/api/v1", tags=["robot"])
 
 
 class Table(BaseModel):
@@ -34,10 +35,21 @@ async def scene(request: Request, _: Reader) -> Json:
     """What stands on the table, and where, as soon as there is a body."""
     service = service_of(request)
     agent = service.agent
-    known = scene_as_json(agent)
+    known = service.scene_as_json()
     if not agent.has_body:
         return known
     return known | {"things": await service.run(lambda: things_as_json(agent.body))}
+
+
+@router.get("/scene.glb", response_class=Response)
+def picture(request: Request, _: Reader) -> Response:
+    """The shapes of all that can be seen, as glTF; another scene has another address."""
+    live_scene = service_of(request).live_scene
+    if live_scene is None:
+        raise Problem(404, "no-body", "No body", "There is no simulated robot to be seen.")
+    headers = {"Cache-Control": "private, max-age=31536000, immutable", "Content-Encoding": "gzip"}
+    packed = gzip.compress(live_scene.model.file.read_bytes(), 6)
+    return Response(packed, media_type="model/gltf-binary", headers=headers)
 
 
 @router.post("/scene")
@@ -46,7 +58,7 @@ async def set_scene(request: Request, caller: Operator, wanted: Table) -> Json:
     service = service_of(request)
     service.check_lease(caller)
     await service.set_scene(wanted.scene, wanted.seed)
-    return scene_as_json(service.agent)
+    return service.scene_as_json()
 
 
 @router.post("/robot/stop")

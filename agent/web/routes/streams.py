@@ -7,7 +7,7 @@ from collections.abc import AsyncGenerator
 from contextlib import suppress
 from typing import Annotated, Any
 
-from fastapi import APIRouter, Header, Query, Request, WebSocket
+from fastapi import APIRouter, Depends, Header, Query, Request, WebSocket
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 from starlette.websockets import WebSocketDisconnect, WebSocketState
 
@@ -15,33 +15,37 @@ from ...execution.outcome import Json
 from ..events import EventStream
 from ..problems import Problem
 from ..security import Gate, Reader
-from ..service import Service, scene_as_json
+from ..service import Service
 from ..tokens import Caller
 from .conversation import service_of
 
-router = APIRouter(tags=["events"])
+router = APIRouter(prefix="/api/v1", tags=["events"])
 PROTOCOL = 1
 _HELLO_SECONDS, _PING_SECONDS = 5.0, 15.0
 _WHO, _TOO_MANY = 4401, 4429
 Number = Annotated[int | None, Query(ge=0, le=2**53)]
 
 
+async def _stream(request: Request, caller: Reader) -> AsyncGenerator[EventStream]:
+    with service_of(request).hub.subscribed(caller) as stream:
+        yield stream
+
+
 @router.get("/events", response_class=EventSourceResponse)
 async def events(
     request: Request,
-    caller: Reader,
+    stream: Annotated[EventStream, Depends(_stream)],
     since: Number = None,
     last_event_id: Annotated[str | None, Header()] = None,
 ) -> AsyncGenerator[ServerSentEvent]:
     """Everything that happens; `Last-Event-ID` or `since` replays what was said after it."""
     service = service_of(request)
     after = int(last_event_id) if last_event_id and last_event_id.isdecimal() else since
-    with service.hub.subscribed(caller) as stream:
-        yield ServerSentEvent(data=hello(service), event="hello")
-        async for event in stream.read(after, service.base):
-            if isinstance(event, dict):
-                number = str(event["id"]) if "id" in event else None
-                yield ServerSentEvent(data=event, event=event["type"], id=number)
+    yield ServerSentEvent(data=hello(service), event="hello")
+    async for event in stream.read(after, service.base):
+        if isinstance(event, dict):
+            number = str(event["id"]) if "id" in event else None
+            yield ServerSentEvent(data=event, event=event["type"], id=number)
 
 
 @router.websocket("/live")
@@ -57,6 +61,8 @@ async def live(socket: WebSocket) -> None:
         caller, first = await _greeted(socket, socket.app.state.gate)
         with service.hub.subscribed(caller) as stream:
             await socket.send_json(hello(service))
+            shown = asyncio.ensure_future(service.run(service.show_frame))
+            shown.add_done_callback(lambda done: done.exception())
             since = first.get("since")
             code = await _both_ways(socket, stream, service, since)
     except Problem as problem:
@@ -69,7 +75,7 @@ async def live(socket: WebSocket) -> None:
 def hello(service: Service) -> Json:
     """The first event: the protocol, the last utterance, and the scene."""
     known = {"type": "hello", "version": PROTOCOL, "sequence": service.base.sequence}
-    return known | {"scene": scene_as_json(service.agent)}
+    return known | {"scene": service.scene_as_json()}
 
 
 async def _greeted(socket: WebSocket, gate: Gate) -> tuple[Caller, dict[str, Any]]:
