@@ -102,10 +102,16 @@ class WriteAheadLogSync:
 
 
 class Snapshot:
-    """A new, empty folder for a snapshot, removed when nobody refers to it any more."""
+    """A new, empty folder for a snapshot, removed when nobody refers to it any more.
 
-    def __init__(self, folder: Path | None) -> None:
+    Attributes:
+        path: the folder.
+        number: that of the last utterance in it.
+    """
+
+    def __init__(self, folder: Path | None, number: int = 0) -> None:
         """Make it inside the folder of a base, or among the temporary files."""
+        self.number = number
         try:
             place = folder / SNAPSHOTS if folder else None
             if place:
