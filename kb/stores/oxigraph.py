@@ -111,9 +111,10 @@ class OxigraphStore:
                 it says itself, or all.
             is_union: whether all graphs are its default graph if nothing else says which.
         """
-        graphs = [list(map(named_node, names)) for names in dataset] if dataset else None
-        chosen = dict(zip(("default_graph", "named_graphs"), graphs, strict=True)) if graphs else {}
-        found: Any = self._run(query, base_iri=base, is_union=is_union and not graphs, **chosen)
+        names = zip(("default_graph", "named_graphs"), dataset or (), strict=bool(dataset))
+        with translated_errors(self.location):
+            graphs = {key: list(map(named_node, given)) for key, given in names}
+        found: Any = self._run(query, base_iri=base, is_union=is_union and not graphs, **graphs)
         kinds = (engine.QuerySolutions, engine.QueryBoolean, engine.QueryTriples)
         media_type = formats[kinds.index(type(found))]
         if media_type is None:
