@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastapi import FastAPI, Request
+from fastapi import Request
 from fastapi.exceptions import RequestValidationError
+from starlette.applications import Starlette
 from starlette.exceptions import HTTPException
 from starlette.responses import JSONResponse
 
@@ -15,12 +16,15 @@ _KINDS: tuple[tuple[type[Exception], int, str, str], ...] = (  # the first that 
     (errors.NotFoundError, 404, "not-found", "Not found"),
     (errors.UnknownNameError, 422, "unknown-name", "Unknown name"),
     (errors.ValidationError, 409, "invalid", "Breaks the laws of the base"),
-    (errors.QueryLimitError, 503, "limit", "Stopped at its limit"),
+    (errors.BusyError, 503, "busy", "Busy"),
+    (errors.QueryLimitError, 400, "limit", "Stopped at its limit"),
+    (errors.QueryError, 400, "query", "Cannot be asked"),
     (errors.StoreError, 503, "store", "The knowledge base cannot do that now"),
     (errors.MissingExtraError, 501, "not-installed", "Not installed"),
     (errors.SimulationError, 409, "simulation", "The simulator cannot do that"),
     (errors.HiltError, 422, "wrong", "Cannot be used"),
 )
+_MORE = ("source", "line", "findings")  # attributes of errors
 
 
 class Problem(HTTPException):
@@ -64,11 +68,11 @@ def problem_of(error: Exception) -> Problem:
         detail = "; ".join(f"{'.'.join(map(str, e['where']))}: {e['problem']}" for e in found)
         return Problem(422, "wrong-form", "Not of the expected form", detail, expected=found)
     kind = next(kind for kind in _KINDS if isinstance(error, kind[0]))
-    where = {name: value for name in ("source", "line") if (value := getattr(error, name, None))}
+    where = {name: value for name in _MORE if (value := getattr(error, name, None))}
     return Problem(*kind[1:], str(error), **where)
 
 
-def answer_with_problems(app: FastAPI) -> None:
+def answer_with_problems(app: Starlette) -> None:
     """Let an app answer every exception that is foreseen with a problem document."""
 
     async def answer(_: Request, error: Exception) -> JSONResponse:

@@ -106,12 +106,13 @@ class Snapshot:
 
     Attributes:
         path: the folder.
-        number: that of the last utterance in it.
+        number: that of the last utterance in it, where it is known.
     """
 
-    def __init__(self, folder: Path | None, number: int = 0) -> None:
+    number = 0
+
+    def __init__(self, folder: Path | None) -> None:
         """Make it inside the folder of a base, or among the temporary files."""
-        self.number = number
         try:
             place = folder / SNAPSHOTS if folder else None
             if place:

@@ -279,9 +279,13 @@ class OxigraphStore:
                 _write_folder(store, target)
 
     def _take_snapshot(self) -> directory.Snapshot:
-        snapshot = directory.Snapshot(self._folder, self._last_number())
-        snapshot.path.rmdir()  # pyoxigraph makes it itself
-        self.save(snapshot.path)
+        if self._folder:
+            snapshot = directory.take_snapshot(self._folder)
+        else:
+            snapshot = directory.Snapshot(None)
+            snapshot.path.rmdir()  # pyoxigraph makes it itself
+            self.save(snapshot.path)
+        snapshot.number = self._last_number()
         return snapshot
 
     def _write_tables(self, store: engine.Store) -> None:

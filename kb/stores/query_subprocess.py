@@ -75,10 +75,7 @@ class WorkerProcess:
             self.close()
             self._megabytes = limits.megabytes
             self._process = subprocess.Popen(  # noqa: S603 - a module of Hilt
-                COMMAND,
-                stdin=subprocess.PIPE,
-                stdout=subprocess.PIPE,
-                stderr=subprocess.DEVNULL,
+                COMMAND, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL
             )
         return self._process
 

@@ -12,8 +12,8 @@ from typing import Any
 
 import uvicorn
 
-from hilt.agent.web.bare import make_bare_app
 from hilt.agent.web.security import ServiceSettings
+from hilt.agent.web.sparql_targets import bare_app
 from hilt.kb.stores.oxigraph import open_folder, open_memory
 
 
@@ -39,5 +39,5 @@ def served(app: Any) -> Generator[str]:
 def served_bare(folder: Path | None = None) -> Generator[str]:
     """Serve an empty plain store, in memory or in a folder."""
     store = open_folder(folder) if folder else open_memory()
-    with served(make_bare_app(store, ServiceSettings(needs_key=False))) as address:
+    with served(bare_app(store, ServiceSettings(needs_key=False))) as address:
         yield address
