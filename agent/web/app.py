@@ -20,7 +20,7 @@ from starlette.responses import PlainTextResponse, RedirectResponse, Response
 
 from ..execution.outcome import Json
 from .doorkeeper import Doorkeeper
-from .problems import Problem, answer_with_problems
+from .problems import RESPONSES, Problem, answer_with_problems
 from .routes import administration, conversation, evaluations, knowledge, robot, session, streams
 from .routes.evaluations import Evaluations
 from .security import Gate, address_of, is_loopback
@@ -52,6 +52,7 @@ def make_app(service: Service, gate: Gate, *, secret: str, port: int, folder: Pa
     registry = CollectorRegistry()
     app = FastAPI(
         title="Hilt",
+        responses=RESPONSES,
         max_body_size=gate.settings.most_body,
         version=version("hilt"),
         lifespan=lifespan,
@@ -110,7 +111,7 @@ def readyz(request: Request) -> Json:
     return {"ready": True, "sequence": service.base.sequence, "moves": service.agent.simulate}
 
 
-@_health.get("/metrics")
+@_health.get("/metrics", response_class=PlainTextResponse)
 async def metrics(request: Request) -> Response:
     """Counts and times, for Prometheus; readers and this machine may see them."""
     if not is_loopback(address_of(request)):

@@ -27,6 +27,20 @@ _KINDS: tuple[tuple[type[Exception], int, str, str], ...] = (  # the first that 
 _MORE = ("source", "line", "findings")  # attributes of errors
 
 
+MEDIA_TYPE = "application/problem+json"
+_TEXT: dict[str, Any] = {"type": "string"}
+_SCHEMA: dict[str, Any] = {
+    "type": "object",
+    "required": ["type", "title", "status", "detail"],
+    "properties": {"type": _TEXT, "title": _TEXT, "status": {"type": "integer"}, "detail": _TEXT},
+}
+_REFUSED: dict[str, Any] = {
+    "description": "A problem: what was refused, and why",
+    "content": {MEDIA_TYPE: {"schema": _SCHEMA}},
+}
+RESPONSES: dict[int | str, dict[str, Any]] = {422: _REFUSED, "4XX": _REFUSED, "5XX": _REFUSED}
+
+
 class Problem(HTTPException):
     """A refusal: the status of HTTP, a short name for programs, and a sentence for people."""
 
@@ -47,8 +61,7 @@ class Problem(HTTPException):
     @property
     def answer(self) -> JSONResponse:
         """The answer of the server, to a WebSocket too, which is not accepted."""
-        media = "application/problem+json"
-        return JSONResponse(self.document, self.status_code, self.headers, media)
+        return JSONResponse(self.document, self.status_code, self.headers, MEDIA_TYPE)
 
 
 def forbidden(detail: str, **more: Any) -> Problem:

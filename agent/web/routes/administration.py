@@ -71,7 +71,7 @@ async def set_trust(
     return await service.run(told_so)
 
 
-@router.get("/export")
+@router.get("/export", response_class=FileResponse)
 def export(
     request: Request, _: Reader, format: Format = "trig", only_rules: bool = False
 ) -> FileResponse:
@@ -105,9 +105,10 @@ def backup(request: Request, _: Admin, wanted: Backup) -> Json:
     """Copy the base into a new folder beside it, while it is in use; the copy is read back."""
     base = service_of(request).base
     folder = Path(base.store.location).expanduser()
-    if not folder.is_dir():
-        raise Problem(409, "no-folder", "Not a folder", "Only a base in a folder is backed up.")
     target = folder.with_name(f"{folder.name}.backups") / wanted.name
+    if not folder.is_dir() or target.exists():
+        detail = "Only a base in a folder is backed up, under a name that is new."
+        raise Problem(409, "no-backup", "No backup", detail)
     return {"backup": wanted.name, "sequence": save(base, target)}
 
 

@@ -12,7 +12,7 @@ from typing import Annotated, Literal
 
 from fastapi import APIRouter, Request, Response
 from pydantic import BaseModel, Field
-from starlette.responses import FileResponse
+from starlette.responses import FileResponse, HTMLResponse
 
 from ....ontology.errors import NotFoundError
 from ...evaluation.runners.journal import JOURNAL
@@ -134,7 +134,7 @@ def evaluation(request: Request, _: Reader, name: str) -> Json:
     return _evaluations(request).as_json(name)
 
 
-@router.get("/{name}/report")
+@router.get("/{name}/report", response_class=HTMLResponse)
 def report(request: Request, _: Reader, name: str) -> FileResponse:
     """Its report for people, as HTML."""
     headers = {"Content-Security-Policy": _POLICY}

@@ -188,7 +188,7 @@ def questions(_: Reader) -> Documents:
     return [documents.question_as_json(named_query(name)) for name in query_names()]
 
 
-@router.post("/questions/{name}")
+@router.post("/questions/{name}", response_class=Response)
 def question(request: Request, _: Reader, name: str, arguments: dict[str, str]) -> Response:
     """The answer to a named question, as SPARQL 1.1 Query Results JSON."""
     found = base_of(request).answer(name, limits=_LIMITS, **arguments)
