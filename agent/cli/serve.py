@@ -39,6 +39,9 @@ def serve(
     no_auth: Annotated[
         bool, typer.Option("--no-auth", help="Ask for no key; on this machine only.")
     ] = False,
+    bare: Annotated[
+        bool, typer.Option("--bare", help="Serve a plain store, without the laws of a base.")
+    ] = False,
     certificate: Annotated[
         Path | None, typer.Option("--certificate", help="A certificate (PEM), for TLS.")
     ] = None,
@@ -66,14 +69,17 @@ def serve(
         if browser and not as_json:
             typer.launch(found.url)
 
-    if no_auth:
+    if no_auth or bare:
         typer.echo("Without keys: every program of this machine may do everything.", err=True)
     chosen = server.ServiceSettings(
         *(host, port, tuple(names or ()), tuple(origins or ()), certificate, key_file),
         *(behind_proxy, not no_auth, speaker),
     )
     tokens = server.tokens_beside(kb or str(default_location()))
-    server.serve(Agent.open(kb, config), chosen, tokens, ready)
+    if bare:
+        server.serve_bare(kb or str(default_location()), chosen, ready)
+    else:
+        server.serve(Agent.open(kb, config), chosen, tokens, ready)
 
 
 @token_app.command(epilog=example("token add tablet --speaker anna --role teacher --expires 30d"))

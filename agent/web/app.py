@@ -18,6 +18,7 @@ from starlette.middleware.gzip import GZipMiddleware
 from starlette.middleware.sessions import SessionMiddleware
 from starlette.responses import PlainTextResponse, RedirectResponse, Response
 
+from ...kb.stores.oxigraph import OxigraphStore
 from ..execution.outcome import Json
 from .doorkeeper import Doorkeeper
 from .problems import RESPONSES, Problem, answer_with_problems
@@ -25,6 +26,7 @@ from .routes import administration, conversation, evaluations, knowledge, robot,
 from .routes.evaluations import Evaluations
 from .security import Gate, address_of, is_loopback
 from .service import Service
+from .sparql_targets import base_target, sparql_routes
 
 STATIC = Path(__file__).with_name("static")
 READERS = 4  # threads
@@ -47,6 +49,8 @@ def make_app(service: Service, gate: Gate, *, secret: str, port: int, folder: Pa
         await app.state.evaluations.stop()
         await service.stop()
         await asyncio.wait([shown])
+        if target:
+            await target.pool.close()
         await service.close()
 
     registry = CollectorRegistry()
@@ -65,6 +69,9 @@ def make_app(service: Service, gate: Gate, *, secret: str, port: int, folder: Pa
     for each in routes:
         app.include_router(each.router)
     app.include_router(_health)
+    is_embedded = isinstance(service.base.store, OxigraphStore)
+    target = base_target(service, gate) if is_embedded else None  # an endpoint is asked itself
+    app.router.routes.extend(sparql_routes(target) if target else [])
     _count(service, registry)
     answer_with_problems(app)
     if gate.settings.origins:

@@ -12,12 +12,16 @@ from pathlib import Path
 from tempfile import mkdtemp
 
 import uvicorn
+from starlette.applications import Starlette
 
+from ...kb.stores.opening import open_store
+from ...kb.stores.oxigraph import OxigraphStore
 from ...ontology.errors import DataError, StoreError
 from ..agent import Agent
 from .app import make_app
 from .security import Gate, ServiceSettings, is_loopback
 from .service import Service
+from .sparql_targets import bare_app
 from .tokens import TokenFile, write_secret
 
 _GRACE_SECONDS = 3  # for connections that stay open after their streams were ended
@@ -34,7 +38,9 @@ class Listening:
 
 
 class _Server(uvicorn.Server):
-    def __init__(self, config: uvicorn.Config, service: Service, ready: Callable[[], None]) -> None:
+    def __init__(
+        self, config: uvicorn.Config, service: Service | None, ready: Callable[[], None]
+    ) -> None:
         super().__init__(config)
         self._service, self._ready = service, ready
 
@@ -43,13 +49,15 @@ class _Server(uvicorn.Server):
         self._ready()
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
-        await self._service.stop()
+        if self._service:
+            await self._service.stop()
         await super().shutdown(sockets)
 
 
-def serve(
-    agent: Agent, settings: ServiceSettings, tokens: Path | None, ready: Callable[[Listening], None]
-) -> None:
+Ready = Callable[[Listening], None]
+
+
+def serve(agent: Agent, settings: ServiceSettings, tokens: Path | None, ready: Ready) -> None:
     """Serve an agent until a signal ends it; the agent is closed then.
 
     DataError if it may not listen there; StoreError if the port is taken.
@@ -57,13 +65,37 @@ def serve(
     gate = Gate(settings, TokenFile(tokens))
     check_place(gate)
     listener = _bound(settings)
-    port: int = listener.getsockname()[1]
-    host = f"[{settings.host}]" if ":" in settings.host else settings.host
-    address = f"http{'s' * bool(settings.certificate)}://{host}:{port}/"
-    listening = Listening(f"{address}?key={gate.key}" if gate.key else address, gate.key, port)
     service, folder = Service(agent), _evaluations_folder(tokens)
+    port: int = listener.getsockname()[1]
+    app = make_app(service, gate, secret=_cookie_secret(tokens), port=port, folder=folder)
+    _keep_audit_log(tokens)
+    _run(app, settings, listener, ready, key=gate.key, service=service)
+
+
+def serve_bare(location: str, settings: ServiceSettings, ready: Ready) -> None:
+    """Serve a plain store, without the laws of a base, to whoever asks on this machine.
+
+    Errors are those of `serve`.
+    """
+    if not is_loopback(settings.host):
+        raise DataError("--bare is for this machine only (127.0.0.1).", source=settings.host)
+    store, listener = open_store(location), _bound(settings)
+    if not isinstance(store, OxigraphStore):
+        raise StoreError(f'"{location}" is an endpoint already.')
+    _run(bare_app(store, settings), settings, listener, ready)
+
+
+def _run(
+    app: Starlette,
+    settings: ServiceSettings,
+    listener: socket.socket,
+    ready: Ready,
+    *,
+    key: str | None = None,
+    service: Service | None = None,
+) -> None:
     config = uvicorn.Config(
-        make_app(service, gate, secret=_cookie_secret(tokens), port=port, folder=folder),
+        app,
         ws="websockets-sansio",
         log_config=None,
         access_log=False,  # the address may hold a key; the audit log has all else
@@ -73,7 +105,10 @@ def serve(
         ssl_keyfile=settings.key_file,
         timeout_graceful_shutdown=_GRACE_SECONDS,
     )
-    _keep_audit_log(tokens)
+    port: int = listener.getsockname()[1]
+    host = f"[{settings.host}]" if ":" in settings.host else settings.host
+    address = f"http{'s' * bool(settings.certificate)}://{host}:{port}/"
+    listening = Listening(f"{address}?key={key}" if key else address, key, port)
     _Server(config, service, lambda: ready(listening)).run([listener])
 
 

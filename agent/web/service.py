@@ -295,7 +295,6 @@ class Service:
 
     async def confirm(self, id: str, caller: Caller, *, yes: bool) -> Json:  # noqa: A002 - in JSON
         """Answer a question of Hilt by the name that it was given; Problem 410 if it is over."""
-
         asker = self._asked and self._asked[1].asked
         said = Said(text="yes" if yes else "no", speaker=asker)
         job = Job(f"c{next(self._numbers)}", said, caller, None, self._stops)
