@@ -28,7 +28,7 @@ from .security import Gate, address_of, is_loopback
 from .service import Service
 from .sparql_targets import base_target, sparql_routes
 
-STATIC = Path(__file__).with_name("static")
+STATIC = Path(__file__).resolve().with_name("static")  # served from where it is, not by links
 READERS = 4  # threads
 _NO_PAGE = 'The page is not built. Run "make page" in the checkout.\n'
 _health = APIRouter(tags=["health"])

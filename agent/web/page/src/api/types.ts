@@ -149,6 +149,7 @@ export interface SceneModel {
   scene: string;
   seed: number;
   things: { name: string; object: string }[];
+  moves: boolean; // whether there is a body, or will be one soon
   number?: number;
   url?: string;
   nodes?: string[];

@@ -23,7 +23,7 @@ export function openYasgui(container: HTMLElement): () => void {
     requestConfig: { endpoint: new URL("sparql", document.baseURI).href, method: "POST" },
     copyEndpointOnNewTab: true,
     persistenceId: null,
-    yasqe: { ...Yasgui.Yasqe.defaults, value: QUERY, autocompleters: ["variables"] },
+    yasqe: { value: QUERY, autocompleters: ["variables"] },
   });
   return () => yasgui.destroy();
 }

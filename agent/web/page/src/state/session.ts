@@ -18,10 +18,11 @@ export const connection = signal<Connection>("connecting");
 export const caller = signal<Caller | undefined>(undefined);
 export const hello = signal<Hello | undefined>(undefined);
 export const scene = signal<SceneModel | undefined>(undefined);
-export const frameReader = signal<((frame: ArrayBuffer) => void) | undefined>(undefined);
 export const progress = signal<{ evaluation: string; done: number; of: number } | undefined>(
   undefined,
 );
+let readFrame: (frame: ArrayBuffer) => void = () => undefined;
+let newestFrame: ArrayBuffer | undefined;
 let walked: string | undefined; // the command of the last step
 
 /** Open the page's session: who asks, what was said, and what happens from now on. */
@@ -39,10 +40,17 @@ export async function connect(): Promise<void> {
   keepGraph();
   new LiveClient({
     onEvent: takeEvent,
-    onFrame: (frame) => frameReader.value?.(frame),
+    onFrame: (frame) => readFrame((newestFrame = frame)),
     onState: (isOpen) => (connection.value = isOpen ? "open" : "lost"),
     onStranger: () => (connection.value = "stranger"),
   }).open();
+}
+
+/** Give all frames to a reader from now on, first the newest one; what is returned ends that. */
+export function readFrames(reader: (frame: ArrayBuffer) => void): () => void {
+  readFrame = reader;
+  if (newestFrame) reader(newestFrame);
+  return () => (readFrame = () => undefined);
 }
 
 export const may = (role: string): boolean => caller.value?.roles.includes(role) ?? false;

@@ -3,7 +3,7 @@ import { useEffect, useRef } from "preact/hooks";
 import { setTable } from "../api/client";
 import { focus, isBusy, touched } from "../state/execution";
 import { attempt, notice } from "../state/notices";
-import { frameReader, hello, may, scene } from "../state/session";
+import { may, readFrames, scene } from "../state/session";
 import type { CameraName, SceneViewer } from "../scene/viewer";
 
 const CAMERAS: Record<CameraName, string> = {
@@ -19,8 +19,14 @@ export function ScenePane() {
   useEffect(() => {
     if (!canvas.current || !hasModel) return undefined;
     const made = openViewer(canvas.current, (name) => (hovered.value = name));
-    void made.then((found) => (viewer.value = found));
-    return () => void made.then(close);
+    void made.then((found) => (viewer.value = found.viewer));
+    return () => {
+      viewer.value = undefined;
+      void made.then((found) => {
+        found.end();
+        found.viewer.close();
+      });
+    };
   }, [hasModel]);
   useEffect(() => void show(viewer.value), [viewer.value, scene.value?.url, scene.value?.number]);
   useEffect(() => viewer.value?.light(lit()), [viewer.value, focus.value, touched.value]);
@@ -65,13 +71,8 @@ async function openViewer(canvas: HTMLCanvasElement, onHover: (name: string | un
     onDrawn: () => (flags["scene"] = "drawn"),
     onMoving: (isMoving) => (flags["moving"] = String(isMoving)),
   });
-  frameReader.value = (frame) => viewer.take(frame);
-  return viewer;
-}
-
-function close(viewer: SceneViewer): void {
-  frameReader.value = undefined;
-  viewer.close();
+  const end = readFrames((frame) => viewer.take(frame));
+  return { viewer, end };
 }
 
 async function show(viewer: SceneViewer | undefined): Promise<void> {
@@ -83,9 +84,9 @@ async function show(viewer: SceneViewer | undefined): Promise<void> {
 }
 
 function Absent() {
-  const text = hello.value
-    ? "This service has no body to show. To give it one: pip install \"hilt[sim]\", then start it again."
-    : "Waiting for the scene …";
+  const text = scene.value?.moves === false
+    ? "Hilt has no body here, and only says what it would do. To give it one: pip install \"hilt[sim]\", then start it again."
+    : "The scene is being made …";
   return <p class="absent">{text}</p>;
 }
 
