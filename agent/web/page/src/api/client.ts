@@ -1,7 +1,7 @@
 /** Requests to the JSON API. Addresses are relative: the page may stand below any path. */
 
 import type {
-  Caller, Explanation, Graph, Problem, Question, Reply, Results, Rule, Utterance,
+  Caller, Evaluation, Explanation, Graph, Problem, Question, Reply, Results, Rule, Utterance,
 } from "./types";
 
 const ROOT = "api/v1";
@@ -60,6 +60,10 @@ export const readRule = (id: string) => request<ToldRule>("GET", rulePath(id));
 export const forget = (id: string) => request<unknown>("DELETE", rulePath(id));
 export const whoAmI = () => request<Caller>("GET", "session");
 export const logIn = (key: string) => request<unknown>("POST", "session", { key });
+export const readEvaluations = () => request<Evaluation[]>("GET", "evaluations");
+export const evaluate = (what: string, sim: boolean, seed: number) =>
+  request<Evaluation>("POST", "evaluations", { what, sim, seed });
+export const stopEvaluation = (name: string) => request<unknown>("DELETE", `evaluations/${name}`);
 export const readQuestions = () => request<Question[]>("GET", "questions");
 export const askQuestion = (name: string, given: Record<string, string>) =>
   request<Results>("POST", `questions/${encodeURIComponent(name)}`, given);

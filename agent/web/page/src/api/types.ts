@@ -168,6 +168,15 @@ export interface Question {
   parameters: { name: string; kind: string; required?: boolean }[];
 }
 
+/** One evaluation, and how far it is. */
+export interface Evaluation {
+  evaluation: string;
+  state: "running" | "done" | "ended";
+  done: number;
+  of: number;
+  result: Record<string, unknown> | null;
+}
+
 /** SPARQL 1.1 Query Results JSON. */
 export interface Results {
   head: { vars?: string[] };
@@ -199,5 +208,5 @@ export type LiveEvent =
   | { type: "decision"; command: string; decision: Decision; proofs: Proof[] }
   | { type: "touch"; command: string; parts: string[] }
   | ({ type: "scene" } & SceneModel)
-  | { type: "progress"; evaluation: string; done: number; of: number }
+  | ({ type: "progress" } & Evaluation)
   | { type: "closing" };

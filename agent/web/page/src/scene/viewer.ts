@@ -22,6 +22,8 @@ const CAMERAS: Record<CameraName, { eye: Point; target: Point }> = {
 };
 const GLOW = new THREE.Color(0x1aa0ff); // what the action is about
 const HOVER = new THREE.Color(0x555555);
+const WIDTH_DEG = 46; // of the picture, as an angle
+const WIDEST = 1.35; // width by height, from which on more is shown at the sides
 const LONGEST_TICK = 0.1; // [s]
 
 export class SceneViewer {
@@ -171,8 +173,9 @@ export class SceneViewer {
     if (!clientWidth || !clientHeight) return;
     this.renderer.setSize(clientWidth, clientHeight, false);
     this.camera.aspect = clientWidth / clientHeight;
-    // A narrow picture must still hold the whole table.
-    this.camera.fov = this.camera.aspect < 1 ? 40 + 22 * (1 - this.camera.aspect) : 40;
+    // As wide at every shape of the picture, so that a narrow one still holds the table.
+    const half = Math.tan(THREE.MathUtils.degToRad(WIDTH_DEG / 2)) / Math.min(this.camera.aspect, WIDEST);
+    this.camera.fov = THREE.MathUtils.radToDeg(2 * Math.atan(half));
     this.camera.updateProjectionMatrix();
     this.redraw();
   }

@@ -3,7 +3,7 @@
 import { effect, signal } from "@preact/signals";
 import { readHistory, Refusal, whoAmI } from "../api/client";
 import { LiveClient } from "../api/live";
-import type { Caller, Hello, LiveEvent, SceneModel } from "../api/types";
+import type { Caller, Evaluation, Hello, LiveEvent, SceneModel } from "../api/types";
 import { begin, take } from "./conversation";
 import { takeCommand, takeDecision, takeStep, touched } from "./execution";
 import { attempt } from "./notices";
@@ -18,9 +18,7 @@ export const connection = signal<Connection>("connecting");
 export const caller = signal<Caller | undefined>(undefined);
 export const hello = signal<Hello | undefined>(undefined);
 export const scene = signal<SceneModel | undefined>(undefined);
-export const progress = signal<{ evaluation: string; done: number; of: number } | undefined>(
-  undefined,
-);
+export const progress = signal<Evaluation | undefined>(undefined); // of what runs now
 let readFrame: (frame: ArrayBuffer) => void = () => undefined;
 let newestFrame: ArrayBuffer | undefined;
 let walked: string | undefined; // the command of the last step
