@@ -3,7 +3,7 @@
 import Yasgui from "@zazuko/yasgui";
 import "@zazuko/yasgui/build/yasgui.min.css";
 
-const KINDS = ["action", "affordance", "context", "node", "object", "part", "rule", "speaker", "utterance"];
+const KINDS = ["action", "affordance", "graph", "node", "object", "part", "rule", "speaker", "utterance"];
 const BASE = "https://w3id.org/hilt";
 const PREFIXES = [
   `PREFIX hilt: <${BASE}#>`,
@@ -23,7 +23,8 @@ export function openYasgui(container: HTMLElement): () => void {
     requestConfig: { endpoint: new URL("sparql", document.baseURI).href, method: "POST" },
     copyEndpointOnNewTab: true,
     persistenceId: null,
-    yasqe: { value: QUERY, autocompleters: ["variables"] },
+    populateFromUrl: false,
+    yasqe: { value: QUERY, autocompleters: ["variables"], consumeShareLink: null },
   });
   return () => yasgui.destroy();
 }
