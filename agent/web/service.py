@@ -367,7 +367,8 @@ class Service:
         """What is on the table; with a body, what is drawn, and where the picture is."""
         scene = self.agent.embodiment.scene
         things = [{"name": each.name, "object": each.object} for each in scene.placements]
-        known = {"scene": self.agent.config.scene, "seed": scene.seed, "things": things}
+        known: Json = {"scene": self.agent.config.scene, "seed": scene.seed, "things": things}
+        known["moves"] = self.agent.simulate
         return known | (self.live_scene.as_json() if self.live_scene else {})
 
     # --- What happens ---------------------------------------------------------------------------

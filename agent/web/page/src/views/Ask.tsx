@@ -31,14 +31,14 @@ function Questions() {
   };
   return (
     <>
-      <label class="which">
-        <span>Question</span>
-        <select value={name.value} onChange={(event) => choose(event.currentTarget.value)}>
+      <p class="which">
+        <label for="question">Question</label>
+        <select id="question" value={name.value} onChange={(event) => choose(event.currentTarget.value)}>
           {known.value.map((each) => (
             <option key={each.name} value={each.name}>{each.question}</option>
           ))}
         </select>
-      </label>
+      </p>
       {question && <Parameters key={question.name} question={question} onResults={(found) => (results.value = found)} />}
       {results.value && <ResultTable results={results.value} />}
     </>
