@@ -1,7 +1,7 @@
 /** Requests to the JSON API. Addresses are relative: the page may stand below any path. */
 
 import type {
-  Caller, Evaluation, Explanation, Graph, Problem, Question, Reply, Results, Rule, Utterance,
+  Caller, Episode, Evaluation, Explanation, Graph, Problem, Question, Reply, Results, Rule, Utterance,
 } from "./types";
 
 const ROOT = "api/v1";
@@ -55,6 +55,7 @@ export const confirm = (id: string, yes: boolean) => request<Reply>("POST", "con
 export const explain = (text: string) => request<Explanation>("POST", "explain", { text });
 export const readHistory = (since: number) =>
   request<Utterance[]>("GET", withQuery("history", { since }));
+export const readLastEpisode = () => request<Episode[]>("GET", "episodes?limit=1");
 export const readGraph = (query: Query) => request<Graph>("GET", withQuery("graph", query));
 export const readRule = (id: string) => request<ToldRule>("GET", rulePath(id));
 export const forget = (id: string) => request<unknown>("DELETE", rulePath(id));

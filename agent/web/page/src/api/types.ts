@@ -117,6 +117,16 @@ export interface Explanation {
   changes: Change[];
 }
 
+/** A command of the past, with what was decided and done. */
+export interface Episode {
+  id: string;
+  utterance: string;
+  outcome: string;
+  decision: Decision | null;
+  steps: Step[];
+  world: { touched?: string[] };
+}
+
 /** What was not understood: the words that were, what was expected, and what could be said. */
 export interface Misunderstanding {
   message: string;

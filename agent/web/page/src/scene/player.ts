@@ -8,7 +8,9 @@ const BUFFER = 0.15; // [s] of the world between the newest frame and what is sh
 const PATIENCE = 150; // [ms] without a frame, after which the rest is played out
 const HURRY = 0.6; // [s] behind from which it goes `FAST` times as fast
 const FAST = 1.5;
-const JUMP = 3; // [s] behind from which it leaves out what is between
+const RUSH = 3; // [s] behind from which it goes `FASTER` times as fast
+const FASTER = 2.5;
+const JUMP = 8; // [s] behind from which it leaves out what is between; a passing takes less
 
 export interface Frame {
   scene: number;
@@ -33,7 +35,7 @@ export function readFrame(bytes: ArrayBuffer): Frame | undefined {
 
 export class PosePlayer {
   private frames: Frame[] = [];
-  private clock = 0; // [s] of the world, that is shown
+  private clock = 0; // [s]
   private arrival = 0; // [ms], of the newest frame
   private isWaiting = true;
 
@@ -48,9 +50,19 @@ export class PosePlayer {
     this.arrival = now;
   }
 
+  /** The time of the world [s] that is shown. */
+  get time(): number {
+    return this.clock;
+  }
+
+  /** The time of the world [s] of the newest frame. */
+  get newest(): number {
+    return this.frames.at(-1)?.time ?? 0;
+  }
+
   /** Whether everything that arrived is shown. */
   get isStill(): boolean {
-    return this.clock >= (this.frames.at(-1)?.time ?? 0);
+    return this.clock >= this.newest;
   }
 
   /** Let `elapsed` [s] of ours pass until `now` [ms], and return what to show. */
@@ -61,7 +73,8 @@ export class PosePlayer {
     if (behind > JUMP) this.clock = newest.time - BUFFER;
     if (behind >= BUFFER || now - this.arrival > PATIENCE) this.isWaiting = false;
     if (!this.isWaiting) {
-      this.clock = Math.min(newest.time, this.clock + elapsed * (behind > HURRY ? FAST : 1));
+      const speed = behind > RUSH ? FASTER : behind > HURRY ? FAST : 1;
+      this.clock = Math.min(newest.time, this.clock + elapsed * speed);
     }
     if (this.isStill) this.isWaiting = true;
     while (this.frames[1] && this.frames[1].time <= this.clock) this.frames.shift();

@@ -3,7 +3,8 @@
 import * as THREE from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { GLTFLoader } from "three/examples/jsm/loaders/GLTFLoader.js";
-import { POSE, PosePlayer, readFrame, type Moment } from "./player";
+import { player, release, setShown } from "../state/frames";
+import { POSE, type Moment } from "./player";
 
 export type CameraName = "overview" | "front" | "top" | "hand";
 
@@ -31,7 +32,6 @@ export class SceneViewer {
   private readonly scene = new THREE.Scene();
   private readonly camera = new THREE.PerspectiveCamera(40, 1, 0.02, 20);
   private readonly controls: OrbitControls;
-  private readonly player = new PosePlayer();
   private readonly resizes: ResizeObserver;
   private model: THREE.Object3D | undefined;
   private nodes: (THREE.Object3D | undefined)[] = [];
@@ -71,6 +71,7 @@ export class SceneViewer {
     if (this.model) this.scene.remove(this.model);
     this.number = number % 65536;
     this.model = model;
+    setShown(true);
     this.names = new Map();
     this.nodes = names.map((name) => {
       const node = model.getObjectByName(THREE.PropertyBinding.sanitizeNodeName(name));
@@ -81,11 +82,6 @@ export class SceneViewer {
     model.traverse(prepareMesh);
     this.scene.add(model);
     this.redraw();
-  }
-
-  take(bytes: ArrayBuffer): void {
-    const frame = readFrame(bytes);
-    if (frame) this.player.push(frame, performance.now());
   }
 
   /** Light up nodes ("knife/blade") by their names. */
@@ -103,6 +99,7 @@ export class SceneViewer {
   }
 
   close(): void {
+    setShown(false);
     cancelAnimationFrame(this.request);
     this.resizes.disconnect();
     this.controls.dispose();
@@ -128,11 +125,12 @@ export class SceneViewer {
     this.request = requestAnimationFrame(this.tick);
     const elapsed = Math.min((now - this.last) / 1000, LONGEST_TICK);
     this.last = now;
-    const wasStill = this.player.isStill;
-    const moment = this.player.advance(elapsed, performance.now());
+    const wasStill = player.isStill;
+    const moment = player.advance(elapsed, performance.now());
     if (moment && moment.before.scene === this.number && (!wasStill || !this.model?.visible)) {
       this.pose(moment);
     }
+    release(player.time);
     this.setMoving(!wasStill);
     if (this.isStale) this.draw();
   };

@@ -2,6 +2,7 @@
 
 import { computed, signal } from "@preact/signals";
 import { confirm, hear, Refusal } from "../api/client";
+import { untilShown } from "./frames";
 import type { Misunderstanding, Reply, Rule, Utterance } from "../api/types";
 
 const MOST_TURNS = 200; // on the page; the history has all
@@ -97,7 +98,9 @@ export async function answer(turn: Turn, yes: boolean): Promise<void> {
 
 async function fill(key: string, asked: Promise<Reply>): Promise<void> {
   try {
-    change(key, ofReply(await asked));
+    const reply = await asked;
+    await untilShown();
+    change(key, ofReply(reply));
   } catch (error) {
     if (!(error instanceof Refusal)) throw error;
     change(key, { answer: error.message, outcome: "refused" });

@@ -1,7 +1,7 @@
 /** The command that is carried out: its steps as they are reached and done, and its decision. */
 
 import { computed, signal } from "@preact/signals";
-import type { Command, Decision, Explanation, Proof, Step } from "../api/types";
+import type { Command, Decision, Episode, Explanation, Proof, Step } from "../api/types";
 
 const DONE = new Set(["walked", "executed"]);
 
@@ -44,6 +44,15 @@ export function takeStep(step: Step, isFirst: boolean): void {
   const place = steps.value.findLastIndex((each) => each.node === step.node && !each.action);
   const isNews = step.action !== "" && place >= 0;
   steps.value = isNews ? steps.value.with(place, step) : [...steps.value, step];
+}
+
+/** Show a command of the past, unless there is one of now. */
+export function recall({ id, utterance: text, decision: found, steps: done, world }: Episode): void {
+  if (steps.value.length) return;
+  command.value = { command: id, state: "done", text, speaker: "" };
+  steps.value = done;
+  touched.value = world.touched ?? [];
+  if (found) takeDecision(found, []);
 }
 
 export function takeDecision(found: Decision, why: readonly Proof[]): void {

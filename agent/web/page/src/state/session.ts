@@ -1,16 +1,20 @@
 /** The connection to the service: what comes over it goes to the part of the state it is about. */
 
 import { effect, signal } from "@preact/signals";
-import { readHistory, Refusal, whoAmI } from "../api/client";
+import { readHistory, readLastEpisode, Refusal, whoAmI } from "../api/client";
 import { LiveClient } from "../api/live";
 import type { Caller, Evaluation, Hello, LiveEvent, SceneModel } from "../api/types";
 import { begin, take } from "./conversation";
-import { takeCommand, takeDecision, takeStep, touched } from "./execution";
+import { recall, takeCommand, takeDecision, takeStep, touched } from "./execution";
+import { takeFrame, untilShown } from "./frames";
 import { attempt } from "./notices";
 import { keepGraph, renew } from "./rules";
 
 const UNKNOWN = 401;
 const MOST_HISTORY = 500; // utterances that the page shows
+
+/** What waits for the picture of it. */
+const PACED: ReadonlySet<string> = new Set(["command", "step", "decision", "touch", "said"]);
 
 export type Connection = "connecting" | "open" | "lost" | "closing" | "stranger";
 
@@ -19,8 +23,6 @@ export const caller = signal<Caller | undefined>(undefined);
 export const hello = signal<Hello | undefined>(undefined);
 export const scene = signal<SceneModel | undefined>(undefined);
 export const progress = signal<Evaluation | undefined>(undefined); // of what runs now
-let readFrame: (frame: ArrayBuffer) => void = () => undefined;
-let newestFrame: ArrayBuffer | undefined;
 let walked: string | undefined; // the command of the last step
 
 /** Open the page's session: who asks, what was said, and what happens from now on. */
@@ -37,18 +39,11 @@ export async function connect(): Promise<void> {
   }
   keepGraph();
   new LiveClient({
-    onEvent: takeEvent,
-    onFrame: (frame) => readFrame((newestFrame = frame)),
+    onEvent: (event) => void takeInTime(event),
+    onFrame: takeFrame,
     onState: (isOpen) => (connection.value = isOpen ? "open" : "lost"),
     onStranger: () => (connection.value = "stranger"),
   }).open();
-}
-
-/** Give all frames to a reader from now on, first the newest one; what is returned ends that. */
-export function readFrames(reader: (frame: ArrayBuffer) => void): () => void {
-  readFrame = reader;
-  if (newestFrame) reader(newestFrame);
-  return () => (readFrame = () => undefined);
 }
 
 /** Whether who asks has a role; an admin has all. */
@@ -69,7 +64,14 @@ async function takeHello(event: Hello): Promise<void> {
   if (isFirst) {
     const since = Math.max(0, event.sequence - MOST_HISTORY);
     begin((await attempt(() => readHistory(since))) ?? []);
+    const [last] = (await attempt(readLastEpisode)) ?? [];
+    if (last) recall(last);
   }
+}
+
+async function takeInTime(event: LiveEvent): Promise<void> {
+  if (PACED.has(event.type)) await untilShown();
+  takeEvent(event);
 }
 
 function takeEvent(event: LiveEvent): void {

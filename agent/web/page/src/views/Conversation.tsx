@@ -1,6 +1,7 @@
 import { useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
-import { RuleChip, showRule } from "../parts/RuleChip";
+import { edgeText, RuleChip, showRule } from "../parts/RuleChip";
+import { graph } from "../state/rules";
 import { answer, isEmpty, recalled, say, turns, type Turn } from "../state/conversation";
 import { Guide } from "./Guide";
 
@@ -73,7 +74,9 @@ function RuleChips({ turn: { rules, asserts } }: { turn: Turn }) {
   return (
     <p class="chips">
       {asserts.map((id) => (
-        <button key={id} type="button" class="chip rule-chip" onClick={() => showRule(id)}>{id}</button>
+        <button key={id} type="button" class="chip rule-chip" onClick={() => showRule(id)}>
+          {edgeText(graph.value.edges.find((edge) => edge.rule === id))}
+        </button>
       ))}
     </p>
   );

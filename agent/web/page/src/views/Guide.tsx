@@ -1,5 +1,5 @@
 import { signal } from "@preact/signals";
-import { say, utterances } from "../state/conversation";
+import { say, turns } from "../state/conversation";
 
 /** The running example of the paper. */
 const SENTENCES = [
@@ -14,9 +14,9 @@ const plain = (text: string) => text.toLowerCase().replace(/[^a-z ]/g, "");
 
 /** The first minute on an empty base: three sentences to teach, and a command. */
 export function Guide() {
-  const said = new Set(utterances.value.map((each) => plain(each.text)));
+  const said = new Set(turns.value.map((each) => plain(each.text)));
   const next = SENTENCES.findIndex((text) => !said.has(plain(text)));
-  const isNew = utterances.value.every(({ text }) => SENTENCES.some((s) => plain(s) === plain(text)));
+  const isNew = turns.value.every(({ text }) => SENTENCES.some((s) => plain(s) === plain(text)));
   if (isClosed.value || !isNew || next < 0) return null;
   return (
     <section class="guide" aria-labelledby="guide-title">

@@ -3,7 +3,7 @@ import { useEffect, useRef } from "preact/hooks";
 import { setTable } from "../api/client";
 import { focus, isBusy, touched } from "../state/execution";
 import { attempt, notice } from "../state/notices";
-import { may, readFrames, scene } from "../state/session";
+import { may, scene } from "../state/session";
 import type { CameraName, SceneViewer } from "../scene/viewer";
 
 const CAMERAS: Record<CameraName, string> = {
@@ -19,13 +19,10 @@ export function ScenePane() {
   useEffect(() => {
     if (!canvas.current || !hasModel) return undefined;
     const made = openViewer(canvas.current, (name) => (hovered.value = name));
-    void made.then((found) => (viewer.value = found.viewer));
+    void made.then((found) => (viewer.value = found));
     return () => {
       viewer.value = undefined;
-      void made.then((found) => {
-        found.end();
-        found.viewer.close();
-      });
+      void made.then((found) => found.close());
     };
   }, [hasModel]);
   useEffect(() => void show(viewer.value), [viewer.value, scene.value?.url, scene.value?.number]);
@@ -66,13 +63,11 @@ function description(): string {
 async function openViewer(canvas: HTMLCanvasElement, onHover: (name: string | undefined) => void) {
   const flags = document.documentElement.dataset;
   const { SceneViewer } = await import("../scene/viewer"); // three.js comes after the page
-  const viewer = new SceneViewer(canvas, {
+  return new SceneViewer(canvas, {
     onHover,
     onDrawn: () => (flags["scene"] = "drawn"),
     onMoving: (isMoving) => (flags["moving"] = String(isMoving)),
   });
-  const end = readFrames((frame) => viewer.take(frame));
-  return { viewer, end };
 }
 
 async function show(viewer: SceneViewer | undefined): Promise<void> {
