@@ -61,6 +61,7 @@ def serve(
     """Talk, watch and query in a browser, and answer programs over HTTP, until Ctrl-C."""
     with extra_required("serve", "fastapi"):
         from ..web import server
+    from ...kb.stores.base import MEMORY
     from ..agent import Agent
 
     def ready(found: Listening) -> None:
@@ -77,7 +78,7 @@ def serve(
     )
     tokens = server.tokens_beside(kb or str(default_location()))
     if bare:
-        server.serve_bare(kb or str(default_location()), chosen, ready)
+        server.serve_bare(kb or MEMORY, chosen, ready)  # never the user's own base unasked
     else:
         server.serve(Agent.open(kb, config), chosen, tokens, ready)
 

@@ -18,7 +18,6 @@ from starlette.middleware.gzip import GZipMiddleware
 from starlette.middleware.sessions import SessionMiddleware
 from starlette.responses import PlainTextResponse, RedirectResponse, Response
 
-from ...kb.stores.oxigraph import OxigraphStore
 from ..execution.outcome import Json
 from .doorkeeper import Doorkeeper
 from .problems import RESPONSES, Problem, answer_with_problems
@@ -69,8 +68,7 @@ def make_app(service: Service, gate: Gate, *, secret: str, port: int, folder: Pa
     for each in routes:
         app.include_router(each.router)
     app.include_router(_health)
-    is_embedded = isinstance(service.base.store, OxigraphStore)
-    target = base_target(service, gate) if is_embedded else None  # an endpoint is asked itself
+    target = base_target(service, gate)
     app.router.routes.extend(sparql_routes(target) if target else [])
     _count(service, registry)
     answer_with_problems(app)

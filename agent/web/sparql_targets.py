@@ -16,7 +16,6 @@ from ...kb.sparql_update import update as update_base
 from ...kb.stores.oxigraph import OxigraphStore
 from ...kb.stores.query_pool import QueryPool
 from ...kb.stores.write_lease import WRITERS
-from ...ontology.errors import StoreError
 from .doorkeeper import Doorkeeper
 from .graph_store import GraphStore
 from .problems import Problem, answer_with_problems
@@ -33,14 +32,14 @@ def sparql_routes(target: SparqlTarget) -> list[Route]:
     return [*SparqlProtocol(target).routes, *GraphStore(target).routes]
 
 
-def base_target(service: Service, gate: Gate) -> SparqlTarget:
+def base_target(service: Service, gate: Gate) -> SparqlTarget | None:
     """The base of a service: readers query it, admins change it as `hilt update` does.
 
-    Its pool is to be closed before the base. StoreError if the base is at an endpoint.
+    Its pool is to be closed before the base. None for a base that has an endpoint of its own.
     """
     base = service.base
     if not isinstance(base.store, OxigraphStore):
-        raise StoreError(f'"{base.store.location}" has an endpoint of its own. Ask that.')
+        return None
 
     def admit(request: Request, is_write: bool) -> str:
         caller = gate.caller_of(request, cookies=not is_write)
@@ -76,7 +75,8 @@ def bare_app(store: OxigraphStore, settings: ServiceSettings) -> Starlette:
         store.close()
 
     target = SparqlTarget(store, QueryPool(store), admit, update)
-    app = Starlette(routes=sparql_routes(target), lifespan=lifespan)
+    routes = sparql_routes(target)
+    app = Starlette(routes=routes, lifespan=lifespan, max_body_size=settings.most_body)
     answer_with_problems(app)
     app.add_middleware(Doorkeeper, settings=settings, registry=CollectorRegistry())
     return app

@@ -22,7 +22,7 @@ from hilt.kb.sparql.query_text import with_prefixes
 from hilt.kb.stores.http import EndpointConfig, EndpointTransport
 from hilt.kb.stores.remote import RemoteStore
 
-from ..agent.web.served import served_bare
+from ..agent.web import running_service
 
 PASSWORD = "correct horse"  # noqa: S105 - of a server that lives for some seconds
 MAX_ROWS = 1_000  # that Virtuoso gives at once here; its default is 10,000
@@ -75,8 +75,11 @@ def virtuoso(folder: Path) -> Generator[Endpoint]:
 @contextmanager
 def hilt(folder: Path) -> Generator[Endpoint]:
     """`hilt serve --bare`, which serves a plain store."""
-    with served_bare(folder) as address:
-        yield Endpoint(f"{address}/sparql#update,store")
+    service = running_service.start(folder, "--bare")
+    try:
+        yield Endpoint(f"{service.url}/sparql#update,store")
+    finally:
+        running_service.end(service)
 
 
 @contextmanager

@@ -13,7 +13,7 @@ from rdflib.collection import Collection
 from rdflib.compare import isomorphic
 from rdflib.term import Node
 
-from .served import served_bare
+from .running_service import end, start
 
 FOLDER = Path(__file__).with_name("w3c")
 SUITES = {
@@ -47,11 +47,19 @@ TESTS = [
 ]
 
 
+@pytest.fixture(scope="module")
+def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    """A plain store."""
+    service = start(tmp_path_factory.mktemp("bare") / "store", "--bare")
+    yield service.url
+    end(service)
+
+
 @pytest.fixture
-def address() -> Iterator[str]:
-    """An empty store, on a port of its own."""
-    with served_bare() as found:
-        yield found
+def address(server: str) -> str:
+    """An empty store."""
+    httpx.post(f"{server}/update", data={"update": "DROP ALL"}).raise_for_status()
+    return server
 
 
 class Connection:
