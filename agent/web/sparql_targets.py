@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 from collections.abc import AsyncGenerator
 from contextlib import asynccontextmanager
+from functools import partial
 
 from prometheus_client import CollectorRegistry
 from starlette.applications import Starlette
@@ -49,7 +50,8 @@ def base_target(service: Service, gate: Gate) -> SparqlTarget | None:
     async def update(text: str, _: str, speaker: str) -> None:
         if WRITERS in text:  # another process of Hilt, which takes this for an endpoint
             raise Problem(409, "owned", "Has an owner", _OWNED)
-        await service.run(lambda: update_base(base, text, speaker=speaker, limits=LIMITS))
+        await service.run(partial(update_base, base, text, speaker=speaker, limits=LIMITS))
+        service.agent.dialogue.conversation.expect_news()
 
     return SparqlTarget(base.store, QueryPool(base.store), admit, update, _PAGE)
 
