@@ -1,4 +1,4 @@
-"""Commands of the service: serve, token add, token list, token remove."""
+"""Commands of the service: serve, mcp, token add, token list, token remove."""
 
 from __future__ import annotations
 
@@ -81,6 +81,21 @@ def serve(
         server.serve_bare(kb or MEMORY, chosen, ready)  # never the user's own base unasked
     else:
         server.serve(Agent.open(kb, config), chosen, tokens, ready)
+
+
+@app.command(epilog=example("mcp --no-sim"))
+@with_config(*options.EVERY)
+def mcp(*, config: AgentConfig, kb: Kb = None, speaker: Speaker = "sam") -> None:
+    """Offer tools to a language-model agent on stdin and stdout (Model Context Protocol)."""
+    with extra_required("mcp", "mcp"), extra_required("serve", "fastapi"):
+        from ..web.mcp_server import make_mcp
+        from ..web.service import Service
+        from ..web.tokens import Caller
+    from ..agent import Agent
+
+    caller = Caller("owner", speaker, frozenset({"admin"}))
+    with Agent.open(kb, config) as agent:
+        make_mcp(Service(agent), lambda _: caller).run("stdio")
 
 
 @token_app.command(epilog=example("token add tablet --speaker anna --role teacher --expires 30d"))

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import AsyncGenerator
-from contextlib import asynccontextmanager
+from contextlib import AbstractAsyncContextManager, asynccontextmanager, nullcontext
 from importlib.metadata import version
+from importlib.util import find_spec
 from pathlib import Path
 
 from anyio import to_thread
@@ -44,7 +45,8 @@ def make_app(service: Service, gate: Gate, *, secret: str, port: int, folder: Pa
     async def lifespan(_: FastAPI) -> AsyncGenerator[None]:
         to_thread.current_default_thread_limiter().total_tokens = READERS
         shown = asyncio.ensure_future(service.run(service.show_scene))
-        yield
+        async with models or nullcontext():
+            yield
         await app.state.evaluations.stop()
         await service.stop()
         await asyncio.wait([shown])
@@ -70,6 +72,7 @@ def make_app(service: Service, gate: Gate, *, secret: str, port: int, folder: Pa
     app.include_router(_health)
     target = base_target(service, gate)
     app.router.routes.extend(sparql_routes(target) if target else [])
+    models = _add_models(app, service, gate)
     _count(service, registry)
     answer_with_problems(app)
     if gate.settings.origins:
@@ -90,6 +93,16 @@ def make_app(service: Service, gate: Gate, *, secret: str, port: int, folder: Pa
     if STATIC.exists():
         app.mount("/static", GZipMiddleware(StaticFiles(directory=STATIC)), name="static")
     return app
+
+
+def _add_models(
+    app: FastAPI, service: Service, gate: Gate
+) -> AbstractAsyncContextManager[None] | None:
+    if not find_spec("mcp"):
+        return None
+    from .mcp_server import add_endpoint
+
+    return add_endpoint(app, service, gate)
 
 
 def _count(service: Service, registry: CollectorRegistry) -> None:

@@ -16,7 +16,7 @@ from starlette.middleware.trustedhost import TrustedHostMiddleware
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from .problems import forbidden
-from .security import ServiceSettings
+from .security import CALLER, ServiceSettings
 from .tokens import Caller
 
 _HEADERS = {
@@ -77,7 +77,7 @@ class Doorkeeper:
 
     def _note(self, scope: Scope, status: int, seconds: float) -> None:
         route = getattr(scope.get("route"), "path", "-")
-        method, caller = scope.get("method", "WS"), scope.get("hilt.caller")
+        method, caller = scope.get("method", "WS"), scope.get(CALLER)
         self._asked.labels(method, route, status).inc()
         self._took.observe(seconds)
         who = f"{caller.id} {caller.speaker}" if isinstance(caller, Caller) else "- -"

@@ -24,6 +24,7 @@ from .problems import Problem, forbidden
 from .tokens import ROLES, Caller, TokenFile
 
 OWNER = "owner"
+CALLER = "hilt.caller"  # in the scope of a request, once it is known
 _READS = {"GET", "HEAD", "OPTIONS"}
 
 
@@ -120,7 +121,7 @@ class Gate:
             caller = session
         else:
             raise _unknown("Show a token (Authorization: Bearer hilt_...), or open the page.")
-        asked.scope["hilt.caller"] = caller  # for the audit log
+        asked.scope[CALLER] = caller
         if caller.id != OWNER and self.settings.requests:
             requests = parse(self.settings.requests)
             if not self._limiter.hit(requests, caller.id):

@@ -169,6 +169,7 @@ def _cookie_secret(tokens: Path | None) -> str:
 def _keep_audit_log(tokens: Path | None) -> None:
     log = logging.getLogger("hilt.audit")
     log.setLevel(logging.INFO)
+    log.propagate = False
     if tokens:
         file = tokens.with_suffix(".audit.log")
         handler = RotatingFileHandler(file, maxBytes=_AUDIT_BYTES, backupCount=_AUDIT_FILES)

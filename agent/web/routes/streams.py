@@ -14,7 +14,7 @@ from starlette.websockets import WebSocketDisconnect, WebSocketState
 from ...execution.outcome import Json
 from ..events import EventStream
 from ..problems import Problem
-from ..security import Gate, Reader
+from ..security import CALLER, Gate, Reader
 from ..service import Service
 from ..tokens import Caller
 from .conversation import service_of
@@ -86,7 +86,7 @@ async def _greeted(socket: WebSocket, gate: Gate) -> tuple[Caller, dict[str, Any
         caller = gate.caller_with(socket, str(first["token"]))
     else:
         caller = gate.caller_of(socket)
-    socket.scope["hilt.caller"] = caller
+    socket.scope[CALLER] = caller
     return caller, first
 
 
