@@ -116,7 +116,7 @@ class Conversation:
         return is_new
 
     def expect_news(self) -> None:
-        """Let the next `notice_others` look, because the base was changed past this conversation."""
+        """Let the next `notice_others` look: the base was changed past this conversation."""
         self._noticed = -1
 
     # --- What is understood and known ---------------------------------------------------------
