@@ -18,7 +18,7 @@ import pytest
 from hilt.agent.web.app import STATIC
 
 from ..running_service import RunningService, end, start
-from .driving import Visitor
+from .driving import LESSONS, Visitor
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
 OPTIONS = [
@@ -47,6 +47,17 @@ def browser() -> Iterator[Any]:
 def mind(tmp_path: Path) -> Iterator[RunningService]:
     """A service over an empty base of its own, without a robot."""
     started = start(tmp_path / "kb", "--no-sim")
+    yield started
+    end(started)
+
+
+@pytest.fixture(scope="module")
+def school(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningService]:
+    """A service that was taught the three sentences, which no test changes; without a robot."""
+    started = start(tmp_path_factory.mktemp("school") / "kb", "--no-sim")
+    with started.client("teacher") as teacher:
+        for lesson in LESSONS:
+            teacher.post("/api/v1/tell", json={"text": lesson})
     yield started
     end(started)
 

@@ -12,8 +12,16 @@ MARKUP = "<img src=x onerror=alert(1)>"
 
 
 @pytest.fixture
-def taught(mind: RunningService, visit: Visit) -> Visitor:
-    """A visitor who has taught the three sentences."""
+def taught(school: RunningService, visit: Visit) -> Visitor:
+    """A visitor of the service that was taught the three sentences, who only reads."""
+    visitor = visit(school)
+    visitor.wait_for('.turn[data-sequence="3"]')
+    return visitor
+
+
+@pytest.fixture
+def teacher(mind: RunningService, visit: Visit) -> Visitor:
+    """A visitor who has taught the three sentences to an empty base."""
     visitor = visit(mind)
     for lesson in LESSONS:
         visitor.say(lesson)
@@ -40,19 +48,19 @@ def test_rules_are_those_of_the_service(taught: Visitor):
     assert shown[1] == ["knife", "by the blade", "pass", "[0.95, 1.00]"]
 
 
-def test_rule_leads_to_who_said_it_and_is_forgotten(taught: Visitor):
+def test_rule_leads_to_who_said_it_and_is_forgotten(teacher: Visitor):
     """A click shows the sentence and its speaker; forgetting retracts, and the history keeps it."""
-    taught.rules()
-    taught.page.locator(".rule-table button").nth(1).click()
-    source = taught.wait_for(".provenance blockquote").inner_text()
+    teacher.rules()
+    teacher.page.locator(".rule-table button").nth(1).click()
+    source = teacher.wait_for(".provenance blockquote").inner_text()
 
-    taught.page.get_by_role("button", name="Forget").click()
-    taught.page.get_by_role("button", name="Really forget it").click()
-    taught.wait_until("() => document.querySelectorAll('.rule-table tbody tr').length === 2")
+    teacher.page.get_by_role("button", name="Forget").click()
+    teacher.page.get_by_role("button", name="Really forget it").click()
+    teacher.wait_until("() => document.querySelectorAll('.rule-table tbody tr').length === 2")
 
     assert LESSONS[1] in source and "sam" in source and "utterance 2" in source
-    assert [rule["object"] for rule in taught.ask_api("rules")] == ["knife", "mug"]
-    assert taught.ask_api("history")[1]["text"] == LESSONS[1]
+    assert [rule["object"] for rule in teacher.ask_api("rules")] == ["knife", "mug"]
+    assert teacher.ask_api("history")[1]["text"] == LESSONS[1]
 
 
 def test_slider_shows_the_rules_as_they_were(taught: Visitor):
@@ -77,18 +85,18 @@ def test_graph_is_drawn_and_stays(taught: Visitor):
     assert taught.wait_for(".graph-canvas").get_attribute("aria-label").startswith("1 rule")
 
 
-def test_decision_is_proved(taught: Visitor):
+def test_decision_is_proved(teacher: Visitor):
     """The proof shows what was told and its intervals, and what would change the decision."""
-    taught.say(COMMAND)
-    taught.show("proof")
-    taught.page.get_by_role("button", name="What would change it?").click()
-    taught.wait_for(".changes li")
+    teacher.say(COMMAND)
+    teacher.show("proof")
+    teacher.page.get_by_role("button", name="What would change it?").click()
+    teacher.wait_for(".changes li")
 
-    assert taught.wait_for(".verdict").inner_text() == "Chosen: knife, by the blade"
-    assert "accepted" in taught.wait_for(".candidates li").inner_text()
-    steps = taught.page.locator(".proof .step-kind").all_inner_texts()
+    assert teacher.wait_for(".verdict").inner_text() == "Chosen: knife, by the blade"
+    assert "chosen" in teacher.wait_for(".candidates li").inner_text()
+    steps = teacher.page.locator(".proof .step-kind").all_inner_texts()
     assert {"modus ponens", "told", "seen"} <= {*steps}
-    assert taught.page.locator(".proof .interval").count() == len(steps)
+    assert teacher.page.locator(".proof .interval").count() == len(steps)
 
 
 def test_history_tells_everything(taught: Visitor):
@@ -238,6 +246,42 @@ def test_named_question_is_answered(taught: Visitor):
     row = taught.wait_for(".results tbody tr").inner_text()
 
     assert "blade" in row and "0.95" in row
+
+
+def test_sparql_is_answered_in_the_editor(taught: Visitor):
+    """The editor opens with a query of the rules on grasping, and shows what the base has."""
+    taught.page.get_by_role("link", name="Ask").click()
+    taught.show("sparql")
+    taught.wait_for(".yasqe_queryButton").click()
+
+    rows = taught.wait_for(".yasr_results tbody:has(tr:nth-child(2))").inner_text()
+
+    assert "blade" in rows and "handle" in rows
+
+
+def test_evaluation_is_begun_watched_and_read(mind: RunningService, visit: Visit):
+    """The experiment of the paper runs from the page, and its report opens in a frame."""
+    visitor = visit(mind)
+    visitor.page.get_by_role("link", name="Evaluations").click()
+    visitor.page.get_by_role("button", name="Begin").click()
+    done = visitor.wait_for('[data-evaluation][data-state="done"]')
+    done.get_by_role("button", name="Report").click()
+
+    report = visitor.page.frame_locator("iframe").locator("h1").first
+    report.wait_for()
+
+    assert "runs" in done.inner_text()
+
+
+def test_two_see_the_same(mind: RunningService, visit: Visit):
+    """What one says appears on the page of the other, with who said it."""
+    anna, ben = visit(mind), visit(mind)
+    for each in (anna, ben):
+        each.wait_for_connection()
+    anna.say(LESSONS[0])
+
+    assert ben.wait_for('.turn[data-sequence="1"] .person p').inner_text() == LESSONS[0]
+    ben.wait_until("() => document.querySelector('[data-tab=rules] .mark').textContent === '1'")
 
 
 def test_motion_is_reduced_where_that_is_wanted(mind: RunningService, visit: Visit):

@@ -3,7 +3,7 @@
 import { computed, effect, signal } from "@preact/signals";
 import { readGraph } from "../api/client";
 import type { Graph, GraphEdge } from "../api/types";
-import { lastSequence } from "./conversation";
+import { lastSequence, utterances } from "./conversation";
 import { attempt } from "./notices";
 
 const PATIENCE = 150; // [ms] that a filter or the slider rests before the service is asked
@@ -19,9 +19,10 @@ export const graph = signal<Graph>({ nodes: [], edges: [] });
 export const filter = signal<Filter>({});
 export const moment = signal<number | undefined>(undefined); // an utterance; undefined for now
 export const chosenRule = signal<string | undefined>(undefined);
-export const changed = signal<ReadonlySet<string>>(new Set()); // rules that were not there before
+export const changed = signal<ReadonlySet<string>>(new Set()); // rules, by the last change
 export const contexts = computed(() => [...new Set(graph.value.edges.map(contextOf))].sort());
 const version = signal(0);
+let isOfNow = true; // what `graph` shows
 
 export function contextOf(edge: GraphEdge): string {
   return edge.contexts.replaceAll("action:", "") || "anywhere";
@@ -46,10 +47,19 @@ export function keepGraph(): void {
 async function load(query: Filter & { at: number | undefined }): Promise<void> {
   const found = await readGraph({ ...query });
   if (query.at !== moment.value) return; // the slider went on
+  changed.value = query.at === undefined ? newRules(found) : saidAt(query.at);
+  graph.value = found;
+  isOfNow = query.at === undefined;
+}
+
+function newRules(found: Graph): ReadonlySet<string> {
   const known = new Set(graph.value.edges.map((edge) => edge.rule));
   const news = found.edges.map((edge) => edge.rule).filter((rule) => !known.has(rule));
-  changed.value = new Set(known.size ? news : []);
-  graph.value = found;
+  return new Set(isOfNow && known.size ? news : []);
+}
+
+function saidAt(sequence: number): ReadonlySet<string> {
+  return new Set(utterances.value.find((each) => each.sequence === sequence)?.asserts);
 }
 
 /** Show the rules as they were at an utterance; now, when it is the last one. */

@@ -2,6 +2,7 @@ import { useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { edgeText, RuleChip, showRule } from "../parts/RuleChip";
 import { graph } from "../state/rules";
+import { pane } from "../state/view";
 import { answer, isEmpty, recalled, say, turns, type Turn } from "../state/conversation";
 import { Guide } from "./Guide";
 
@@ -15,7 +16,7 @@ const draft = { text: "" };
 
 export function Conversation() {
   const end = useRef<HTMLDivElement>(null);
-  useEffect(() => end.current?.scrollIntoView({ block: "end" }), [turns.value]);
+  useEffect(() => end.current?.scrollIntoView({ block: "end" }), [turns.value, pane.value]);
   return (
     <section class="pane talk" aria-labelledby="talk-title">
       <h2 id="talk-title">Conversation</h2>

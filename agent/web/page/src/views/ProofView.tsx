@@ -1,5 +1,5 @@
 import { explain } from "../api/client";
-import type { Candidate, Change, Proof, ProofStep } from "../api/types";
+import type { Candidate, Change, Decision, Proof, ProofStep } from "../api/types";
 import { IntervalBar, intervalText } from "../parts/IntervalBar";
 import { showRule } from "../parts/RuleChip";
 import { command, decision, explanation, proofs } from "../state/execution";
@@ -16,7 +16,7 @@ export function ProofView() {
       <h3>Candidates</h3>
       <ul class="candidates">
         {found.candidates.map((each) => (
-          <CandidateView key={each.name + each.reason} candidate={each} threshold={found.threshold} />
+          <CandidateView key={each.name + each.reason} candidate={each} decision={found} />
         ))}
       </ul>
       {proofs.value.map((proof) => (
@@ -27,15 +27,16 @@ export function ProofView() {
   );
 }
 
-function CandidateView({ candidate, threshold }: { candidate: Candidate; threshold: number }) {
-  const { name, accepted, reason, lambda } = candidate;
+function CandidateView({ candidate, decision }: { candidate: Candidate; decision: Decision }) {
+  const { name, object, accepted, reason, lambda } = candidate;
+  const verdict = !accepted ? "rejected" : object === decision.object ? "chosen" : "accepted";
   return (
     <li class={accepted ? "accepted" : "rejected"}>
       <p>
         <span aria-hidden="true">{accepted ? "✓" : "✕"}</span> <b>{name}</b>{" "}
-        {accepted ? "accepted" : "rejected"} <IntervalBar {...candidate} />
+        {verdict} <IntervalBar {...candidate} />
       </p>
-      <p class="reason" title={`lambda ${lambda}, threshold ${threshold}`}>{reason}</p>
+      <p class="reason" title={`lambda ${lambda}, threshold ${decision.threshold}`}>{reason}</p>
     </li>
   );
 }

@@ -34,7 +34,7 @@ export function ScenePane() {
         <canvas ref={canvas} role="img" aria-label={description()} />
         {!hasModel && <Absent />}
         {hovered.value && <p class="hovered">{hovered.value.replace("/", ": ")}</p>}
-        {focus.value && <p class="focus" role="status">{focus.value.replace("/", ": ")}</p>}
+        {hasModel && focus.value && <p class="focus" role="status">{focus.value.replace("/", ": ")}</p>}
       </div>
       <div class="tools" role="group" aria-label="Camera">
         {(Object.keys(CAMERAS) as CameraName[]).map((name) => (
@@ -80,7 +80,7 @@ async function show(viewer: SceneViewer | undefined): Promise<void> {
 
 function Absent() {
   const text = scene.value?.moves === false
-    ? "Hilt has no body here, and only says what it would do. To give it one: pip install \"hilt[sim]\", then start it again."
+    ? "Hilt has no body here, and only says what it would do. It has one with the extra “sim” (pip install \"hilt[sim]\") and without --no-sim."
     : "The scene is being made …";
   return <p class="absent">{text}</p>;
 }
