@@ -27,10 +27,12 @@ MAY_IMPORT = {
 IMPORTED_IN = {  # a foreign package that may be exchanged one day, and where alone it is imported
     "jinja2": "agent.evaluation.reports",
     "lark": "nlu.grammar",
+    "mcp": "agent.web",
     "pybullet": "sim.physics",
     "pyoxigraph": "kb.stores",
     "ray": "agent.evaluation.runners",
     "typer": "agent.cli",
+    "uvicorn": "agent.web",
 }
 PAGE = ROOT / "agent" / "web" / "page"  # from which `make page` builds what is installed
 MOST_MODULES = 15  # in one folder

@@ -17,7 +17,7 @@ from prometheus_client.exposition import CONTENT_TYPE_LATEST
 from starlette.middleware.cors import CORSMiddleware
 from starlette.middleware.gzip import GZipMiddleware
 from starlette.middleware.sessions import SessionMiddleware
-from starlette.responses import PlainTextResponse, RedirectResponse, Response
+from starlette.responses import FileResponse, PlainTextResponse, RedirectResponse, Response
 
 from ..execution.outcome import Json
 from .doorkeeper import Doorkeeper
@@ -143,9 +143,16 @@ async def page(request: Request, key: str | None = None) -> Response:
     if key is not None:
         request.app.state.gate.begin_session(request, key, tokens=False)
         return RedirectResponse("/", 303)
-    file = STATIC / "index.html"
-    if not file.exists():
-        return PlainTextResponse(_NO_PAGE)
-    return Response(
-        file.read_bytes(), media_type="text/html", headers={"Cache-Control": "no-cache"}
-    )
+    return _built("index.html")
+
+
+@_health.get("/docs", include_in_schema=False)
+async def docs() -> Response:
+    """The interface, to read and to try."""
+    return _built("docs.html")
+
+
+def _built(name: str) -> Response:
+    file = STATIC / name
+    headers = {"Cache-Control": "no-cache"}
+    return FileResponse(file, headers=headers) if file.exists() else PlainTextResponse(_NO_PAGE)
