@@ -33,8 +33,9 @@ from ..documents import Explanation
 from ..execution.outcome import Decision
 from ..execution.request import Request
 from .problems import Problem, problem_of
+from .sayings import Said
 from .security import CALLER, Gate
-from .service import Said, Service
+from .service import Service
 from .tokens import Caller
 
 TRUST = 0.3  # in what a model teaches, until somebody says otherwise
@@ -47,32 +48,15 @@ _INSTRUCTIONS = (
 )
 
 
-class Evidence(BaseModel):
-    """What was told, by whom, and the interval of its support."""
-
-    said: str
-    speaker: str
-    lower: float
-    upper: float
-
-
-class Holding(BaseModel):
-    """How something is held: a part, or none where nothing is known; and why."""
-
-    part: str | None
-    verdict: Literal["proper", "improper", "unknown"]
-    lower: float = 0.0
-    upper: float = 1.0
-    because: list[Evidence] = []
-
-
-class Use(BaseModel):
-    """An object that is used for something, surest first."""
+class Finding(BaseModel):
+    """What follows for an object or a part of it, with the interval and the rules behind it."""
 
     object: str
-    lower: float
-    upper: float
-    because: list[Evidence] = []
+    part: str | None = None
+    verdict: Literal["proper", "improper", "unknown"] = "unknown"
+    lower: float = 0.0
+    upper: float = 1.0
+    because: list[dict[str, Any]] = []
 
 
 class CommandPlan(BaseModel):
@@ -142,17 +126,17 @@ class ModelTools:
         self._service, self._who = service, who
         self._plans: dict[str, _Planned] = {}
 
-    async def how_to_hold(self, object: str, action: str, context: Context[Any]) -> Holding:
+    async def how_to_hold(self, object: str, action: str, context: Context[Any]) -> Finding:
         """By which part an object ("knife") is held for an action ("pass", "pickUp")."""
         found = await self._held(object, action, context)
         best = [each for each in found if each.verdict == "accepted"]
-        return _holding(self._service.agent, best[0] if best else None)
+        return self._finding(best[0]) if best else Finding(object=object)
 
-    async def may_hold(self, object: str, part: str, action: str, context: Context[Any]) -> Holding:
+    async def may_hold(self, object: str, part: str, action: str, context: Context[Any]) -> Finding:
         """Whether an object may be held by a part for an action: proper, improper or unknown."""
         found = await self._held(object, action, context)
         about = [each for each in found if each.argument and each.argument.name == part]
-        return _holding(self._service.agent, about[0] if about else None, part)
+        return self._finding(about[0]) if about else Finding(object=object, part=part)
 
     async def _held(self, name: str, action: str, context: Context[Any]) -> Sequence[Candidate]:
         caller = self._model(context)
@@ -165,15 +149,15 @@ class ModelTools:
 
         return await self._deciding(inferred, f"objects:{name}")
 
-    async def what_for(self, use: str, context: Context[Any]) -> list[Use]:
+    async def what_for(self, use: str, context: Context[Any]) -> list[Finding]:
         """Which objects in view are used for something ("cutting"), surest first."""
         caller = self._model(context)
 
-        def inferred(agent: Agent) -> list[Use]:
+        def inferred(agent: Agent) -> list[Finding]:
             target = {"object": Target(used_for=use), "recipient": caller.speaker}
             result, _ = agent.attempt("", Request("pass", target, caller.speaker))
             found = result.decision.object.candidates if result.decision else ()
-            return [_use(agent, each) for each in found if each.accepted]
+            return [self._finding(each) for each in found if each.accepted]
 
         return await self._deciding(inferred)
 
@@ -252,6 +236,19 @@ class ModelTools:
             await self._service.run(introduce)
         return caller
 
+    def _finding(self, found: Candidate) -> Finding:
+        verdicts: dict[str, Any] = {"accepted": "proper", "denied": "improper"}
+        words_of = self._service.agent.dialogue.conversation.words_of
+        argument, interval = found.argument, found.interval
+        return Finding(
+            object=found.object,
+            part=argument.name if argument and argument.kind == "part" else None,
+            verdict=verdicts.get(found.verdict, "unknown"),
+            lower=interval.lower,
+            upper=interval.upper,
+            because=[rule.as_json() | {"said": words_of(rule)} for rule in found.rules],
+        )
+
     def _model(self, context: Context[Any]) -> Caller:
         owner = self._who(context)
         name = f"model of {owner.speaker}"
@@ -267,38 +264,6 @@ def _against(decision: Decision | None) -> Sequence[Rule]:
         for each in denied
         if each.argument and each.argument.name == named
         for rule in each.rules
-    ]
-
-
-def _holding(agent: Agent, found: Candidate | None, part: str | None = None) -> Holding:
-    if found is None:
-        return Holding(part=part, verdict="unknown")
-    verdicts: dict[str, Any] = {"accepted": "proper", "denied": "improper"}
-    return Holding(
-        part=found.argument.name if found.argument else part,
-        verdict=verdicts.get(found.verdict, "unknown"),
-        lower=found.interval.lower,
-        upper=found.interval.upper,
-        because=_evidence(agent, found),
-    )
-
-
-def _use(agent: Agent, found: Candidate) -> Use:
-    bounds = found.interval
-    because = _evidence(agent, found)
-    return Use(object=found.object, lower=bounds.lower, upper=bounds.upper, because=because)
-
-
-def _evidence(agent: Agent, found: Candidate) -> list[Evidence]:
-    words = agent.dialogue.conversation.words_of
-    return [
-        Evidence(
-            said=words(rule),
-            speaker=rule.speaker,
-            lower=rule.interval.lower,
-            upper=rule.interval.upper,
-        )
-        for rule in found.rules
     ]
 
 

@@ -13,84 +13,42 @@ from collections import OrderedDict
 from collections.abc import Callable, Generator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from itertools import count
-from typing import Literal, TypeVar
+from threading import Lock
+from typing import TypeVar
 
-from pydantic import BaseModel, Field
 from starlette.concurrency import run_in_threadpool
 
 from ...kb.knowledge_base import KnowledgeBase
-from ...nlu.parsing.understanding import Understanding
-from ...nlu.semantics import meaning
+from ...nlu.semantics.meaning import Control
 from ..agent import Agent
 from ..config import AgentConfig
-from ..dialogue.manager import KINDS
 from ..dialogue.reply import OpenQuestion, Reply
 from ..execution.embodiment import Embodiment
 from ..execution.outcome import Json, WalkStep
 from .events import Hub, news
 from .live_scene import LiveScene
 from .problems import Problem, forbidden
+from .sayings import Job, Listens, Said, check_words, may_answer, reply_as_json
 from .security import check_role
 from .tokens import Caller
 
 T = TypeVar("T")
-Listens = Literal["tell", "ask", "do"] | None
 MOST_WAITING = 3  # utterances behind the one that is heard
 MOST_KEPT = 1_000  # jobs, whose answers can be asked for
 CONFIRM_SECONDS = 60
-GOODBYE_SECONDS = 1.0  # for readers of events
 STOP_SECONDS = 10.0  # in which a motion may end when the service does
+GOODBYE_SECONDS = 1.0  # for readers of events
 _ROLES = {"tell": "teacher", "do": "operator"}
-_STATEMENTS, _COMMANDS = {*KINDS["tell"]}, {*KINDS["do"]}
 
 
-class Alternative(BaseModel):
-    """What a recogniser may have heard instead."""
-
-    text: str = Field(max_length=2000)
-    heard: float = Field(default=1.0, ge=0, le=1)
-
-
-class Said(BaseModel):
-    """What somebody says; `heard` is the confidence of a recogniser, best alternative first."""
-
-    text: str = Field(min_length=1, max_length=2000)
-    heard: float = Field(default=1.0, ge=0, le=1)
-    alternatives: list[Alternative] = Field(default=[], max_length=10)
-    context: list[str] = Field(default=[], max_length=20, description="place:kitchen, ...")
-    dry: bool = Field(default=False, description="decide a command, and do not move")
-    speaker: str | None = Field(default=None, max_length=200, description="an admin may name one")
-
-
-@dataclass
-class Job:
-    """One utterance that is to be heard, and how far that is."""
-
+@dataclass(frozen=True)
+class _Asked:
     id: str
-    said: Said
+    question: OpenQuestion
     caller: Caller
-    listens: Listens
-    stops: int
-    state: Literal["queued", "begun", "done"] = "queued"
-    answer: asyncio.Future[Json] = field(default_factory=asyncio.Future)
-
-    def as_json(self) -> Json:
-        """How far it is, and its answer once it has one."""
-        known = {"id": self.id, "text": self.said.text, "speaker": self.speaker}
-        failed = self.answer.done() and self.answer.exception()
-        done = self.answer.result() if self.answer.done() and not failed else None
-        return known | {"state": self.state, "answer": done, "error": str(failed or "") or None}
-
-    async def answered(self) -> Json:
-        """The answer, when there is one; who asked may go away meanwhile."""
-        return await asyncio.shield(self.answer)
-
-    @property
-    def speaker(self) -> str:
-        """Who says it: whom the token stands for; an admin may name another."""
-        return self.said.speaker or self.caller.speaker
+    until: float
 
 
 class Service:
@@ -110,9 +68,10 @@ class Service:
         self._numbers, self._stops = count(1), 0
         self._current: Job | None = None
         self._by_key = OrderedDict[tuple[str, str], Job]()
-        self._asked: tuple[str, OpenQuestion, str, float] | None = None
+        self._asked: _Asked | None = None
         self._lease: tuple[Caller, float] | None = None
-        self._told, self._scenes = agent.base.sequence, count(1)
+        self._told, self._telling = agent.base.sequence, Lock()
+        self._scenes = count(1)
         self.live_scene: LiveScene | None = None
         agent.watchers.append(self._on_step)
 
@@ -178,12 +137,12 @@ class Service:
             raise Problem(409, "busy", "Busy", f"{busy} is heard, and {self.waiting} wait.")
 
     async def _heard(self, job: Job) -> Json:
-        loop = asyncio.get_running_loop()
         try:
             if job.said.dry:
                 return await run_in_threadpool(self._decided, job)
             if self.agent.is_busy and await run_in_threadpool(self._is_control, job):
-                return await run_in_threadpool(self._hear, job)  # it interrupts
+                return await run_in_threadpool(self._reply, job)  # it interrupts
+            loop = asyncio.get_running_loop()
             return await loop.run_in_executor(self._thread, self._hear, job)
         finally:
             job.state = "done"
@@ -191,120 +150,78 @@ class Service:
 
     def _is_control(self, job: Job) -> bool:
         understood = self.agent.dialogue.conversation.language.understand(job.said.text)
-        return isinstance(understood.meaning, meaning.Control)
+        return isinstance(understood.meaning, Control)
 
     def _decided(self, job: Job) -> Json:
         with self.deciding(job.said.context) as agent:
             reply = agent.hear(job.said.text, speaker=job.speaker, only="do", keep=False)
-        return reply.as_do_json()
+        return reply_as_json(reply, "do")
 
     @contextmanager
     def deciding(self, contexts: list[str], scene: str | None = None) -> Generator[Agent]:
         """An agent for the block that knows the same, keeps nothing and moves nothing."""
-        agent, embodiment = self.agent, self.agent.embodiment
-        chosen = embodiment.scene
+        chosen = self.agent.embodiment.scene
         if scene is not None:
-            chosen = Embodiment.from_config(replace(agent.config, scene=safe_scene(scene))).scene
-        with agent.in_scene(chosen) as other:
-            other.dialogue.contexts.update(agent.dialogue.contexts)
-            other.dialogue.contexts.update(AgentConfig(contexts=(*contexts,)).context_intervals())
-            yield other
+            config = replace(self.agent.config, scene=safe_scene(scene))
+            chosen = Embodiment.from_config(config).scene
+        with self.agent.in_scene(chosen) as other:
+            other.dialogue.contexts.update(self.agent.dialogue.contexts)
+            with _in_contexts(other, contexts):
+                yield other
 
     def _hear(self, job: Job) -> Json:
         if job.stops != self._stops:
             raise Problem(409, "stopped", "Stopped", "The robot was stopped before this.")
-        job.state, outer, self._current = "begun", self._current, job
+        job.state, self._current = "begun", job
         self._publish_job(job)
-        before = dict(self.agent.dialogue.contexts)
         try:
-            contexts = AgentConfig(contexts=(*job.said.context,)).context_intervals()
-            self.agent.dialogue.contexts.update(contexts)
-            found = self._reply(job)
-            self._tell_news(found)
-            return found
+            with _in_contexts(self.agent, job.said.context):
+                return self._reply(job)
         finally:
-            self.agent.dialogue.contexts.clear()
-            self.agent.dialogue.contexts.update(before)
-            self._current = outer
+            self._current = None
 
     def _reply(self, job: Job) -> Json:
         conversation = self.agent.dialogue.conversation
-        text, heard = self._likeliest(job)
-        self._check_content(job, text)
+        asked, question = self._asked, conversation.open_question
+        is_own = asked and asked.question is question and asked.caller.id == job.caller.id
+        if question and question.asked == job.speaker and not is_own:
+            conversation.open_question = None  # another one, who may do more, was asked
+        text, heard = job.said.likeliest(conversation, job.speaker)
+        if check_words(job, text, conversation):
+            self.check_lease(job.caller)
         reply = self.agent.hear(text, speaker=job.speaker, only=job.listens, heard=heard)
-        found = reply_as_json(reply, job.listens)
-        asked, self._asked = conversation.open_question, None
-        if asked is not None and not self._may_answer(job.caller, reply, asked):
-            conversation.open_question = asked = None
-        if asked is not None and reply.ending == "asked":
-            until = time.monotonic() + CONFIRM_SECONDS
-            self._asked = (secrets.token_urlsafe(16), asked, job.caller.id, until)
-            found |= {"confirm": self._asked[0], "expires_s": CONFIRM_SECONDS}
-        if reply.decision:
-            decision = {"decision": reply.decision.as_json()}
-            proofs = {"proofs": reply.decision.proofs_as_json()}
-            self.hub.publish({"type": "decision", "command": job.id, **decision, **proofs})
-        if reply.result and reply.result.world.touched:
-            touched = {"parts": [*reply.result.world.touched]}
-            self.hub.publish({"type": "touch", "command": job.id, **touched})
+        found = reply_as_json(reply, job.listens) | self._wait_for_answer(job, reply)
+        self._publish_decision(job, reply)
+        self._tell_news(found)
         return found
 
-    def _likeliest(self, job: Job) -> tuple[str, float]:
-        said = job.said
-        for each in (said, *said.alternatives) if said.alternatives else ():
-            if self._understood(each.text, job.speaker).kind != "error":
-                return each.text, each.heard
-        return said.text, said.heard
-
-    def _understood(self, text: str, speaker: str) -> Understanding:
-        return self.agent.dialogue.conversation.understand(text, speaker, heard=1.0)
-
-    def _check_content(self, job: Job, text: str) -> None:
-        """Refuse what the words themselves ask for, and the caller may not."""
-        if job.caller.may("admin"):
-            return
-        conversation = self.agent.dialogue.conversation
-        asked, question = self._asked, conversation.open_question
-        was_own = asked is not None and asked[1] is question and asked[2] == job.caller.id
-        if question and question.asked == job.speaker and not was_own:
+    def _wait_for_answer(self, job: Job, reply: Reply) -> Json:
+        conversation, before = self.agent.dialogue.conversation, self._asked
+        question = conversation.open_question
+        if question and before and question is before.question and question.asked != job.speaker:
+            return {}  # it still waits for another's answer
+        self._asked = None
+        if question is None or not may_answer(job.caller, reply, question):
             conversation.open_question = None
-        introduction = conversation.language.introduction(text)
-        said = self._understood((introduction and introduction.rest) or text, job.speaker)
-        name = (introduction and introduction.name) or getattr(said.meaning, "name", None)
-        person = conversation.base.match_speaker(str(name)) if name else job.speaker
-        introduces = introduction or isinstance(said.meaning, meaning.Acknowledgement)
-        if introduces and person != job.speaker and conversation.base.trust(person):
-            raise forbidden(f"This token speaks for {job.speaker}.", needs="admin")
-        if isinstance(said.meaning, meaning.TrustStatement):
-            check_role(job.caller, "admin")
-        if said.kind in _STATEMENTS:
-            check_role(job.caller, "teacher")
-        if said.kind in _COMMANDS and job.listens != "tell":
-            check_role(job.caller, "operator")
-            self.check_lease(job.caller)
-
-    def _may_answer(self, caller: Caller, reply: Reply, asked: OpenQuestion) -> bool:
-        """Whether what an answer to a question of Hilt leads to is what the caller may do."""
-        teaches, moves = caller.may("teacher"), caller.may("operator")
-        kind = reply.understanding.kind
-        if teaches and moves:
-            return True
-        if kind in _COMMANDS:
-            return moves and asked.tell is None and asked.choose is None
-        return teaches and kind in {*_STATEMENTS, "question"}
+            return {}
+        until = time.monotonic() + CONFIRM_SECONDS
+        self._asked = _Asked(secrets.token_urlsafe(16), question, job.caller, until)
+        if reply.ending != "asked":
+            return {}
+        return {"confirm": self._asked.id, "expires_s": CONFIRM_SECONDS}
 
     async def confirm(self, id: str, caller: Caller, *, yes: bool) -> Json:  # noqa: A002 - in JSON
         """Answer a question of Hilt by the name that it was given; Problem 410 if it is over."""
-        asker = self._asked and self._asked[1].asked
-        said = Said(text="yes" if yes else "no", speaker=asker)
+        asked = self._asked
+        if not asked or (asked.id, asked.caller.id) != (id, caller.id):
+            raise Problem(410, "over", "Over", "There is no such question to you any more.")
+        said = Said(text="yes" if yes else "no", speaker=asked.question.asked)
         job = Job(f"c{next(self._numbers)}", said, caller, None, self._stops)
 
         def answered() -> Json:
-            found, question = self._asked, self.agent.dialogue.conversation.open_question
-            if found is None or found[0] != id or found[1] is not question:
+            is_open = self.agent.dialogue.conversation.open_question is asked.question
+            if not is_open or asked.until < time.monotonic():
                 raise Problem(410, "over", "Over", "Something else was said since, or it is long.")
-            if found[2] != caller.id or found[3] < time.monotonic():
-                raise Problem(410, "over", "Over", "It was asked of another, or is too long ago.")
             return self._reply(job)
 
         return await self.run(answered)
@@ -381,11 +298,21 @@ class Service:
         known = {"command": job.id, "state": job.state, "text": job.said.text}
         self.hub.publish({"type": "command", **known, "speaker": job.speaker})
 
+    def _publish_decision(self, job: Job, reply: Reply) -> None:
+        if reply.decision:
+            decision, proofs = reply.decision.as_json(), reply.decision.proofs_as_json()
+            event = {"type": "decision", "command": job.id, "decision": decision, "proofs": proofs}
+            self.hub.publish(event)
+        if reply.result and reply.result.world.touched:
+            parts = [*reply.result.world.touched]
+            self.hub.publish({"type": "touch", "command": job.id, "parts": parts})
+
     def _tell_news(self, reply: Json | None = None) -> None:
-        for event in news(self.base, self._told):
-            self._told = event.get("id", self._told)
-            is_reply = reply is not None and event.get("id") == self.base.sequence
-            self.hub.publish({**event, "reply": reply} if is_reply else event)
+        with self._telling:
+            for event in news(self.base, self._told):
+                self._told = event.get("id", self._told)
+                is_reply = reply is not None and event.get("id") == self.base.sequence
+                self.hub.publish({**event, "reply": reply} if is_reply else event)
 
     def _check_open(self) -> None:
         if self.is_stopping:
@@ -409,17 +336,16 @@ class Service:
         self._thread.shutdown()
 
 
-def reply_as_json(reply: Reply, listens: Listens) -> Json:
-    """The document that `hilt tell`, `ask` or `do` print, with how it ended.
-
-    What was not understood says where, what was expected, and what could be said instead.
-    """
-    kind = reply.understanding.kind
-    name = listens or ("tell" if kind in _STATEMENTS else "do" if kind in _COMMANDS else "ask")
-    found: Json = {"kind": kind, "outcome": reply.ending, **getattr(reply, f"as_{name}_json")()}
-    if kind == "error":
-        found["error"] = reply.understanding.meaning.as_json()
-    return found
+@contextmanager
+def _in_contexts(agent: Agent, contexts: list[str]) -> Generator[None]:
+    known = agent.dialogue.contexts
+    before = {**known}
+    known.update(AgentConfig(contexts=(*contexts,)).context_intervals())
+    try:
+        yield
+    finally:
+        known.clear()
+        known.update(before)
 
 
 def safe_scene(scene: str) -> str:

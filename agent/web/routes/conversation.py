@@ -11,8 +11,9 @@ from ....nlu.language import Session
 from ...documents import Explanation
 from ...execution.outcome import Json
 from ..problems import Problem
+from ..sayings import Listens, Said
 from ..security import Reader
-from ..service import Listens, Said, Service
+from ..service import Service
 
 router = APIRouter(prefix="/api/v1", tags=["conversation"])
 IdempotencyKey = Annotated[str | None, Header(max_length=200)]

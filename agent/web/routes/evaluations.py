@@ -74,6 +74,7 @@ class Evaluations:
         while process.returncode is None:
             with suppress(asyncio.TimeoutError):
                 await asyncio.wait_for(process.wait(), _PAUSE_S)
+            if process.returncode is not None:
                 self._running = None
             self._hub.publish({"type": "progress", **self.as_json(name), "result": None})
 
@@ -83,7 +84,8 @@ class Evaluations:
         names = [each.name for each in self._folder.glob("*")]
         if name not in names:
             raise NotFoundError("evaluation", name, names)
-        lines = (folder / JOURNAL).read_bytes().splitlines() if (folder / JOURNAL).exists() else []
+        journal = (folder / JOURNAL).read_bytes() if (folder / JOURNAL).exists() else b""
+        lines = journal.split(b"\n")[:-1]  # those that are whole
         cases = json.loads(lines[0])["cases"] if lines else 0
         result = (folder / _RESULT).read_bytes()
         runs = self._running is not None and self._running[0] == name

@@ -23,17 +23,18 @@ def test_nothing_acknowledged_is_lost_when_the_service_is_killed(tmp_path: Path)
         service = start(tmp_path / "kb", "--no-sim", "--port", port)
         port = service.url.rpartition(":")[2]
         client = service.browser()
-        killer = threading.Timer(0.05 + 0.01 * number, service.process.kill)
-        killer.start()
+        killer = threading.Timer(0.005 * number, service.process.kill)
         with suppress(httpx.TransportError):  # in the end
             while answer := say(client, "tell", next(lessons)).json():
                 assert answer["accepted"]
                 acknowledged.append(1)
+                if killer.ident is None:
+                    killer.start()
         client.close()
         service.process.communicate(timeout=SECONDS)
 
     with KnowledgeBase.open(tmp_path / "kb", read_only=True) as base:
         kept = [said for said in base.history() if said.kind == "statement" and said.accepted]
 
-    assert len(acknowledged) > KILLS
+    assert len(acknowledged) >= KILLS
     assert len(acknowledged) <= len(kept) <= len(acknowledged) + KILLS
