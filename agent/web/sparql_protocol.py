@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable, Sequence
+from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
-from functools import partial
+from functools import lru_cache, partial
 from http import HTTPStatus
 from urllib.parse import parse_qs
 
@@ -100,10 +100,15 @@ class SparqlProtocol:
         return Response(status_code=204)
 
 
-def accepted(request: Request, offered: Sequence[str]) -> str | None:
+def accepted(request: Request, offered: tuple[str, ...]) -> str | None:
     """The first of the media types that a request likes best; None if it accepts none."""
+    return _best(request.headers.get("accept", "*/*"), offered)
+
+
+@lru_cache(maxsize=256)
+def _best(header: str, offered: tuple[str, ...]) -> str | None:
     ranges: dict[str, float] = {}
-    for one in request.headers.get("accept", "*/*").split(","):
+    for one in header.split(","):
         name, options = parse_options_header(one.strip())
         quality = options.get(b"q", b"1")
         is_number = quality.replace(b".", b"", 1).isdigit()

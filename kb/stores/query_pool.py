@@ -96,8 +96,11 @@ class QueryPool:
     async def _ask(
         self, worker: _Worker, request: Mapping[str, object], limits: QueryLimits, gone: Gone
     ) -> Any:
-        asking = asyncio.ensure_future(worker.ask({**request, "megabytes": limits.megabytes}))
+        request = {**request, "megabytes": limits.megabytes}
+        asking: asyncio.Future[Any] | None = None
         try:
+            await worker.start({**request, "query": "ASK {}"})  # its time does not count
+            asking = asyncio.ensure_future(worker.ask(request))
             await asyncio.wait({asking}, timeout=min(LONG_S, limits.seconds))
             if not asking.done():
                 await self._wait_long(asking, worker, limits, gone)
@@ -105,7 +108,8 @@ class QueryPool:
         except (asyncio.IncompleteReadError, ConnectionError):
             raise exit_error(await worker.end(), limits, was_stopped=False) from None
         except BaseException:
-            asking.cancel()
+            if asking:
+                asking.cancel()
             await worker.end()
             raise
 
@@ -162,14 +166,18 @@ class _Worker:
         self._process: Process | None = None
         self._is_low = False
 
-    async def ask(self, request: object) -> Any:
+    async def start(self, request: object) -> None:
         if self._process is None or self._is_low:
             await self.end()
             self._process = await asyncio.create_subprocess_exec(
                 *COMMAND, stdin=PIPE, stdout=PIPE, stderr=DEVNULL, limit=_BUFFER
             )
-        to = cast(asyncio.StreamWriter, self._process.stdin)
-        answers = cast(asyncio.StreamReader, self._process.stdout)
+            await self.ask(request)
+
+    async def ask(self, request: object) -> Any:
+        process = cast(Process, self._process)
+        to = cast(asyncio.StreamWriter, process.stdin)
+        answers = cast(asyncio.StreamReader, process.stdout)
         to.write(pickle.dumps(request))
         size = int.from_bytes(await answers.readexactly(SIZE_BYTES), "big")
         return pickle.loads(await answers.readexactly(size))  # noqa: S301 - of a module of Hilt
