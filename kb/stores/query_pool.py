@@ -1,7 +1,7 @@
 """Queries of many, each in a process of its own that is killed when it exceeds its limits.
 
 The processes read a snapshot of the store, so that nobody waits for a write. While queries come, a
-new snapshot is taken in the background some time after the last write. As many queries as there
+new snapshot is taken in the background soon after a write. As many queries as there
 are processes, but one, may take long; a further one is stopped, so that quick ones are answered at
 any time. All of it runs in one event loop; requests and answers are those of `query_worker`.
 """
@@ -24,7 +24,7 @@ from .query_subprocess import COMMAND, SIZE_BYTES, exit_error
 
 PROCESSES = 4
 LONG_S = 1.0  # from here on a query counts as one that takes long
-PAUSE_S, MOST_PAUSES = 0.1, 20  # without a write before the next snapshot; then it is taken anyway
+PAUSE_S = 0.1  # between a write and the next snapshot, which has what else was written until then
 IN_USE_S = 60.0  # after the last query; then a snapshot waits for the next one
 _NICE = 10  # priority of a query that takes long
 _BUFFER = 2**20  # bytes
@@ -42,7 +42,7 @@ class QueryPool:
             self._idle.put_nowait(worker)
         self._long = 0  # queries that take long
         self._snapshot: Snapshot | None = None
-        self._changes, self._forgotten, self._used = 0, 0, 0.0
+        self._is_stale, self._forgotten, self._used = False, 0, 0.0
         self._renewal: asyncio.Future[None] | None = None
         self._loop: asyncio.AbstractEventLoop | None = None
         store.watchers.append(self._note_change)
@@ -139,24 +139,22 @@ class QueryPool:
         return found
 
     def _note_change(self) -> None:
-        self._changes += 1
         if self._loop is not None:
             with suppress(RuntimeError):  # it has ended
                 self._loop.call_soon_threadsafe(self._plan_renewal, self._loop)
 
     def _plan_renewal(self, loop: asyncio.AbstractEventLoop) -> None:
+        self._is_stale = True
         is_planned = self._renewal is not None and not self._renewal.done()
         if not is_planned and loop.time() < self._used + IN_USE_S:
             self._renewal = asyncio.ensure_future(self._renew_after_pause())
 
     async def _renew_after_pause(self) -> None:
-        for _ in range(MOST_PAUSES):
-            seen = self._changes
+        while self._is_stale:
             await asyncio.sleep(PAUSE_S)
-            if seen == self._changes:
-                break
-        with suppress(HiltError, OSError):  # who asks next is told
-            await self._renew()
+            self._is_stale = False  # until the next change, perhaps while this snapshot is taken
+            with suppress(HiltError, OSError):  # who asks next is told
+                await self._renew()
 
 
 class _Worker:
