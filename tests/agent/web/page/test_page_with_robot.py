@@ -40,7 +40,6 @@ def test_knife_is_seen_passed_by_the_blade(robot: RunningService, visit: Visit, 
     visitor.begin(COMMAND)
     visitor.wait_for('[data-node="pass/graspObject"][data-state="reached"]')
     visitor.wait_for('[data-node="pass/handOver"][data-state="reached"]')
-    visitor.page.screenshot(path=pictures / "wide.png")
     visitor.wait_for('[data-node="pass/handOver"][data-state="done"]')
     visitor.wait_for('html[data-moving="false"]')
     answer = visitor.wait_for('.turn[data-sequence="4"] .bubble.hilt > p').inner_text()
@@ -48,6 +47,7 @@ def test_knife_is_seen_passed_by_the_blade(robot: RunningService, visit: Visit, 
     assert all(each.startswith("I learned") for each in learned)
     assert "knife" in answer and "by the blade" in answer
     assert visitor.wait_for(".touched").inner_text() == "The hand touched: blade"
+    visitor.page.screenshot(path=pictures / "wide.png")
     changed = np.abs(visitor.stage() - before).max(axis=2) > 40
     assert changed.mean() > 0.01
     assert visitor.ask_api("episodes")[-1]["decision"]["part"] == "blade"
@@ -63,6 +63,9 @@ def test_page_looks_alike_at_every_size(robot: RunningService, visit: Visit, pic
         visitor = visit(robot, **options)
         if name == "narrow":
             visitor.page.get_by_role("button", name="Scene").click()
+        else:
+            visitor.show("rules")
+            visitor.wait_for(".graph-canvas canvas")
         wait_for_scene(visitor)
         visitor.page.screenshot(path=pictures / f"{name}.png")
 

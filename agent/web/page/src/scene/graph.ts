@@ -6,6 +6,7 @@ import { contextOf } from "../state/rules";
 
 const COLUMN = 190; // pixels between columns
 const ROW = 54;
+const LARGEST = 1.2; // magnification of a small graph
 const DOUBTFUL = 0.6; // a lower bound below which an edge is dashed
 const UNLIKELY = 0.5; // an upper bound below which it speaks against
 const COLUMNS: Record<string, number> = { affordance: -1, object: 0, property: 0, part: 1 };
@@ -23,7 +24,7 @@ export const contextColour = (name: string, names: readonly string[]): string =>
 /** Draw graphs into a container from now on. */
 export function openGraph(container: HTMLElement, onRule: (id: string) => void): RuleGraph {
   const core = cytoscape({ container, minZoom: 0.2, maxZoom: 2.5, autoungrabify: true });
-  const resizes = new ResizeObserver(() => core.resize().fit(undefined, 24));
+  const resizes = new ResizeObserver(() => fit(core.resize()));
   resizes.observe(container);
   core.on("tap", "edge", (event) => onRule(event.target.id() as string));
   const rows = new Map<string, number>(); // of each node, as it first appeared
@@ -51,7 +52,13 @@ function show(
   core.add(graph.edges.map((edge) => edgeElement(edge, names, changed, chosen)));
   core.style(styleSheet(getComputedStyle(core.container() ?? document.body).color));
   const isSame = shown.size === graph.nodes.length && graph.nodes.every(({ id }) => shown.has(id));
-  if (!isSame) core.fit(undefined, 24);
+  if (!isSame) fit(core);
+}
+
+/** Show all of it, a small graph not larger than life. */
+function fit(core: Core): void {
+  core.fit(undefined, 24);
+  if (core.zoom() > LARGEST) core.zoom(LARGEST).center();
 }
 
 function column({ kind }: GraphNode): number {
