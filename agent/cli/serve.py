@@ -56,6 +56,12 @@ def serve(
         list[str] | None,
         typer.Option("--allow-origin", help="A site whose pages may ask, with tokens."),
     ] = None,
+    pace: Annotated[
+        float,
+        typer.Option(
+            "--pace", min=0, help="How fast the robot moves while somebody looks; 0: as it can."
+        ),
+    ] = 1.0,
     as_json: AsJson = False,
 ) -> None:
     """Talk, watch and query in a browser, and answer programs over HTTP, until Ctrl-C."""
@@ -75,6 +81,7 @@ def serve(
     chosen = server.ServiceSettings(
         *(host, port, tuple(names or ()), tuple(origins or ()), certificate, key_file),
         *(behind_proxy, not no_auth, speaker),
+        pace=pace,
     )
     tokens = server.tokens_beside(kb or str(default_location()))
     if bare:

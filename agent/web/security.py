@@ -43,6 +43,7 @@ class ServiceSettings:
         requests: of a token; so many may come at once. "" for any number.
         failures: wrong keys of an address.
         most_body: bytes.
+        pace: seconds of the world in one of the clock, at most, while somebody looks; 0 for any.
     """
 
     host: str = "127.0.0.1"
@@ -57,6 +58,7 @@ class ServiceSettings:
     requests: str = "30/3 seconds"
     failures: str = "5/minute"
     most_body: int = 2**20
+    pace: float = 1.0
 
     @property
     def has_tls(self) -> bool:

@@ -65,7 +65,7 @@ def serve(agent: Agent, settings: ServiceSettings, tokens: Path | None, ready: R
     gate = Gate(settings, TokenFile(tokens))
     check_place(gate)
     listener = _bound(settings)
-    service, folder = Service(agent), _evaluations_folder(tokens)
+    service, folder = Service(agent, pace=settings.pace), _evaluations_folder(tokens)
     port: int = listener.getsockname()[1]
     app = make_app(service, gate, secret=_cookie_secret(tokens), port=port, folder=folder)
     _keep_audit_log(tokens)

@@ -54,14 +54,17 @@ class _Asked:
 class Service:
     """An agent that many may talk to; it is closed with the service.
 
+    Args:
+        pace: seconds of the world in one of the clock, at most, while somebody looks; 0 for any.
+
     Attributes:
         agent: which hears; another one after the table is set anew.
         hub: where what happens is made known.
         is_stopping: whether nothing new is begun.
     """
 
-    def __init__(self, agent: Agent) -> None:
-        self.agent, self.hub = agent, Hub()
+    def __init__(self, agent: Agent, *, pace: float = 0.0) -> None:
+        self.agent, self.hub, self._pace = agent, Hub(), pace
         self.is_stopping = False
         self.jobs = OrderedDict[str, Job]()
         self._thread = ThreadPoolExecutor(1, thread_name_prefix="agent")
@@ -270,7 +273,9 @@ class Service:
         """
         agent = self.agent
         self.live_scene = (
-            LiveScene(agent.body, next(self._scenes), self.hub) if agent.simulate else None
+            LiveScene(agent.body, next(self._scenes), self.hub, pace=self._pace)
+            if agent.simulate
+            else None
         )
         self.hub.publish({"type": "scene", **self.scene_as_json()})
         self.show_frame()

@@ -99,3 +99,22 @@ def test_new_table_is_shown(robot: RunningService, visit: Visit):
 
     assert "hammer" in visitor.wait_for("canvas").get_attribute("aria-label")
     assert "hammer" in [each["name"] for each in visitor.ask_api("scene")["things"]]
+
+
+def test_escape_stops_the_arm_while_another_waits(robot: RunningService, visit: Visit):
+    """What moves is stopped in the middle; the command that waited behind it is dropped."""
+    anna, ben = visit(robot), visit(robot, forgives=["status of 409"])
+    for each in (anna, ben):
+        wait_for_scene(each)
+    anna.say(LESSONS[2])
+    anna.begin("pass me the mug")
+    anna.wait_for('[data-node="pass/graspObject"][data-state="reached"]')
+    ben.begin("point to the glass")
+    ben.wait_until("() => document.querySelector('.stop').textContent.includes('1 waiting')")
+
+    anna.page.keyboard.press("Escape")
+    ben.wait_for('.turn[data-outcome="refused"]')
+    anna.wait_for('.turn[data-outcome="failed"]')
+    anna.wait_until("() => !document.querySelector('.stop').classList.contains('active')")
+
+    assert anna.ask_api("episodes")[-1]["outcome"] == "failed"

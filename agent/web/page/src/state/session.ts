@@ -14,7 +14,7 @@ const UNKNOWN = 401;
 const MOST_HISTORY = 500; // utterances that the page shows
 
 /** What waits for the picture of it. */
-const PACED: ReadonlySet<string> = new Set(["command", "step", "decision", "touch", "said"]);
+const PACED: ReadonlySet<string> = new Set(["step", "decision", "touch", "said"]);
 
 export type Connection = "connecting" | "open" | "lost" | "closing" | "stranger";
 
@@ -70,7 +70,8 @@ async function takeHello(event: Hello): Promise<void> {
 }
 
 async function takeInTime(event: LiveEvent): Promise<void> {
-  if (PACED.has(event.type)) await untilShown();
+  const isEnd = event.type === "command" && event.state === "done";
+  if (isEnd || PACED.has(event.type)) await untilShown();
   takeEvent(event);
 }
 
