@@ -24,7 +24,7 @@ const CAMERAS: Record<CameraName, { eye: Point; target: Point }> = {
 const GLOW = new THREE.Color(0x1aa0ff); // what the action is about
 const HOVER = new THREE.Color(0x555555);
 const WIDTH_DEG = 42; // of the picture, as an angle
-const WIDEST = 1.35; // width by height, from which on more is shown at the sides
+const WIDEST = 1.15; // width by height, from which on more is shown at the sides
 const LONGEST_TICK = 0.1; // [s]
 
 export class SceneViewer {
