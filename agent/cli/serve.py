@@ -25,7 +25,7 @@ _UNITS = {"d": "days", "h": "hours", "m": "minutes"}
 
 
 @app.command(epilog=example("serve --no-browser"))
-@with_config(*options.EVERY)
+@with_config(*options.EVERY, robot_unless="bare")
 def serve(
     *,
     config: AgentConfig,

@@ -58,7 +58,6 @@ def make_app(service: Service, gate: Gate, *, secret: str, port: int, folder: Pa
     app = FastAPI(
         title="Hilt",
         responses=RESPONSES,
-        max_body_size=gate.settings.most_body,
         version=version("hilt"),
         lifespan=lifespan,
         docs_url=None,

@@ -1,8 +1,8 @@
 """What every request passes before anything else sees it.
 
 `Host` must be a name that is served, against DNS rebinding, and the `Origin` of a browser must be
-ours, also for WebSockets. What was asked is counted and noted: who, what and how it ended, never a
-token and never a body.
+ours, also for WebSockets. Bodies are counted while they come. What was asked is counted and noted:
+who, what and how it ended, never a token and never a body.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from starlette.datastructures import Headers, MutableHeaders
 from starlette.middleware.trustedhost import TrustedHostMiddleware
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from .problems import forbidden
+from .problems import Problem, forbidden
 from .security import CALLER, ServiceSettings
 from .tokens import Caller
 
@@ -28,6 +28,7 @@ _HEADERS = {
 }
 _OWN_HOSTS = ("127.0.0.1", "localhost", "::1", "[::1]")
 _TOO_LARGE = 413
+_FILES = ("/api/v1/import", "/store")  # take whole files
 _audit = logging.getLogger("hilt.audit")
 
 
@@ -66,7 +67,7 @@ class Doorkeeper:
         if not self._is_welcome(Headers(scope=scope)):
             app = forbidden("Pages of other sites may not ask here.").answer
         try:
-            await app(scope, receive, sending)
+            await app(scope, self._counted(scope, receive), sending)
         finally:
             self._note(scope, status, time.monotonic() - started)
 
@@ -74,6 +75,22 @@ class Doorkeeper:
         origin = headers.get("origin")
         is_ours = origin is None or origin.partition("://")[2] == headers.get("host")
         return is_ours or (origin in self._settings.origins and "cookie" not in headers)
+
+    def _counted(self, scope: Scope, receive: Receive) -> Receive:
+        settings = self._settings
+        most = settings.most_file if scope["path"].startswith(_FILES) else settings.most_body
+        left = most
+
+        async def counted() -> Message:
+            nonlocal left
+            message = await receive()
+            left -= len(message.get("body", b""))
+            if left < 0:
+                detail = f"At most {most} bytes are taken here."
+                raise Problem(_TOO_LARGE, "too-large", "Too large", detail)
+            return message
+
+        return counted
 
     def _note(self, scope: Scope, status: int, seconds: float) -> None:
         route = getattr(scope.get("route"), "path", "-")

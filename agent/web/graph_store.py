@@ -23,7 +23,6 @@ from .sparql_protocol import (
     refusal,
 )
 
-MOST_SENT = 2**26  # bytes of a graph
 _DEFAULT = Iri("")
 _MULTIPART = "multipart/form-data"
 
@@ -35,9 +34,7 @@ class GraphStore:
         self._target = target
         places, writing = ("/store", "/store/{path:path}"), ["PUT", "POST", "DELETE"]
         self.routes = [Route(place, self._read) for place in places]
-        self.routes += [
-            Route(place, self._write, methods=writing, max_body_size=MOST_SENT) for place in places
-        ]
+        self.routes += [Route(place, self._write, methods=writing) for place in places]
 
     async def _read(self, request: Request) -> Response:
         self._target.admit(request, False)

@@ -42,7 +42,7 @@ class ServiceSettings:
         speaker: for whom the owner speaks.
         requests: of a token; so many may come at once. "" for any number.
         failures: wrong keys of an address.
-        most_body: bytes.
+        most_body, most_file: bytes of what is sent; of what takes whole files.
         pace: seconds of the world in one of the clock, at most, while somebody looks; 0 for any.
     """
 
@@ -58,6 +58,7 @@ class ServiceSettings:
     requests: str = "30/3 seconds"
     failures: str = "5/minute"
     most_body: int = 2**20
+    most_file: int = 2**28
     pace: float = 1.0
 
     @property

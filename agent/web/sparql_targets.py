@@ -77,8 +77,7 @@ def bare_app(store: OxigraphStore, settings: ServiceSettings) -> Starlette:
         store.close()
 
     target = SparqlTarget(store, QueryPool(store), admit, update)
-    routes = sparql_routes(target)
-    app = Starlette(routes=routes, lifespan=lifespan, max_body_size=settings.most_body)
+    app = Starlette(routes=sparql_routes(target), lifespan=lifespan)
     answer_with_problems(app)
     app.add_middleware(Doorkeeper, settings=settings, registry=CollectorRegistry())
     return app

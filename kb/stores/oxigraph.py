@@ -152,8 +152,11 @@ class OxigraphStore:
             None if graph is None else named_node(graph),
         )
         with translated_errors(self.location):
-            for quad in found:
-                yield quad_from_engine(quad)
+            try:
+                for quad in found:
+                    yield quad_from_engine(quad)
+            finally:  # only this thread may free it, also where not all was read
+                del found
 
     def properties(self, subject: Iri, graph: Iri) -> list[tuple[Iri, Term]]:
         """The properties of a node."""

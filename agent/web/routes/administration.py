@@ -25,7 +25,6 @@ from ..security import Admin, Gate, Reader
 from .conversation import service_of
 
 router = APIRouter(prefix="/api/v1", tags=["administration"])
-MOST_IMPORTED = 2**28  # bytes
 Format = Annotated[str, Query(description=", ".join(FORMATS))]
 
 
@@ -84,7 +83,7 @@ def export(
     return FileResponse(file, filename=file.name, background=BackgroundTask(folder.cleanup))
 
 
-@router.post("/import", max_body_size=MOST_IMPORTED)
+@router.post("/import")
 async def import_(request: Request, _: Admin, format: Format, dry: bool = False) -> Json:
     """Read a file, which is the body: checked first, applied whole or not at all."""
     service = service_of(request)

@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -40,13 +41,14 @@ def sam(service: RunningService) -> Iterator[httpx.Client]:
     client.close()
 
 
-def listen(service: RunningService, client: httpx.Client, **hello: Any) -> Any:
-    """A WebSocket of somebody."""
+@contextmanager
+def listen(service: RunningService, client: httpx.Client, **hello: Any) -> Iterator[Any]:
+    """A WebSocket of somebody for the block."""
     cookie = "; ".join(f"{name}={value}" for name, value in client.cookies.items())
     headers, address = {"Cookie": cookie, "Origin": service.url}, service.url.replace("http", "ws")
-    socket = websocket.connect(f"{address}/api/v1/live", additional_headers=headers, legacy=True)
-    socket.send(json.dumps({"type": "hello", **hello}))
-    return socket
+    with websocket.connect(f"{address}/api/v1/live", additional_headers=headers) as socket:
+        socket.send(json.dumps({"type": "hello", **hello}))
+        yield socket
 
 
 def until(socket: Any, kind: str) -> dict[str, Any]:
