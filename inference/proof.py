@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 from ..kb.interval import Interval
 from ..kb.rule import Rule
@@ -28,7 +28,7 @@ Step = Literal[
     "modus ponens",
     "discount",
 ]
-Json = dict[str, Any]
+Json = dict[str, object]
 
 LEAVES = ("seen", "given", "told", "unknown", "experienced")
 

@@ -26,8 +26,7 @@ from ....sim.scene.scene import Scene, scene_with
 from ...agent import Agent
 from ...config import household, load_language, open_base
 from ...execution.embodiment import Embodiment
-from ...execution.outcome import Json
-from ..experiment import Case, CaseResult, Experiment
+from ..experiment import Case, CaseResult, Experiment, Json
 from ..learning_scenarios import command, functional_sentence
 from .ground_truth import CorrectChoices
 

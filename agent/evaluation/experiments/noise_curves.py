@@ -13,8 +13,7 @@ from math import sqrt
 from pathlib import Path
 
 from ....ontology.yaml_reader import YamlNode, read_yaml
-from ...execution.outcome import Json
-from ..experiment import CaseResult
+from ..experiment import CaseResult, Json
 
 CURVES_FILE = Path(__file__).parents[1] / "noise_curves.yaml"
 OUTCOMES = ("right", "wrong", "declined")

@@ -19,8 +19,7 @@ from ....sim.scene.scene import scene_with
 from ...agent import Agent
 from ...config import AgentConfig
 from ...dialogue.reply import Reply
-from ...execution.outcome import Json
-from ..experiment import Case, CaseResult, Experiment
+from ..experiment import Case, CaseResult, Experiment, Json
 from ..learning_scenarios import ACTIONS, LearningScenario, command, load_scenarios
 from .ground_truth import CorrectChoices
 from .noise_curves import CURVES, OUTCOMES, AccuracyCurve, curve_points
