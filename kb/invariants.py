@@ -54,6 +54,8 @@ _OF_NODES = frozenset((TYPE, LABEL, *(term(name) for name in ("does", "under", "
 _OF_BASE = frozenset((TYPE, FORMAT_VERSION, history.SEQUENCE, DOMAIN_HASH, DERIVATION))
 TRUST = (history.TRUST_LOWER, history.TRUST_UPPER)
 _REFERRED = {"utterance": history.HISTORY, "rule": BELIEFS}  # kinds of nodes that must be there
+_COUNT = "SELECT (COUNT(*) AS ?count) { GRAPH ?graph { ?node ?key ?value } }"
+_STEP = 10_000  # statements between two calls of the progress
 _MAY_LACK = tuple(PREFIXES[kind] for kind in _REFERRED)
 
 
@@ -82,15 +84,26 @@ class ValidationFinding:
         return {**where, "problem": self.problem}
 
 
-def check_invariants(store: Store, *, whole: bool = False) -> Iterator[ValidationFinding]:
-    """What breaks the laws, or belongs to nothing; of a `whole` base also what is missing."""
-    laws = Invariants(store, whole=whole)
+def check_invariants(
+    store: Store, *, whole: bool = False, progress: Callable[[int, int], None] | None = None
+) -> Iterator[ValidationFinding]:
+    """What breaks the laws, or belongs to nothing; of a `whole` base also what is missing.
+
+    `progress` is told now and then how many statements are done, and of how many.
+    """
+    laws, done, told = Invariants(store, whole=whole), 0, 0
+    ((total,),) = store.select(_COUNT) if progress else ((0,),)
     for graph in sorted(BASE_GRAPHS):
         quads = store.quads(None, None, None, graph)
         if not (isinstance(store, EmbeddedStore) and store.is_sorted):
             quads = sorted(quads, key=attrgetter("subject"))
         for node, several in groupby(quads, key=attrgetter("subject")):
-            yield from laws.check(node, graph, [(quad.predicate, quad.object) for quad in several])
+            properties = [(quad.predicate, quad.object) for quad in several]
+            yield from laws.check(node, graph, properties)
+            done += len(properties)
+            if progress and done - told >= _STEP:
+                told = done
+                progress(done, cast(int, total))
     yield from laws.check_derived()
     if whole:
         yield from _base_findings(store)

@@ -195,12 +195,12 @@ def _as_json(error: DataError) -> dict[str, object]:
 
 def _findings_in_file(file: str, file_format: str | None) -> list[ValidationFinding]:
     from ...kb.formats.import_export import read_file
-    from ...kb.validation import MAX_SHACL, findings, locate_findings
+    from ...kb.validation import findings, locate_findings
 
     staged = read_file(file, format=file_format)
     try:
         with _progress("Checking") as progress:
-            found = findings(staged, most=MAX_SHACL, progress=progress)
+            found = findings(staged, progress=progress)
     finally:
         staged.close()
     return locate_findings(found, _text(file) if found else "")
@@ -215,10 +215,10 @@ def _check_tables(kb: str | None) -> None:
 
 
 def _findings_in_base(kb: str | None) -> list[ValidationFinding]:
-    from ...kb.validation import MAX_SHACL, findings
+    from ...kb.validation import findings
 
     with open_for_reading(kb) as base, _progress("Checking") as progress:
-        return findings(base.store, whole=True, most=MAX_SHACL, progress=progress)
+        return findings(base.store, whole=True, progress=progress)
 
 
 def _text(file: str) -> str:
