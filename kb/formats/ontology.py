@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any, BinaryIO, cast
 from urllib.parse import quote
 
-from ...ontology.errors import DataError
+from ...ontology.errors import DataError, extra_required
 from ...ontology.vocabulary import INDIVIDUALS, Iri, external, ontology_graph, prefixed
 from ..bulk.nquads_reader import read_groups, read_quads
 from ..history import import_utterance
@@ -107,11 +107,8 @@ def _read(file: str, given: str | None, graph: Iri) -> Iterator[Quad]:
 
 
 def _as_rdfxml(data: bytes, form: str, source: str) -> bytes:
-    try:
+    with extra_required("owl", "py-horned-owl"):
         library = import_module("pyhornedowl")
-    except ImportError as error:
-        problem = "is OWL in another syntax than RDF; to read it: pip install py-horned-owl"
-        raise DataError(problem, source=source) from error
     try:
         return library.open_ontology_from_string(data.decode(), form).save_to_string("owl").encode()
     except (ValueError, UnicodeDecodeError) as error:
