@@ -41,9 +41,11 @@ def answer(question: Question, known: Conversation) -> Answered:
 
 def _uses_of(question: Question, known: Conversation) -> Answered:
     strongest = (_strongest(rules, "affordance") for rules in _by_kind(question, known))
-    rules = next(filter(None, ([r for r in each if r.asserts] for each in strongest)), [])
+    rules = next(filter(None, map(_believed, strongest)), [])
     if not rules:
         return spoken("no_uses_of", object=question.object), ()
+    if any(_properties(rule) for rule in rules):
+        return spoken("about", done=True, rules=tuple(map(known.quote, rules))), tuple(rules)
     uses = tuple(
         known.note(known.language.answers.use_phrase(rule.affordance or "", rule.material), rule)
         for rule in rules
@@ -52,7 +54,7 @@ def _uses_of(question: Question, known: Conversation) -> Answered:
 
 
 def _objects_for(question: Question, known: Conversation) -> Answered:
-    rules = [r for r in _functional(question, known) if r.asserts]
+    rules = _believed(_functional(question, known))
     if not rules:
         return spoken("nothing_known_for", affordance=_use(question)), ()
     best = {_named(rule, question, known): rule for rule in reversed(rules)}  # of each the surest
@@ -64,8 +66,11 @@ def _objects_for(question: Question, known: Conversation) -> Answered:
 def _best_for(question: Question, known: Conversation) -> Answered:
     rules = _functional(question, known)
     goal = Goal("find", Target(used_for=question.affordance, material=question.material))
-    names = dict.fromkeys(rule.object for rule in rules if rule.object)
-    seen = [Observation(name, name, {Atom("object", name): CERTAIN}) for name in names]
+    kinds_told = {_kind(rule): rule.features for rule in rules if rule.object}
+    seen = [
+        Observation(name, name, dict.fromkeys(features, CERTAIN))
+        for name, features in kinds_told.items()
+    ]
     kinds = Taxonomy.from_base(known.base)
     best = Affordances(known.base, taxonomy=kinds).infer(FIND, goal, seen).best
     if best is None:
@@ -412,10 +417,22 @@ def _use(question: Question, *materials: str) -> Slot | None:
 
 
 def _named(rule: Rule, question: Question, known: Conversation) -> str:
-    name = rule.object or "thing"
+    name = _kind(rule)
     if rule.material is None or rule.material == question.material:
         return name
     return known.language.answers.object_for(name, rule.material)
+
+
+def _properties(rule: Rule) -> list[str]:
+    return sorted(each.name for each in rule.features if each.kind != "object")
+
+
+def _kind(rule: Rule) -> str:
+    return " ".join([*_properties(rule), rule.object or "thing"])
+
+
+def _believed(rules: Iterable[Rule]) -> list[Rule]:
+    return [rule for rule in rules if rule.asserts and rule.trust]
 
 
 def _functional(question: Question, known: Conversation) -> list[Rule]:
