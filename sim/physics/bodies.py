@@ -74,8 +74,12 @@ class Bodies:
         for index in range(self._client.call("getNumJoints", number)):
             info = self._client.call("getJointInfo", number, index)
             joints[info[1].decode()] = links[info[12].decode()] = index
-        base_from_com = poses.from_quaternion(inertial[3], inertial[4])
+        base_from_com = self._pose(inertial[3], inertial[4])
         return _BodyRecord(number, links, joints, poses.inverse(base_from_com))
+
+    def _pose(self, position: Sequence[float], quaternion: Sequence[float]) -> Array:
+        rotation = self._client.call("getMatrixFromQuaternion", quaternion)
+        return poses.pose(np.reshape(rotation, (3, 3)), position)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -88,7 +92,7 @@ class Bodies:
         if index == BASE:
             return self.centre_of_mass(body) @ self._record(body).com_from_base
         state = self._client.call("getLinkState", number, index, computeForwardKinematics=1)
-        return poses.from_quaternion(state[4], state[5])
+        return self._pose(state[4], state[5])
 
     def place(self, body: str, world_from_base: Array) -> None:
         """Move a body to a pose, at rest."""
@@ -175,7 +179,7 @@ class Bodies:
     def centre_of_mass(self, body: str) -> Array:
         """`world_from_com` of a body's base: PyBullet's own frame of it."""
         number = self._record(body).number
-        return poses.from_quaternion(*self._client.call("getBasePositionAndOrientation", number))
+        return self._pose(*self._client.call("getBasePositionAndOrientation", number))
 
     def _record(self, name: str) -> _BodyRecord:
         if name not in self._records:

@@ -75,7 +75,7 @@ class KinematicChain:
             np.flatnonzero(self.moves), self.axes, self.turns, strict=True
         ):
             if turns:
-                cross = poses.cross_matrix(axis)
+                cross = np.cross(np.eye(3), axis)
                 sine[index, :3, :3] = constant[index, :3, :3] @ cross
                 cosine[index, :3, :3] = sine[index, :3, :3] @ cross
             else:
@@ -101,11 +101,7 @@ class KinematicChain:
         """The Jacobian (m, 6, k) of tip position and rotation, from `frames`."""
         moving = frames[:, self.moves]
         axes = np.einsum("nkij,kj->nki", moving[..., :3, :3], self.axes)
-        x, y, z = np.moveaxis(axes, -1, 0)
-        arm_x, arm_y, arm_z = np.moveaxis(frames[:, -1:, :3, 3] - moving[..., :3, 3], -1, 0)
-        sweep = np.stack(
-            [y * arm_z - z * arm_y, z * arm_x - x * arm_z, x * arm_y - y * arm_x], axis=-1
-        )
+        sweep = np.cross(axes, frames[:, -1:, :3, 3] - moving[..., :3, 3])
         linear = self.turns * sweep + (1 - self.turns) * axes
         return np.swapaxes(np.concatenate([linear, self.turns * axes], axis=-1), 1, 2)
 

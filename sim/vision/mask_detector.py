@@ -142,25 +142,19 @@ def _fit_planes(depth: Array, rows: np.ndarray, columns: np.ndarray) -> tuple[Ar
     from scipy.ndimage import uniform_filter  # here: images without noise save its import
 
     y, x = rows - rows.min(), columns - columns.min()
-    shape = (int(y.max()) + 1, int(x.max()) + 1)
     middle, size = depth.mean(), 2 * SMOOTHING_HALF + 1
 
     def near(values: Array) -> Array:
-        """The sum of values (n,) over the window round each pixel."""
-        image = np.zeros(shape)
+        """The sums (n, ...) of values (n, ...) over the window round each pixel."""
+        image = np.zeros((int(y.max()) + 1, int(x.max()) + 1, *values.shape[1:]))
         image[y, x] = values
-        return size**2 * uniform_filter(image, size, mode="constant")[y, x]
+        return size**2 * uniform_filter(image, size, mode="constant", axes=(0, 1))[y, x]
 
-    z = depth - middle
-    n, sx, sy, sz = (near(each) for each in (np.ones(len(x)), x, y, z))
-    sxx, sxy, syy = near(x * x), near(x * y), near(y * y)
-    sxz, syz = near(x * z), near(y * z)
-    # Covariances about the mean of the window, which is not always at the pixel itself.
-    xx, yy = sxx - sx * sx / n + _RIDGE, syy - sy * sy / n + _RIDGE
-    xy, xz, yz = sxy - sx * sy / n, sxz - sx * sz / n, syz - sy * sz / n
-    determinant = xx * yy - xy * xy
-    along_x = (xz * yy - yz * xy) / determinant
-    along_y = (yz * xx - xz * xy) / determinant
-    spread = near(z * z) - sz * sz / n - along_x * xz - along_y * yz
-    error = np.sqrt(np.maximum(spread, 0.0) / n)
-    return middle + sz / n + along_x * (x - sx / n) + along_y * (y - sy / n), error
+    z, terms = depth - middle, np.column_stack([np.ones(len(x)), x, y])
+    # The normal equations of the plane z = a + b x + c y in each window.
+    squares = near(terms[:, :, None] * terms[:, None]) + np.diag([0, _RIDGE, _RIDGE])
+    products = near(terms * z[:, None])
+    plane = np.linalg.solve(squares, products[..., None])[..., 0]
+    spread = near(z * z) - (plane * products).sum(axis=1)
+    error = np.sqrt(np.maximum(spread, 0.0) / squares[:, 0, 0])
+    return middle + (plane * terms).sum(axis=1), error
