@@ -47,7 +47,7 @@ def transform(a_from_b: Array, points: Array) -> Array:
 
 def rotation_about(axis: ArrayLike, angle: ArrayLike) -> Array:
     """Return rotations (..., 3, 3) about a unit axis (3,) by angles (...) [rad] (Rodrigues)."""
-    cross = np.cross(np.eye(3), axis)  # the matrix of the cross product with the axis on its left
+    cross = np.cross(np.eye(3), np.asarray(axis, float))  # `cross @ v` is the axis times v
     angle = np.asarray(angle, float)[..., None, None]
     return np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * (cross @ cross)
 

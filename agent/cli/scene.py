@@ -69,7 +69,7 @@ def _things(body: Body) -> list[dict[str, Any]]:
             "name": name,
             "object": kind.name,
             "at": [round(float(x), 3) + 0.0 for x in world.pose(name)[:3, 3]],
-            "within": world.support(name),
+            "within": world.supports.get(name),
         }
         for name, kind in world.kinds.items()
     ]

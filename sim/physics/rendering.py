@@ -69,9 +69,8 @@ class Rendering:
         depth = np.asarray(raw[3], dtype=np.float32).reshape(height, width)
         labels = np.asarray(raw[4], dtype=np.int32).reshape(height, width)
         names = {
-            number + ((index + 1) << LINK_SHIFT): self._bodies.link_name(number, index)
-            for body in self._bodies.names
-            for number, index in self._bodies.link_ids(body)
+            number + ((index + 1) << LINK_SHIFT): link
+            for (number, index), link in self._bodies.links.items()
         }
         return colour, depth, labels, names
 
@@ -114,11 +113,11 @@ class Rendering:
     def visible_links(self, body: str) -> tuple[str, ...]:
         """The links of a body that have a visual shape."""
         shapes = self._shapes(body)
-        return tuple(dict.fromkeys(self._bodies.link_name(*shape[:2])[1] for shape in shapes))
+        return tuple(dict.fromkeys(self._bodies.links[shape[:2]][1] for shape in shapes))
 
     def _shapes(self, body: str) -> Iterator[_Shape]:
         count = Counter[int]()
-        for shape in self._client.call("getVisualShapeData", self._bodies.number(body)):
+        for shape in self._client.call("getVisualShapeData", self._bodies.link_id(body)[0]):
             yield shape[0], shape[1], count[shape[1]], shape[7]
             count[shape[1]] += 1
 

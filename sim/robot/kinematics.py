@@ -165,12 +165,10 @@ def read_chain(path: Path, tip: str) -> KinematicChain:
     """Read the chain of a URDF file from its root to the link `tip`; `DataError` without one."""
     root = read_urdf(path)
     above = {child_attribute(each, "child", "link"): each for each in root.findall("joint")}
-    elements: list[ElementTree.Element] = []
-    links: list[str] = []
-    while tip in above:
-        elements.insert(0, above[tip])
-        links.insert(0, tip)
-        tip = child_attribute(above[tip], "parent", "link")
+    elements, link = list[ElementTree.Element](), tip
+    while link in above:
+        elements.insert(0, above[link])
+        link = child_attribute(above[link], "parent", "link")
     if not elements:
         raise DataError(f'expected a joint that leads to a link "{tip}".', source=str(path))
     kinds = [each.get("type", "fixed") for each in elements]
@@ -180,7 +178,7 @@ def read_chain(path: Path, tip: str) -> KinematicChain:
     rotations = [poses.rotation_from_rpy(*turn) for turn in turns]
     low, high, speed = np.array([_limits(each) for each in moving]).T
     return KinematicChain(
-        links=tuple(links),
+        links=tuple(child_attribute(each, "child", "link") for each in elements),
         names=tuple(each.get("name", "") for each in moving),
         moves=np.array([kind != "fixed" for kind in kinds]),
         turns=np.array([[float(each.get("type") != "prismatic")] for each in moving]),
