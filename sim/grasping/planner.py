@@ -37,6 +37,7 @@ REFINED = 24  # of the scored ones, the best are turned and moved, and scored ag
 TURNS_DEG = (-7.0, -3.5, 3.5, 7.0)  # about the approach direction
 MAX_CORRECTION = 0.03  # [m] towards the middle of a round part
 DEEPER = (0.004, 0.008, 0.012)  # [m], the best ones are also tried deeper
+MAX_GRASPS = 40
 SHOWN = 24  # rejected poses that are kept for display
 MIN_POINTS = 12  # of a part
 APART = 0.012  # [m], nearer grasps of similar orientation are one
@@ -139,14 +140,9 @@ def select_grasp(
 
 
 def plan_grasps(
-    cloud: LabelledPointCloud,
-    gripper: Gripper,
-    *,
-    rng: np.random.Generator,
-    count: int = 40,
-    effort: int = 1,
+    cloud: LabelledPointCloud, gripper: Gripper, *, rng: np.random.Generator, effort: int = 1
 ) -> RankedGrasps:
-    """Plan at most `count` grasps of the target of a cloud.
+    """Plan at most `MAX_GRASPS` grasps of the target of a cloud.
 
     `effort` multiplies the number of candidates; above 1 other orientations are tried. Samples are
     drawn by `rng`.
@@ -166,7 +162,7 @@ def plan_grasps(
     rejected.update(scoring.REJECTIONS[index] for index in scores.rejection if index)
     examples = scores[np.flatnonzero(scores.score <= 0)[:SHOWN]]
     scores = _refine(scores, fine, gripper)
-    best = scores[_distinct(scores, count)]
+    best = scores[_distinct(scores, MAX_GRASPS)]
     return RankedGrasps(_as_grasps(best), rejected, _as_grasps(examples))
 
 

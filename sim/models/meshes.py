@@ -36,27 +36,19 @@ def loft(rings: Sequence[Array], *, caps: Faces | None = None) -> Trimesh:
     end rings; fans when None, for convex rings.
     """
     count = len(rings[0])
-    faces = np.vstack([_band(i * count, count) for i in range(len(rings) - 1)])
-    first = _fan(count) if caps is None else caps
-    last = first + (len(rings) - 1) * count
-    mesh = Trimesh(np.vstack(rings), np.vstack([faces, first[:, ::-1], last]), process=False)
+    here = np.arange(len(rings) * count).reshape(-1, count)
+    after = np.roll(here, -1, axis=1)
+    quads = np.stack([here[:-1], after[:-1], after[1:], here[1:]], axis=-1).reshape(-1, 4)
+    fan = [(0, i, i + 1) for i in range(1, count - 1)]
+    first = np.array(fan) if caps is None else caps
+    last = first + here[-1, 0]
+    faces = [trimesh.geometry.triangulate_quads(quads), first[:, ::-1], last]
+    mesh = Trimesh(np.vstack(rings), np.vstack(faces), process=False)
     mesh.merge_vertices(digits_vertex=8)
     mesh.update_faces(mesh.area_faces > _TINY_AREA)
     if mesh.volume < 0:
         mesh.invert()
     return mesh
-
-
-def _band(start: int, count: int) -> Faces:
-    low = start + np.arange(count)
-    low_next = start + (np.arange(count) + 1) % count
-    high, high_next = low + count, low_next + count
-    return np.vstack([np.stack([low, low_next, high_next], 1), np.stack([low, high_next, high], 1)])
-
-
-def _fan(count: int) -> Faces:
-    rest = np.arange(1, count - 1)
-    return np.stack([np.zeros_like(rest), rest, rest + 1], 1)
 
 
 def triangulate(outline: Array) -> Faces:

@@ -28,7 +28,7 @@ from .point_cloud_operations import voxel_downsample
 
 OBSTACLE_SPACING = 0.004  # [m], voxel size of the cloud of obstacles
 FULL_CONFIDENCE = 0.95  # in a fully visible object; even that may be a good likeness
-FULL_SIGHT = 0.75  # share of the expected silhouette that counts as all: views differ that much
+FULL_SIGHT = 0.8  # share of the expected silhouette that counts as all: views differ that much
 MIN_PIXELS = 40  # fewer pixels are not reported as an object
 CLOUD_SPACING = 0.0012  # [m], voxel size of the clouds of percepts
 
