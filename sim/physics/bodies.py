@@ -110,10 +110,9 @@ class Bodies:
         )
         self._client.call("resetBaseVelocity", record.number, (0, 0, 0), (0, 0, 0))
 
-    def bounds(self, body: str, link: str) -> tuple[Array, Array]:
-        """The lowest and the highest corner (3,) of a link's axis-aligned bounding box [m]."""
-        low, high = self._client.call("getAABB", *self.link_id(body, link))
-        return np.array(low), np.array(high)
+    def bounds(self, body: str, link: str) -> Array:
+        """The lowest and the highest corner (2, 3) of a link's axis-aligned bounding box [m]."""
+        return np.array(self._client.call("getAABB", *self.link_id(body, link)))
 
     def contacts(self, body: str, link: str | None = None) -> tuple[Contact, ...]:
         """A body's contacts in the last step: of one link, if it is given."""

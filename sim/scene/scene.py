@@ -217,10 +217,10 @@ def _with_unique_names(placements: Sequence[Placement]) -> tuple[Placement, ...]
 
 def numbered(names: Iterable[str], *, taken: Iterable[str] = ()) -> Iterator[str]:
     """Yield names with numbers where one comes again or is taken: knife, knife 2, ..."""
-    count = Counter(taken)
+    times = Counter(taken)
     for name in names:
-        count[name] += 1
-        yield name if count[name] == 1 else f"{name} {count[name]}"
+        times[name] += 1
+        yield name if times[name] == 1 else f"{name} {times[name]}"
 
 
 def _mounted(
@@ -236,8 +236,8 @@ def _mounted(
         support = next(free, None)
         if support is None:
             names = {each.name for each in result}
-            numbered = (f"{mount.support} {number}" for number in count(2))
-            name = next(n for n in chain([mount.support], numbered) if n not in names)
+            others = (f"{mount.support} {number}" for number in count(2))
+            name = next(n for n in chain([mount.support], others) if n not in names)
             support = Placement(name, mount.support, placement.at, placement.yaw)
             result.append(support)
         elif placement.at is not None or placement.yaw is not None:
