@@ -71,15 +71,11 @@ class KinematicChain:
         """The factors (n, 4, 4) in `frames` of 1, the sine, 1 - cosine, and the joint value."""
         constant = self.parent_from_joint
         sine, cosine, value = (np.zeros_like(constant) for _ in range(3))
-        for index, axis, turns in zip(
-            np.flatnonzero(self.moves), self.axes, self.turns, strict=True
-        ):
-            if turns:
-                cross = np.cross(np.eye(3), axis)
-                sine[index, :3, :3] = constant[index, :3, :3] @ cross
-                cosine[index, :3, :3] = sine[index, :3, :3] @ cross
-            else:
-                value[index, :3, 3] = constant[index, :3, :3] @ axis
+        rotation = constant[self.moves, :3, :3]
+        cross = self.turns[..., None] * np.cross(np.eye(3), self.axes[:, None])
+        sine[self.moves, :3, :3] = rotation @ cross
+        cosine[self.moves, :3, :3] = rotation @ cross @ cross
+        value[self.moves, :3, 3] = np.einsum("kij,kj->ki", rotation, (1 - self.turns) * self.axes)
         return constant, sine, cosine, value
 
     def frames(self, joints: Array) -> Array:
