@@ -13,6 +13,7 @@ from math import radians
 from typing import Any
 
 import numpy as np
+import shapely
 import trimesh
 from numpy.typing import NDArray
 from scipy.optimize import linprog
@@ -53,28 +54,15 @@ def loft(rings: Sequence[Array], *, caps: Faces | None = None) -> Trimesh:
 
 def triangulate(outline: Array) -> Faces:
     """Return triangles (k - 2, 3) that fill a simple polygon (k, 2), counter-clockwise."""
-    rest, faces = list(range(len(outline))), list[tuple[int, int, int]]()
+    rest, faces = np.arange(len(outline)), list[Faces]()
     while len(rest) > 3:
-        ear = next((i for i in range(len(rest)) if _is_ear(outline, rest, i)), 0)
-        faces.append((rest[ear - 1], rest[ear], rest[(ear + 1) % len(rest)]))
-        del rest[ear]
-    faces.append((rest[0], rest[1], rest[2]))
-    return np.array(faces)
-
-
-def _is_ear(outline: Array, rest: list[int], i: int) -> bool:
-    corners = (rest[i - 1], rest[i], rest[(i + 1) % len(rest)])
-    a, b, c = outline[list(corners)]
-    if _turn(a, b, c) <= 0:
-        return False
-    others = outline[[j for j in rest if j not in corners]]
-    inside = (_turn(a, b, others) >= 0) & (_turn(b, c, others) >= 0) & (_turn(c, a, others) >= 0)
-    return not inside.any()
-
-
-def _turn(a: Array, b: Array, points: Array) -> Array:
-    ahead, aside = b - a, points - a
-    return ahead[0] * aside[..., 1] - ahead[1] * aside[..., 0]
+        corners = np.column_stack([np.roll(rest, 1), rest, np.roll(rest, -1)])
+        triangles = shapely.polygons(outline[corners])
+        inside = shapely.covers(shapely.Polygon(outline[rest]), triangles)
+        ear = int(np.argmax(inside & (shapely.area(triangles) > 0)))
+        faces.append(corners[ear])
+        rest = np.delete(rest, ear)
+    return np.vstack([*faces, rest])
 
 
 def shaded_obj(mesh: Trimesh) -> str:
