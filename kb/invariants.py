@@ -14,22 +14,11 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from datetime import datetime
 from decimal import Decimal
-from itertools import groupby
-from operator import attrgetter
 from typing import TypeAlias, cast
 
+from ..ontology import vocabulary
 from ..ontology.errors import ValidationError
-from ..ontology.vocabulary import (
-    ATOM_KINDS,
-    GRAPH_NAMES,
-    PREFIXES,
-    Iri,
-    iri,
-    is_ontology,
-    shortened,
-    split,
-    term,
-)
+from ..ontology.vocabulary import NAMED_KINDS, Iri, iri, is_ontology, shortened, split, term
 from . import history
 from .episodes import EPISODES, episode_quads, read_episode
 from .interval import Interval
@@ -39,24 +28,20 @@ from .rdf import rule_mapping
 from .rdf.domain import DOMAIN, DOMAIN_HASH, content_hash
 from .rdf.record_mapping import group_properties
 from .rdf.rule_mapping import BELIEFS, DERIVED, DERIVED_FROM, LABEL, STATUS, TYPE
-from .rdf.terms import BLANK, Quad, Term, lexical
-from .reader import BASE_GRAPH, BASE_NODE
+from .rdf.terms import BASE_GRAPH, BASE_NODE, BLANK, Properties, Quad, Term, lexical
 from .rule import check_speaker
-from .stores.base import EmbeddedStore, ReadableStore, Store
+from .stores.base import ReadableStore, Store, described_nodes
 from .taught_actions import ACTIONS, TAUGHT_ACTIONS
 from .writer import speaker_quads, trust_quads
 
-BASE_GRAPHS = frozenset(iri("graph", name) for name in GRAPH_NAMES)
-Properties: TypeAlias = "list[tuple[Iri, Term]]"
-
-NAMED = frozenset((*ATOM_KINDS, "node", "functor"))  # kinds of nodes that rules speak of
+BASE_GRAPHS = frozenset(iri("graph", name) for name in vocabulary.GRAPH_NAMES)
 _OF_NODES = frozenset((TYPE, LABEL, *(term(name) for name in ("does", "under", "heeds"))))
 _OF_BASE = frozenset((TYPE, FORMAT_VERSION, history.SEQUENCE, DOMAIN_HASH, DERIVATION))
 TRUST = (history.TRUST_LOWER, history.TRUST_UPPER)
 _REFERRED = {"utterance": history.HISTORY, "rule": BELIEFS}  # kinds of nodes that must be there
 _COUNT = "SELECT (COUNT(*) AS ?count) { GRAPH ?graph { ?node ?key ?value } }"
 _STEP = 10_000  # statements between two calls of the progress
-_MAY_LACK = tuple(PREFIXES[kind] for kind in _REFERRED)
+_MAY_LACK = tuple(vocabulary.PREFIXES[kind] for kind in _REFERRED)
 
 
 @dataclass(frozen=True, order=True)
@@ -94,11 +79,7 @@ def check_invariants(
     laws, done, told = Invariants(store, whole=whole), 0, 0
     ((total,),) = store.select(_COUNT) if progress else ((0,),)
     for graph in sorted(BASE_GRAPHS):
-        quads = store.quads(None, None, None, graph)
-        if not (isinstance(store, EmbeddedStore) and store.is_sorted):
-            quads = sorted(quads, key=attrgetter("subject"))
-        for node, several in groupby(quads, key=attrgetter("subject")):
-            properties = [(quad.predicate, quad.object) for quad in several]
+        for node, properties in described_nodes(store, graph):
             yield from laws.check(node, graph, properties)
             done += len(properties)
             if progress and done - told >= _STEP:
@@ -257,7 +238,7 @@ _READERS: dict[tuple[Iri, str], _Reader] = {
     (LEXICON, "word"): _learned(cast("LearnedMapping[object]", WORDS)),
     (LEXICON, "phrase"): _learned(cast("LearnedMapping[object]", PHRASES)),
     (ACTIONS, "taught"): _learned(cast("LearnedMapping[object]", TAUGHT_ACTIONS)),
-    **{(EPISODES, kind): _episode for kind in ("episode", "step", "trial")},
+    **{(EPISODES, kind): _episode for kind in vocabulary.EPISODE_KINDS},
 }
 
 
@@ -295,13 +276,13 @@ def _stands_alone(quad: Quad) -> bool:
     """What is not read back: the domain has a hash, and trees of actions are written only."""
     if quad.graph == BASE_GRAPH:
         return quad.subject == BASE_NODE and quad.predicate in _OF_BASE
-    is_tree = split(quad.subject)[0] in NAMED and quad.predicate in _OF_NODES
+    is_tree = split(quad.subject)[0] in NAMED_KINDS and quad.predicate in _OF_NODES
     return quad.graph == DOMAIN or (quad.graph == ACTIONS and is_tree)
 
 
 def is_name(quad: Quad) -> bool:
     """Whether a statement says the class or the label of something that rules speak of."""
-    return split(quad.subject)[0] in NAMED and quad.predicate in {TYPE, LABEL}
+    return split(quad.subject)[0] in NAMED_KINDS and quad.predicate in {TYPE, LABEL}
 
 
 def _has_same_type(expected: Term, found: Term) -> bool:

@@ -7,7 +7,6 @@ retracted stays in the graph with that status, as a rule does.
 """
 
 import json
-from collections import defaultdict
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from hashlib import sha256
@@ -16,9 +15,9 @@ from ..ontology.vocabulary import Iri, external, iri, term
 from .history import SPEAKER, TEXT, utterance_iri, utterance_number
 from .rdf.record_mapping import FieldProperty, Record, RecordMapping, group_properties
 from .rdf.rule_mapping import DERIVED_FROM, LABEL, STATUS, TYPE, atom_from_iri, atom_iri, status_iri
-from .rdf.terms import Quad, Term
+from .rdf.terms import Quad
 from .rule import Atom, Status
-from .stores.base import Store
+from .stores.base import Store, described_nodes
 
 LEXICON = iri("graph", "lexicon")
 TOLD = {  # fields of all that utterances taught besides rules
@@ -56,14 +55,10 @@ class LearnedMapping(RecordMapping[Record]):
 
     def active(self, store: Store) -> list[Record]:
         """The records of a store that were not retracted, sorted."""
-        nodes, found = set[Iri](), defaultdict[Iri, dict[Iri, Term]](dict)
-        for node, predicate, value, _ in store.quads(None, None, None, self.graph):
-            if (predicate, value) == (TYPE, self.type):
-                nodes.add(node)
-            # One, because what was learned again, or merged, has several utterances.
-            found[node][predicate] = value
-        active = [found[node] for node in nodes if found[node].get(STATUS) == status_iri("active")]
-        known = [self.read(group_properties(one.items())) for one in active]
+        wanted = {(TYPE, self.type), (STATUS, status_iri("active"))}
+        found = (some for _, some in described_nodes(store, self.graph) if wanted.issubset(some))
+        # One value of each, because what was learned again, or merged, has several utterances.
+        known = [self.read(group_properties(dict(one).items())) for one in found]
         return sorted(known)  # pyright: ignore[reportArgumentType] - ordered dataclasses
 
 

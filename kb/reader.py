@@ -20,17 +20,16 @@ from .interval import Interval
 from .learned_words import PHRASES, WORDS, LearnedPhrase, LearnedWord
 from .rdf import rule_mapping
 from .rdf.rule_mapping import BELIEFS, DERIVED
-from .rdf.terms import BASE_GRAPH, BASE_NODE, Term, as_sparql
+from .rdf.terms import Properties, Term, as_sparql
 from .rule import Atom, Rule, Status
 from .sparql.named_queries import named_query, node_iri
 from .sparql.query_text import bind_variables
-from .stores.base import Store
+from .stores.base import Store, last_utterance
 from .taught_actions import TaughtAction, read_actions
 
 MAX_LISTED = 10  # rules that an error message names
 
-# The node of a rule, and its properties with their values.
-NodeProperties: TypeAlias = "tuple[Iri, list[tuple[Iri, Term]]]"
+NodeProperties: TypeAlias = tuple[Iri, Properties]
 
 
 class RuleReader:
@@ -160,8 +159,7 @@ class RuleReader:
     @property
     def sequence(self) -> int:
         """The number of the last utterance; 0 before the first. Equal numbers mean equal rules."""
-        numbers = self.store.quads(BASE_NODE, history.SEQUENCE, None, BASE_GRAPH)
-        return max((cast(int, quad.object) for quad in numbers), default=0)
+        return last_utterance(self.store)
 
     def trust(self, speaker: str) -> Interval | None:
         """The trust in a speaker; None when nobody has set it."""
@@ -195,7 +193,7 @@ class RuleReader:
         names = sorted(split(node)[1] for node in nodes)
         return {name: trust for name in names if (trust := self.trust(name))}
 
-    def properties(self, node: Iri) -> list[tuple[Iri, Term]]:
+    def properties(self, node: Iri) -> Properties:
         """The properties of a rule's node, with their values."""
         return self.store.properties(node, BELIEFS)
 

@@ -9,7 +9,6 @@ history says who changed what and when. The graphs that Hilt makes cannot be cha
 from __future__ import annotations
 
 import contextlib
-import shutil
 import tempfile
 import time
 from collections import defaultdict
@@ -28,8 +27,7 @@ from .knowledge_base import KnowledgeBase
 from .rdf import rule_mapping
 from .rdf.domain import DOMAIN
 from .rdf.rule_mapping import BELIEFS, DERIVED
-from .rdf.terms import BLANK, Quad, Term
-from .reader import BASE_GRAPH
+from .rdf.terms import BASE_GRAPH, BLANK, Properties, Quad, Term
 from .rule import DEFAULT_SPEAKER, Rule
 from .sparql.results import QueryLimits, SelectResult
 from .sparql.safety import refuse_external_access
@@ -145,13 +143,10 @@ def _trial(store: Store, operations: int) -> Generator[Store]:
     if operations == 1:
         yield store
         return
-    folder = Path(tempfile.mkdtemp(prefix="hilt-"))
-    try:
-        store.save(folder / "copy")
-        with closing(open_store(folder / "copy")) as copy:
+    with tempfile.TemporaryDirectory(prefix="hilt-", ignore_cleanup_errors=True) as folder:
+        store.save(place := Path(folder) / "copy")
+        with closing(open_store(place)) as copy:
             yield copy
-    finally:
-        shutil.rmtree(folder, ignore_errors=True)
 
 
 def _effect(
@@ -164,8 +159,7 @@ def _effect(
         else set[Quad]()
         for template in (operation.deleted, operation.inserted)
     )
-    if max(len(delete), len(insert)) > MAX_CHANGED:
-        raise _too_large()
+    _check_size(max(len(delete), len(insert)))
     _check_places(delete | insert)
     there = {quad for quad in delete | insert if any(store.quads(*quad))}
     return (delete & there) - insert, insert - there
@@ -177,18 +171,18 @@ def _solutions(
     if not operation.where:
         return [(None,)]
     found = cast(SelectResult, store.run(operation.query(MAX_CHANGED + 1), limits))
-    if len(found) > MAX_CHANGED:
-        raise _too_large()
+    _check_size(len(found))
     for row in found:
         _check_names(row)
     return found.rows
 
 
-def _too_large() -> QueryError:
-    return QueryError(
-        f"The update changes more than {MAX_CHANGED} statements. Narrow it, or export the base, "
-        "and import what is to be."
-    )
+def _check_size(changed: int) -> None:
+    if changed > MAX_CHANGED:
+        raise QueryError(
+            f"The update changes more than {MAX_CHANGED} statements. Narrow it, or export the "
+            "base, and import what is to be."
+        )
 
 
 def _check_places(quads: Iterable[Quad]) -> None:
@@ -233,22 +227,13 @@ class _Plan:
         for node, graph in touched:
             self._take(node, graph)
             yield from laws.check(node, graph, self._after.properties(node, graph))
-            yield from self._status_findings(node, graph)
-
-    def _status_findings(self, node: Iri, graph: Iri) -> Iterator[ValidationFinding]:
-        match split(node)[0]:
-            case "rule" if graph == BELIEFS:
+            if split(node)[0] == "rule" and graph == BELIEFS:
                 yield from self._rule_findings(node)
-            case "speaker":
+            elif split(node)[0] == "speaker":
                 yield from self._speaker_findings(node, graph)
-            case _:
-                pass
 
     def _rule_findings(self, node: Iri) -> Iterator[ValidationFinding]:
-        name, before, after = (
-            shortened(node),
-            *(_rule(s, node) for s in (self._before, self._after)),
-        )
+        name, before, after = shortened(node), _rule(self._before, node), _rule(self._after, node)
         if not self._after.properties(node, BELIEFS):
             yield ValidationFinding(name, _MUST_KEEP)
         if after is None:
@@ -309,7 +294,7 @@ class _ChangedStore:
             if all(part in (None, there) for part, there in zip(wanted, quad, strict=True)):
                 yield quad
 
-    def properties(self, subject: Iri, graph: Iri) -> list[tuple[Iri, Term]]:
+    def properties(self, subject: Iri, graph: Iri) -> Properties:
         """The properties of a node."""
         return [(quad.predicate, quad.object) for quad in self.quads(subject, graph=graph)]
 

@@ -15,16 +15,15 @@ from itertools import islice
 from typing import TYPE_CHECKING, Any
 
 from ..ontology.errors import DataError, ValidationError
-from ..ontology.vocabulary import SHAPES_FILE, Iri, is_ontology, shortened, split, term
+from ..ontology.vocabulary import NAMED_KINDS, SHAPES_FILE, Iri, is_ontology, shortened, split, term
 from .episodes import EPISODES
 from .history import HISTORY
-from .invariants import BASE_GRAPHS, NAMED, ValidationFinding, check_invariants, is_name
+from .invariants import BASE_GRAPHS, ValidationFinding, check_invariants, is_name
 from .knowledge_base import DERIVATION
 from .learned_words import LEXICON
 from .rdf import rule_mapping
 from .rdf.rule_mapping import BELIEFS, DERIVED, TYPE
-from .rdf.terms import STRING, Quad, Term, lexical
-from .reader import BASE_GRAPH
+from .rdf.terms import BASE_GRAPH, STRING, Quad, Term, lexical
 from .rule import Rule
 from .stores.base import MEMORY, ReadableStore, Store
 from .stores.opening import open_store
@@ -226,7 +225,7 @@ def _sort(staging: Store) -> None:
     moved = [q for node in places for q in staging.quads(node, None, None, BELIEFS)]
     there = [quad._replace(graph=places[quad.subject]) for quad in moved]
     beliefs = staging.quads(None, None, None, BELIEFS)
-    edges = [q for q in beliefs if split(q.subject)[0] in NAMED and not is_name(q)]
+    edges = [q for q in beliefs if split(q.subject)[0] in NAMED_KINDS and not is_name(q)]
     # In format 1 the edge of "a ladle is a kind of spoon" was one of these.
     there += [q._replace(graph=DERIVED) for q in edges if q.predicate != term("affords")]
     staging.apply(insert=there, delete=[*moved, *edges])

@@ -19,8 +19,8 @@ from .learned_words import PHRASES, WORDS, LearnedMapping, LearnedPhrase, Learne
 from .rdf import rule_mapping
 from .rdf.record_mapping import Record
 from .rdf.rule_mapping import BELIEFS
-from .rdf.terms import Quad
-from .reader import BASE_GRAPH, BASE_NODE, RuleReader
+from .rdf.terms import BASE_GRAPH, BASE_NODE, Quad
+from .reader import RuleReader
 from .rule import DEFAULT_SPEAKER, Rule, Status, check_speaker
 from .stores.base import Store
 from .taught_actions import TAUGHT_ACTIONS, TaughtAction

@@ -22,23 +22,14 @@ from typing import BinaryIO, Protocol, cast
 
 from ...ontology.errors import DataError, ValidationError
 from ...ontology.garbage_collection import paused_garbage_collection
-from ...ontology.vocabulary import ATOM_KINDS, PREFIXES, Iri, is_ontology, shortened, split, term
+from ...ontology.vocabulary import NAMED_KINDS, PREFIXES, Iri, is_ontology, shortened, split
 from ..history import ASSERTS, HISTORY, SEQUENCE, Utterance, import_utterance, utterance_iri
 from ..knowledge_base import KnowledgeBase
 from ..rdf import rule_mapping
 from ..rdf.annotated_turtle import ReifyingTriple
-from ..rdf.rule_mapping import (
-    BELIEFS,
-    DERIVED,
-    DERIVED_FROM,
-    GENERATED_AT,
-    LABEL,
-    RULE,
-    STATUS,
-    TYPE,
-)
-from ..rdf.terms import Quad, Term
-from ..reader import BASE_GRAPH, BASE_NODE, RuleReader
+from ..rdf.rule_mapping import BELIEFS, DERIVED, LABEL
+from ..rdf.terms import BASE_GRAPH, BASE_NODE, Properties, Quad, Term
+from ..reader import RuleReader
 from ..rule import Rule
 from ..stores.base import EmbeddedStore, Store, batched
 from ..validation import (
@@ -69,8 +60,7 @@ MAX_REST = 3_000_000  # statements that belong to no rule and are held in memory
 PER_UTTERANCE = 1000  # rules that one utterance of the history stands for
 _MAX_SPOOLED = 2**24  # bytes of another base; more of it is written to a temporary file
 _MAX_APPLIED = 2**21  # bytes of lines that are written as an ordinary unit
-_DERIVED = frozenset((TYPE, LABEL, RULE, term("usedFor"), term("graspedBy"), term("affords")))
-_LABELLED = frozenset((*ATOM_KINDS, "node", "functor"))
+_WRITTEN_AGAIN = frozenset((rule_mapping.TYPE, LABEL, rule_mapping.RULE, *rule_mapping.PLAIN_EDGES))
 
 _RULES = PREFIXES["rule"]
 _ASSERTED = re.compile(f"{re.escape(_RULES)}([0-9a-f]{{16}})")
@@ -217,7 +207,8 @@ class _Import:
         node, graph, pairs = group
         kind, name = split(node)
         # Edges and labels are written again with the rules.
-        derived = _DERIVED if graph == BELIEFS and kind in _LABELLED else frozenset[Iri]()
+        is_named = graph == BELIEFS and kind in NAMED_KINDS
+        derived = _WRITTEN_AGAIN if is_named else frozenset[Iri]()
         # Formats without graphs have utterances among the beliefs.
         is_utterance = kind == "utterance" and name.isdecimal() and graph in {HISTORY, BELIEFS}
         for key, value in pairs:
@@ -298,7 +289,7 @@ class _Import:
             plan.numbers[-plan.last] = plan.last  # it is the number of no imported utterance
             plan.add(import_utterance(self.source, plan.last, time, some=which))
             writer.write_assertions(plan.last, numbers)
-            writer.write_property(numbers, DERIVED_FROM, utterance_iri(plan.last))
+            writer.write_property(numbers, rule_mapping.DERIVED_FROM, utterance_iri(plan.last))
             yield
         for utterance, ids in plan.assertions:
             writer.write_assertions(utterance, map(_number, ids))
@@ -308,10 +299,10 @@ class _Import:
             told[utterance].append(number)
         for utterance in told.keys() & plan.numbers.keys():
             node = utterance_iri(plan.numbers[utterance])
-            writer.write_property(told[utterance], DERIVED_FROM, node)
+            writer.write_property(told[utterance], rule_mapping.DERIVED_FROM, node)
             yield
         for numbers in batched(self.timeless, PER_UTTERANCE):
-            writer.write_property(numbers, GENERATED_AT, time)
+            writer.write_property(numbers, rule_mapping.GENERATED_AT, time)
             yield
         if plan.last:
             plan.insert.append(Quad(BASE_NODE, SEQUENCE, plan.last, BASE_GRAPH))
@@ -342,7 +333,7 @@ def _checked(group: StatementGroup | ReifyingTriple, source: str) -> StatementGr
     return group
 
 
-def _read_rule(node: Iri, properties: list[tuple[Iri, Term]]) -> Rule:
+def _read_rule(node: Iri, properties: Properties) -> Rule:
     try:
         rule = rule_mapping.read_rule(properties)
         known = Counter(quad.predicate for quad in rule_mapping.property_quads(rule))
@@ -375,7 +366,7 @@ def _statuses(store: Store) -> dict[int, Term]:
     known: dict[Term, Term] = {}  # one object for all rules
     return {
         int(split(quad.subject)[1], 16): known.setdefault(quad.object, quad.object)
-        for quad in store.quads(None, STATUS, None, BELIEFS)
+        for quad in store.quads(None, rule_mapping.STATUS, None, BELIEFS)
     }
 
 

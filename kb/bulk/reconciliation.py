@@ -10,22 +10,15 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from ...ontology.vocabulary import iri, is_ontology, shortened
+from .. import history
 from ..episodes import EPISODES
-from ..history import (
-    HISTORY,
-    SEQUENCE,
-    TEXT,
-    TRUST_LOWER,
-    Utterance,
-    utterance_iri,
-    utterance_quads,
-)
+from ..history import HISTORY, Utterance, utterance_iri
 from ..knowledge_base import KnowledgeBase, derived_quads
 from ..learned_words import LEXICON
 from ..rdf.domain import DOMAIN, DOMAIN_HASH
 from ..rdf.rule_mapping import BELIEFS
-from ..rdf.terms import Quad, Term
-from ..reader import BASE_GRAPH, BASE_NODE, RuleReader
+from ..rdf.terms import BASE_GRAPH, BASE_NODE, Quad, Term
+from ..reader import RuleReader
 from ..rule import Rule
 from ..taught_actions import ACTIONS
 from ..writer import speaker_quads, trust_quads
@@ -102,7 +95,7 @@ class AncillaryWrites:
     def add(self, utterance: Utterance) -> None:
         """Add an utterance under the number that it has."""
         self.assertions.append((utterance.sequence, utterance.asserts))
-        self.insert += utterance_quads(replace(utterance, asserts=()))
+        self.insert += history.utterance_quads(replace(utterance, asserts=()))
         self.insert += speaker_quads(utterance.speaker, HISTORY)
 
     def leave_out(self, quads: Iterable[Quad]) -> None:
@@ -149,7 +142,9 @@ def plan_trust(plan: AncillaryWrites, base: KnowledgeBase, other: RuleReader) ->
             plan.delete += base.store.quads(iri("speaker", speaker), None, None, BELIEFS)
             plan.insert += trust_quads(speaker, theirs)
         elif theirs != own:
-            plan.leave_out(other.store.quads(iri("speaker", speaker), TRUST_LOWER, None, BELIEFS))
+            plan.leave_out(
+                other.store.quads(iri("speaker", speaker), history.TRUST_LOWER, None, BELIEFS)
+            )
 
 
 def plan_history(
@@ -194,8 +189,8 @@ def _claim(rule: Rule) -> tuple[object, ...]:
 
 
 def _same_utterance(base: KnowledgeBase, utterance: Utterance) -> int | None:
-    for quad in base.store.quads(None, TEXT, utterance.text, HISTORY):
-        for number in base.store.quads(quad.subject, SEQUENCE, None, HISTORY):
+    for quad in base.store.quads(None, history.TEXT, utterance.text, HISTORY):
+        for number in base.store.quads(quad.subject, history.SEQUENCE, None, HISTORY):
             if isinstance(number.object, int):
                 there = base.utterance(number.object)
                 if replace(there, sequence=utterance.sequence) == utterance:

@@ -54,6 +54,10 @@ class Quad(NamedTuple):
     graph: Iri | None = None
 
 
+# The properties of a node, with their values.
+Properties: TypeAlias = "list[tuple[Iri, Term]]"
+
+
 def literal(lexical: str, datatype: str, language: str = "") -> Term:
     """The term of an RDF literal."""
     if language:

@@ -25,12 +25,12 @@ import pyoxigraph as engine
 
 from ...ontology.errors import QueryError, StoreError
 from ...ontology.logs import timed
-from ...ontology.vocabulary import PREFIXES, Iri, term
-from ..rdf.terms import BASE_GRAPH, BASE_NODE, Quad, Term
+from ...ontology.vocabulary import PREFIXES, Iri
+from ..rdf.terms import Properties, Quad, Term
 from ..sparql import results
 from ..sparql.query_text import delete_insert, keywords
 from . import directory
-from .base import MEMORY
+from .base import MEMORY, last_utterance
 from .directory import WriteAheadLogSync
 from .errors import open_error, translated_errors
 from .mark import check_files, check_number
@@ -38,7 +38,6 @@ from .query_subprocess import WorkerProcess
 from .term_conversion import from_engine, named_node, quad_from_engine, quad_to_engine, to_engine
 
 _PREFIXES = dict(PREFIXES)
-_SEQUENCE = term("sequence")
 # The places in a statement that choose each of the engine's indexes, but for the one by which it
 # goes through all statements.
 _INDEXES = ((0,), (1,), (1, 3), (2,), (2, 3))
@@ -116,7 +115,7 @@ class OxigraphStore:
             for quad in found:
                 yield quad_from_engine(quad)
 
-    def properties(self, subject: Iri, graph: Iri) -> list[tuple[Iri, Term]]:
+    def properties(self, subject: Iri, graph: Iri) -> Properties:
         """The properties of a node."""
         # The most frequent read: only predicates and objects are converted.
         with translated_errors(self.location):
@@ -202,17 +201,13 @@ class OxigraphStore:
     def checked(self, number: int) -> OxigraphStore:
         """The store, marked as acknowledged; StoreError if it ends before this utterance."""
         try:
-            check_number(self._last_number(), number, self.location)
+            check_number(last_utterance(self), number, self.location)
             if self._log:
-                self._log.reset(self._last_number())
+                self._log.reset(last_utterance(self))
         except BaseException:
             self.close()
             raise
         return self
-
-    def _last_number(self) -> int:
-        numbers = self.quads(BASE_NODE, _SEQUENCE, None, BASE_GRAPH)
-        return max((cast(int, quad.object) for quad in numbers), default=0)
 
     def writing(self) -> AbstractContextManager[object]:
         """The lock round every write; the same thread may take it again."""
@@ -233,7 +228,7 @@ class OxigraphStore:
             store = self._engine()
             if self._folder:
                 store.backup(target)
-                WriteAheadLogSync(target).reset(self._last_number())
+                WriteAheadLogSync(target).reset(last_utterance(self))
             elif self._snapshot:
                 shutil.copytree(self._snapshot.path, target)
             else:
@@ -248,7 +243,7 @@ class OxigraphStore:
     def _write_tables(self, store: engine.Store) -> None:
         store.flush()
         if self._log:
-            self._log.reset(self._last_number())
+            self._log.reset(last_utterance(self))
 
     def _run(self, query: str) -> object:
         with timed(__name__, "query %s", query), translated_errors(self.location, query):
@@ -277,7 +272,7 @@ class OxigraphStore:
                 raise StoreError(f'The knowledge base "{self.location}" is open for reading only.')
             self._snapshot = None
             yield store
-            if self._log and not self._log.sync(self._last_number()):
+            if self._log and not self._log.sync(last_utterance(self)):
                 self._write_tables(store)
 
 
