@@ -15,7 +15,7 @@ from ..inference.experience import Experience
 from ..inference.settings import Settings
 from ..kb.episodes import Episode
 from ..kb.knowledge_base import KnowledgeBase
-from ..kb.learned_words import LearnedWord
+from ..kb.learned import LearnedWord
 from ..kb.views import view
 from ..ontology.errors import HiltError, NotFoundError
 from .agent import Agent

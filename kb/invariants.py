@@ -23,7 +23,7 @@ from . import history
 from .episodes import EPISODES, episode_quads, read_episode
 from .interval import Interval
 from .knowledge_base import DERIVATION, FORMAT, FORMAT_VERSION, base_format
-from .learned_words import LEXICON, PHRASES, TOLD, WORDS, LearnedMapping
+from .learned import ACTIONS, LEXICON, PHRASES, TAUGHT_ACTIONS, TOLD, WORDS, LearnedMapping
 from .rdf import rule_mapping
 from .rdf.domain import DOMAIN, DOMAIN_HASH, content_hash
 from .rdf.record_mapping import group_properties
@@ -31,7 +31,6 @@ from .rdf.rule_mapping import BELIEFS, DERIVED, DERIVED_FROM, LABEL, STATUS, TYP
 from .rdf.terms import BASE_GRAPH, BASE_NODE, BLANK, Properties, Quad, Term, lexical
 from .rule import check_speaker
 from .stores.base import ReadableStore, Store, described_nodes
-from .taught_actions import ACTIONS, TAUGHT_ACTIONS
 from .writer import speaker_quads, trust_quads
 
 BASE_GRAPHS = frozenset(iri("graph", name) for name in vocabulary.GRAPH_NAMES)

@@ -17,7 +17,7 @@ from ..ontology.errors import NotFoundError
 from ..ontology.vocabulary import Iri, iri, split, term
 from . import history
 from .interval import Interval
-from .learned_words import PHRASES, WORDS, LearnedPhrase, LearnedWord
+from .learned import PHRASES, TAUGHT_ACTIONS, WORDS, LearnedPhrase, LearnedWord, TaughtAction
 from .rdf import rule_mapping
 from .rdf.rule_mapping import BELIEFS, DERIVED
 from .rdf.terms import Properties, Term, as_sparql
@@ -25,7 +25,6 @@ from .rule import Atom, Rule, Status
 from .sparql.named_queries import named_query, node_iri
 from .sparql.query_text import bind_variables
 from .stores.base import Store, last_utterance
-from .taught_actions import TaughtAction, read_actions
 
 MAX_LISTED = 10  # rules that an error message names
 
@@ -153,8 +152,10 @@ class RuleReader:
         return PHRASES.active(self.store)
 
     def actions(self) -> list[TaughtAction]:
-        """The taught actions that were not revoked, one of each name."""
-        return read_actions(self.store)
+        """The taught actions that were not revoked, the latest of each name, sorted by name."""
+        known = sorted(TAUGHT_ACTIONS.active(self.store), key=lambda one: one.utterance or 0)
+        latest = {each.name: each for each in known}
+        return [latest[name] for name in sorted(latest)]
 
     @property
     def sequence(self) -> int:

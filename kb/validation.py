@@ -20,14 +20,13 @@ from .episodes import EPISODES
 from .history import HISTORY
 from .invariants import BASE_GRAPHS, ValidationFinding, check_invariants, is_name
 from .knowledge_base import DERIVATION
-from .learned_words import LEXICON
+from .learned import ACTIONS, LEXICON
 from .rdf import rule_mapping
 from .rdf.rule_mapping import BELIEFS, DERIVED, TYPE
 from .rdf.terms import BASE_GRAPH, STRING, Quad, Term, lexical
 from .rule import Rule
 from .stores.base import MEMORY, ReadableStore, Store
 from .stores.opening import open_store
-from .taught_actions import ACTIONS
 
 if TYPE_CHECKING:
     from rdflib import Graph

@@ -217,19 +217,20 @@ def _is_wanted(utterance: Utterance, speaker: str | None, rule: Rule | None) -> 
 
 def _forgotten(base: KnowledgeBase, what: list[str], speaker: str) -> str:
     from ...kb.diff import find_rule, last_taught_rules
+    from ...kb.learned import PHRASES, TAUGHT_ACTIONS, WORDS
 
     said, speaker = f"forget {' '.join(what)}", base.match_speaker(speaker)
     match what:
         case ["word" | "phrase" as kind]:
             raise typer.BadParameter(f'Which {kind}? "hilt words" lists those that were learned.')
         case ["word", name]:
-            base.forget_word(name, said, speaker)
+            base.forget(WORDS, name, said, speaker)
             return f'Forgot the word "{name}".'
         case ["phrase", *words]:
-            phrase = base.forget_phrase(" ".join(words), said, speaker)
+            phrase = base.forget(PHRASES, " ".join(words), said, speaker)
             return f'Forgot the phrase "{phrase.pattern}".'
         case ["action", *words] if words:
-            action = base.forget_action(" ".join(words), said, speaker)
+            action = base.forget(TAUGHT_ACTIONS, " ".join(words), said, speaker)
             return f'Forgot the action "{action.name}".'
         case ["experience", *names] if len(names) <= 2:
             name, part = (*names, None, None)[:2]

@@ -10,8 +10,8 @@ from dataclasses import replace
 
 from ...inference.taxonomy import Taxonomy
 from ...inference.types import Target
+from ...kb.learned import TAUGHT_ACTIONS, TaughtAction
 from ...kb.rule import Atom
-from ...kb.taught_actions import TaughtAction
 from ...nlu.lexicon.vocabulary import NewWord
 from ...nlu.offers.meaning_shapes import meaning_from_json
 from ...nlu.semantics import meaning
@@ -100,7 +100,8 @@ class ActionLessons:
         if taught.speaker != turn.speaker:
             return conversation.answered(turn, "not_yours", "failed", speaker=taught.speaker)
         spoken = conversation.say(AnswerContent("forgotten_action", {"goal": name}))
-        self._base.forget_action(name, turn.understood.text, turn.speaker, answer=spoken)
+        said_in = turn.understood.text
+        self._base.forget(TAUGHT_ACTIONS, name, said_in, turn.speaker, answer=spoken)
         self.read()
         return conversation.reply(turn, spoken)
 

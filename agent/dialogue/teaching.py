@@ -11,7 +11,7 @@ from dataclasses import replace
 from ...kb.history import IMPORT
 from ...kb.interval import VACUOUS
 from ...kb.knowledge_base import KnowledgeBase
-from ...kb.learned_words import LearnedPhrase, LearnedWord
+from ...kb.learned import LearnedPhrase, LearnedWord
 from ...kb.rule import Atom, Rule
 from ...nlu.lexicon.vocabulary import NewWord
 from ...nlu.offers.meaning_shapes import MeaningShape

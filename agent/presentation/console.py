@@ -36,10 +36,9 @@ if TYPE_CHECKING:
     from ...kb.diff import BaseDifference, UtteranceChanges
     from ...kb.episodes import Episode
     from ...kb.history import Utterance
-    from ...kb.learned_words import LearnedPhrase, LearnedWord
+    from ...kb.learned import LearnedPhrase, LearnedWord, TaughtAction
     from ...kb.rule import Rule
     from ...kb.sparql.named_queries import NamedQuery
-    from ...kb.taught_actions import TaughtAction
     from ...nlu.parsing.understanding import Understanding
     from ..dialogue.reply import Reply
     from ..execution.outcome import Decision, GoalResult, WalkStep, WorldOutcome

@@ -14,13 +14,12 @@ from .. import history
 from ..episodes import EPISODES
 from ..history import HISTORY, Utterance, utterance_iri
 from ..knowledge_base import KnowledgeBase, derived_quads
-from ..learned_words import LEXICON
+from ..learned import ACTIONS, LEXICON
 from ..rdf.domain import DOMAIN, DOMAIN_HASH
 from ..rdf.rule_mapping import BELIEFS
 from ..rdf.terms import BASE_GRAPH, BASE_NODE, Quad, Term
 from ..reader import RuleReader
 from ..rule import Rule
-from ..taught_actions import ACTIONS
 from ..writer import speaker_quads, trust_quads
 
 
