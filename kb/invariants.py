@@ -28,7 +28,7 @@ from .rdf import rule_mapping
 from .rdf.domain import DOMAIN, DOMAIN_HASH, content_hash
 from .rdf.record_mapping import group_properties
 from .rdf.rule_mapping import BELIEFS, DERIVED, DERIVED_FROM, LABEL, STATUS, TYPE
-from .rdf.terms import BASE_GRAPH, BASE_NODE, BLANK, Properties, Quad, Term, lexical
+from .rdf.terms import BASE_GRAPH, BASE_NODE, Properties, Quad, Term, is_blank, lexical
 from .rule import check_speaker
 from .stores.base import ReadableStore, Store, described_nodes
 from .writer import speaker_quads, trust_quads
@@ -153,8 +153,7 @@ def written(
     A ValidationError says that they make no value. Each statement stands under itself, because
     literals are equal by value and may differ in their datatype.
     """
-    if _is_blank(node) or any(_is_blank(value) for _, value in properties):
-        raise ValidationError(["A base has no blank nodes; give each a name."])
+    refuse_blank_nodes((node, *(value for _, value in properties)))
     read = _READERS.get((graph, split(node)[0]))
     if read is None or not properties:
         return {}
@@ -164,6 +163,12 @@ def written(
         raise
     except (KeyError, IndexError, TypeError, ValueError, AttributeError, ArithmeticError) as error:
         raise ValidationError([f"It cannot be read: {error}"]) from error
+
+
+def refuse_blank_nodes(terms: Iterable[Term | None]) -> None:
+    """Raise a ValidationError where one of the terms is a blank node."""
+    if any(map(is_blank, terms)):
+        raise ValidationError(["A base has no blank nodes; give each a name."])
 
 
 def _rule(_: ReadableStore, node: Iri, properties: Properties) -> Iterator[Quad]:
@@ -287,10 +292,6 @@ def is_name(quad: Quad) -> bool:
 def _has_same_type(expected: Term, found: Term) -> bool:
     numbers = {int, Decimal}
     return type(expected) is type(found) or {type(expected), type(found)} == numbers
-
-
-def _is_blank(value: Term) -> bool:
-    return isinstance(value, Iri) and value.startswith(BLANK)
 
 
 def _finding(quad: Quad, problem: str) -> ValidationFinding:

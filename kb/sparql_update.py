@@ -20,14 +20,15 @@ from typing import cast
 
 from ..ontology.errors import QueryError, QueryLimitError, ValidationError
 from ..ontology.vocabulary import Iri, is_ontology, shortened, split
+from . import invariants
 from .episodes import EPISODES, observation_quads
 from .history import HISTORY, Utterance
-from .invariants import BASE_GRAPHS, TRUST, Invariants, ValidationFinding, trust_findings, written
+from .invariants import TRUST, Invariants, ValidationFinding, trust_findings, written
 from .knowledge_base import KnowledgeBase
 from .rdf import rule_mapping
 from .rdf.domain import DOMAIN
 from .rdf.rule_mapping import BELIEFS, DERIVED
-from .rdf.terms import BASE_GRAPH, BLANK, Properties, Quad, Term
+from .rdf.terms import BASE_GRAPH, Properties, Quad, Term
 from .rule import DEFAULT_SPEAKER, Rule
 from .sparql.results import QueryLimits, SelectResult
 from .sparql.safety import refuse_external_access
@@ -173,7 +174,7 @@ def _solutions(
     found = cast(SelectResult, store.run(operation.query(MAX_CHANGED + 1), limits))
     _check_size(len(found))
     for row in found:
-        _check_names(row)
+        invariants.refuse_blank_nodes(row)
     return found.rows
 
 
@@ -187,19 +188,13 @@ def _check_size(changed: int) -> None:
 
 def _check_places(quads: Iterable[Quad]) -> None:
     graphs = {quad.graph for quad in quads if not is_ontology(quad.graph)}
-    for graph in graphs - BASE_GRAPHS:
+    for graph in graphs - invariants.BASE_GRAPHS:
         name = shortened(graph) if graph else "without a name"
         raise ValidationError(
             [f"The graph {name} is not one of a base; write GRAPH graph:beliefs {{ ... }}."]
         )
     for quad in quads:
-        _check_names(quad)
-
-
-def _check_names(terms: Iterable[Term | None]) -> None:
-    for one in terms:
-        if isinstance(one, Iri) and one.startswith(BLANK):
-            raise ValidationError(["A base has no blank nodes; give each a name."])
+        invariants.refuse_blank_nodes(quad)
 
 
 class _Plan:

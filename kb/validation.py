@@ -31,7 +31,6 @@ from .stores.opening import open_store
 if TYPE_CHECKING:
     from rdflib import Graph
 
-RULE_CLASSES = tuple(term(name) for name in ("Rule", "FunctionalRule", "ActionRule", "Norm"))
 # Statements that a person may have written, which take a second by SHACL. The invariants find the
 # same; of more statements they alone are checked, in a tenth of the time.
 MAX_SHACL = 5_000
@@ -172,16 +171,6 @@ def locate_findings(found: Iterable[ValidationFinding], text: str) -> list[Valid
     return sorted(replace(one, line=lines.get(one.node, 0)) for one in set(found))
 
 
-def rule_nodes(store: Store) -> list[Iri]:
-    """The nodes of all rules, sorted."""
-    found = (_of_class(store, kind, BELIEFS) for kind in RULE_CLASSES)
-    return sorted({node for nodes in found for node in nodes})
-
-
-def _of_class(store: Store, kind: Iri, graph: Iri) -> list[Iri]:
-    return sorted(quad.subject for quad in store.quads(None, TYPE, kind, graph))
-
-
 def _as_rdflib(quads: Iterable[Quad]) -> Graph:
     from rdflib import Graph, Literal, URIRef
 
@@ -232,7 +221,9 @@ def _sort(staging: Store) -> None:
 
 def _rename(staging: Store) -> None:
     names: dict[Iri, Iri] = {}
-    for node in rule_nodes(staging):
+    classes = rule_mapping.CLASSES.values()
+    typed = (staging.quads(None, TYPE, kind, BELIEFS) for kind in classes)
+    for node in sorted({quad.subject for some in typed for quad in some}):
         try:
             rule = rule_mapping.read_rule(staging.properties(node, BELIEFS))
         except ValidationError:

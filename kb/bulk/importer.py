@@ -17,6 +17,7 @@ from array import array
 from collections import Counter, defaultdict, deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cache, partial
 from itertools import chain
 from typing import BinaryIO, Protocol, cast
 
@@ -45,9 +46,10 @@ from .exporter import write_statements
 from .nquads_reader import RuleBlock, StatementGroup, Statements, read_groups, read_quads
 from .reconciliation import (
     AncillaryWrites,
-    BelievedRules,
     ImportConflict,
     ImportSummary,
+    believed_rules,
+    claim,
     conflicts_of,
     plan_history,
     plan_rest,
@@ -149,10 +151,8 @@ class _Import:
     asserted: dict[int, array[int]] = field(  # ids of rules by the number of an utterance
         default_factory=lambda: defaultdict(lambda: array("Q"))
     )
-    ids: array[int] = field(default_factory=lambda: array("Q"))  # of new rules
-    utterances: array[int] = field(default_factory=lambda: array("Q"))  # of each; 0 where none
+    new: dict[int, int] = field(default_factory=dict[int, int])  # rule -> utterance; 0 where none
     timeless: set[int] = field(default_factory=set[int])  # ids of new rules without a time
-    seen: set[int] = field(default_factory=set[int])
     known: int = 0
     conflicting: int = 0
     conflicts: list[ImportConflict] = field(default_factory=list[ImportConflict])
@@ -171,7 +171,7 @@ class _Import:
             else:
                 _write(store, lines, plan, self.source)
         return ImportSummary(
-            len(self.ids),
+            len(self.new),
             self.known,
             self.conflicting,
             self.utterances_added,
@@ -241,7 +241,7 @@ class _Import:
         yield from writer.taken(0)
 
     def _new_rules(self, rules: Iterable[Rule]) -> Iterator[Rule]:
-        believed, observer = BelievedRules(self.base), self.observer
+        believed, observer = cache(partial(believed_rules, self.base)), self.observer
         there = _statuses(self.base.store) if self.base.sequence else dict[int, Term]()
         for rule in rules:
             number = _number(rule.id)
@@ -250,17 +250,15 @@ class _Import:
                 if observer and there[number] != rule_mapping.status_iri(rule.status):
                     observer.add_different(rule)
                 continue
-            if number in self.seen:
+            if number in self.new:
                 continue
-            self.seen.add(number)
-            self.ids.append(number)
-            self.utterances.append(rule.utterance or 0)
+            self.new[number] = rule.utterance or 0
             self.speakers.add(rule.speaker)
             if rule.time is None:
                 self.timeless.add(number)
             same: Sequence[Rule] = ()
             if there and rule.status == "active":
-                same = believed.with_conclusion_of(rule)
+                same = believed(rule.node).get(claim(rule), ())
                 found = conflicts_of(rule, same)
                 self.conflicting += len(found)
                 self.conflicts += found[: MAX_LISTED - len(self.conflicts)]
@@ -269,14 +267,12 @@ class _Import:
             yield rule
 
     def _utterances(self, other: RuleReader) -> Iterator[Utterance]:
-        told: dict[int, set[int]] = defaultdict(set)
-        for number, source in zip(self.ids, self.utterances, strict=True):
-            told[source].add(number)
+        told = self._by_utterance()
         for quad in other.store.quads(None, SEQUENCE, None, HISTORY):
             if isinstance(quad.object, int):
                 utterance = other.utterance(quad.object)
                 numbers = {*self.asserted.get(quad.object, ()), *map(_number, utterance.asserts)}
-                for unsaid in told[quad.object] - numbers:
+                for unsaid in set(told[quad.object]) - numbers:
                     problem = f"does not assert the rule:{unsaid:016x} that comes from it."
                     raise ValidationError([f"utterance:{quad.object}: It {problem}"])
                 ids = tuple(f"rule/{number:016x}" for number in sorted(numbers))
@@ -294,9 +290,7 @@ class _Import:
         for utterance, ids in plan.assertions:
             writer.write_assertions(utterance, map(_number, ids))
             yield
-        told: dict[int, array[int]] = defaultdict(lambda: array("Q"))
-        for number, utterance in zip(self.ids, self.utterances, strict=True):
-            told[utterance].append(number)
+        told = self._by_utterance()
         for utterance in told.keys() & plan.numbers.keys():
             node = utterance_iri(plan.numbers[utterance])
             writer.write_property(told[utterance], rule_mapping.DERIVED_FROM, node)
@@ -308,19 +302,18 @@ class _Import:
             plan.insert.append(Quad(BASE_NODE, SEQUENCE, plan.last, BASE_GRAPH))
         writer.write_quads(plan.insert)
 
+    def _by_utterance(self) -> dict[int, array[int]]:
+        found: dict[int, array[int]] = defaultdict(lambda: array("Q"))
+        for number, utterance in self.new.items():
+            found[utterance].append(number)
+        return found
+
     def _without_utterance(self, plan: AncillaryWrites) -> Iterator[tuple[list[int], str]]:
-        numbers = [
-            number
-            for number, utterance in zip(self.ids, self.utterances, strict=True)
-            if utterance not in plan.numbers
-        ]
-        start = 1
+        numbers = [one for one, utterance in self.new.items() if utterance not in plan.numbers]
+        end = 0
         for some in batched(numbers, PER_UTTERANCE):
-            which = (
-                f", rules {start} to {start + len(some) - 1}" if len(numbers) > len(some) else ""
-            )
-            yield some, which
-            start += len(some)
+            start, end = end + 1, end + len(some)
+            yield some, f", rules {start} to {end}" if len(numbers) > len(some) else ""
 
 
 def _checked(group: StatementGroup | ReifyingTriple, source: str) -> StatementGroup:
@@ -346,6 +339,7 @@ def _read_rule(node: Iri, properties: Properties) -> Rule:
 
 
 def _write(store: Store, lines: Iterator[bytes], plan: AncillaryWrites, source: str) -> None:
+    # The old sequence number never counts beside the new one, which is higher.
     before = set(store.quads(BASE_NODE, SEQUENCE, None, BASE_GRAPH))
     first, size = list[bytes](), 0
     for chunk in lines:
@@ -353,9 +347,7 @@ def _write(store: Store, lines: Iterator[bytes], plan: AncillaryWrites, source: 
         size += len(chunk)
         if size > _MAX_APPLIED and isinstance(store, EmbeddedStore):
             store.load(chain(first, lines))
-            # The old sequence number never counts beside the new one, which is higher.
-            store.apply(delete={*plan.delete, *before} - {*plan.insert})
-            return
+            first.clear()
     text = io.BytesIO(b"".join(first))
     read = read_quads(read_groups(text, format="nquads", source=source, default=BELIEFS))
     insert = [one for one in read if isinstance(one, Quad)]

@@ -104,21 +104,17 @@ class AncillaryWrites:
         )
 
 
-class BelievedRules:
-    """The active rules of a base by premises and conclusion, read node by node as needed."""
+def believed_rules(base: KnowledgeBase, node: str) -> Mapping[object, Sequence[Rule]]:
+    """The active rules at a node of an action tree, by their premises and conclusion (`claim`)."""
+    found: dict[object, list[Rule]] = defaultdict(list)
+    for rule in base.rules_at_nodes([node]):
+        found[claim(rule)].append(rule)
+    return found
 
-    def __init__(self, base: KnowledgeBase) -> None:
-        self._base = base
-        self._nodes: set[str] = set()
-        self._rules: dict[object, list[Rule]] = defaultdict(list)
 
-    def with_conclusion_of(self, rule: Rule) -> Sequence[Rule]:
-        """The rules of the same premises and conclusion as a rule."""
-        if rule.node not in self._nodes:
-            self._nodes.add(rule.node)
-            for one in self._base.rules_at_nodes([rule.node]):
-                self._rules[_claim(one)].append(one)
-        return self._rules.get(_claim(rule), ())
+def claim(rule: Rule) -> tuple[object, ...]:
+    """What a rule says, whatever its interval: its premises and its conclusion."""
+    return (rule.features | rule.contexts, rule.functor, rule.argument)
 
 
 def conflicts_of(rule: Rule, believed: Iterable[Rule]) -> list[ImportConflict]:
@@ -181,10 +177,6 @@ def plan_rest(plan: AncillaryWrites, base: KnowledgeBase, other: RuleReader) -> 
         plan.insert += other.store.quads(BASE_NODE, DOMAIN_HASH, None, BASE_GRAPH)
     elif domain:
         plan.leave_out(domain.difference(base.store.quads(None, None, None, DOMAIN)))
-
-
-def _claim(rule: Rule) -> tuple[object, ...]:
-    return (rule.features | rule.contexts, rule.functor, rule.argument)
 
 
 def _same_utterance(base: KnowledgeBase, utterance: Utterance) -> int | None:

@@ -21,7 +21,7 @@ from ..bulk.nquads_reader import read_groups, read_quads
 from ..history import import_utterance
 from ..knowledge_base import KnowledgeBase
 from ..rdf.rule_mapping import LABEL, TYPE
-from ..rdf.terms import BLANK, Literal, Quad, Term
+from ..rdf.terms import Literal, Quad, Term, is_blank
 from ..writer import to_milliseconds
 from .file_streams import open_input
 from .registry import FileFormat, format_of
@@ -120,7 +120,7 @@ def _named(quads: Iterable[Quad], graph: Iri) -> Iterator[Quad]:
     start = f"{INDIVIDUALS}.well-known/genid/{graph.rpartition('/')[2]}/"
 
     def named(value: Any) -> Any:
-        if isinstance(value, Iri) and value.startswith(BLANK):
+        if is_blank(value):
             return names.setdefault(str(value), Iri(f"{start}{len(names) + 1}"))
         return value
 

@@ -18,7 +18,7 @@ from ...ontology.vocabulary import PREFIXES, Iri, external, iri, prefixed, short
 from ..rule import DEFAULT_SPEAKER, GRASP_OBJECT, USED_FOR
 from . import rule_mapping
 from .rule_mapping import BELIEFS
-from .terms import BLANK, Properties, Quad, Term, as_sparql
+from .terms import Properties, Quad, Term, as_sparql, is_blank
 
 REIFIES = external("rdf:reifies")
 _FUNCTORS = {term("usedFor"): USED_FOR, term("graspedBy"): GRASP_OBJECT}
@@ -56,13 +56,11 @@ def expand_annotations(statements: Iterable[Quad | ReifyingTriple], *, source: s
     annotated = {edge for several in edges.values() for edge in several}
     kept = [q for q in plain if q.subject not in edges and AnnotatedEdge(*q[:3]) not in annotated]
     for number, (node, several) in enumerate(edges.items()):
-        name = iri("rule", f"annotation-{number}") if node.startswith(BLANK) else node
+        name = iri("rule", f"annotation-{number}") if is_blank(node) else node
         kept += (Quad(name, key, value, BELIEFS) for key, value in _completed(about[node], several))
-    for quad in kept:
-        for end in (quad.subject, quad.object):
-            if isinstance(end, Iri) and end.startswith(BLANK):
-                problem = f"A base has no blank nodes; give {end} a name, as rule:1."
-                raise DataError(problem, source=source)
+    for end in filter(is_blank, (end for quad in kept for end in (quad.subject, quad.object))):
+        problem = f"A base has no blank nodes; give {end} a name, as rule:1."
+        raise DataError(problem, source=source)
     return kept
 
 

@@ -58,6 +58,11 @@ class Quad(NamedTuple):
 Properties: TypeAlias = "list[tuple[Iri, Term]]"
 
 
+def is_blank(term: "Term | None") -> bool:
+    """Whether a term is a blank node."""
+    return isinstance(term, Iri) and term.startswith(BLANK)
+
+
 def literal(lexical: str, datatype: str, language: str = "") -> Term:
     """The term of an RDF literal."""
     if language:
