@@ -36,7 +36,6 @@ from .writer import speaker_quads, trust_quads
 BASE_GRAPHS = frozenset(iri("graph", name) for name in vocabulary.GRAPH_NAMES)
 _OF_NODES = frozenset((TYPE, LABEL, *(term(name) for name in ("does", "under", "heeds"))))
 _OF_BASE = frozenset((TYPE, FORMAT_VERSION, history.SEQUENCE, DOMAIN_HASH, DERIVATION))
-TRUST = (history.TRUST_LOWER, history.TRUST_UPPER)
 _REFERRED = {"utterance": history.HISTORY, "rule": BELIEFS}  # kinds of nodes that must be there
 _COUNT = "SELECT (COUNT(*) AS ?count) { GRAPH ?graph { ?node ?key ?value } }"
 _STEP = 10_000  # statements between two calls of the progress
@@ -190,10 +189,10 @@ def _utterance(_: ReadableStore, node: Iri, properties: Properties) -> Iterator[
 def _speaker(_: ReadableStore, node: Iri, properties: Properties) -> Iterable[Quad]:
     name, found = split(node)[1], group_properties(properties)
     check_speaker(name)
-    bounds = [bound for key in TRUST for bound in found[key]]
+    bounds = [bound for key in history.TRUST for bound in found[key]]
     if not bounds:
         return speaker_quads(name, BELIEFS)
-    if [len(found[key]) for key in TRUST] != [1, 1]:
+    if [len(found[key]) for key in history.TRUST] != [1, 1]:
         raise ValidationError(["Trust is one hilt:trustLower and one hilt:trustUpper."])
     return trust_quads(name, Interval(*cast("list[float]", bounds)).rounded())
 

@@ -22,8 +22,8 @@ from ..ontology.errors import QueryError, QueryLimitError, ValidationError
 from ..ontology.vocabulary import Iri, is_ontology, shortened, split
 from . import invariants
 from .episodes import EPISODES, observation_quads
-from .history import HISTORY, Utterance
-from .invariants import TRUST, Invariants, ValidationFinding, trust_findings, written
+from .history import HISTORY, TRUST, Utterance
+from .invariants import Invariants, ValidationFinding, trust_findings, written
 from .knowledge_base import KnowledgeBase
 from .rdf import rule_mapping
 from .rdf.domain import DOMAIN
