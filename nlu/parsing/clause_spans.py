@@ -21,6 +21,7 @@ from ..semantics.meaning import (
     FunctionalRule,
     KindStatement,
     Meaning,
+    NormStatement,
     Statement,
     ToolCommand,
 )
@@ -90,6 +91,9 @@ def features_of_names(
         uses = (rule for rule in meaning.rules if isinstance(rule, FunctionalRule))
         if any(rule.material and rule.affordance in reader.words["acts"] for rule in uses):
             yield "use", frozenset({"act"})
+    elif isinstance(meaning, NormStatement):
+        if "place" in new and not reader.is_place(new["place"].word):
+            yield "place", frozenset({"new"})
     elif isinstance(meaning, (Command, ToolCommand)) and "object" in new:
         said = new["object"]
         before = _before(words, said.said, 3)

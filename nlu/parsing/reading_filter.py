@@ -73,13 +73,16 @@ class ReadingFilter:
             return self._may_introduce_kinds(reading)
         if isinstance(meaning, (TopicStatement, NormStatement)):
             is_thing = not any(self.features.is_abstract(word.said, word.word) for word in words)
+            in_middle = any(word.role == "place" and self.features.is_part(word.word) for word in words)
             norms = meaning.norms if isinstance(meaning, NormStatement) else ()
             # "You can't cut bread with a saw" is a rule on saws.
             is_of_use = any(isinstance(norm.act, ToolCommand) for norm in norms)
-            is_strict = bool(norms) and all(norm.norm != "permitted" for norm in norms)
-            others = [w.role for w in words if not (is_strict and self._is_part(w, w.word))]
+            others = [
+                w.role for w in words if w.role != "place" and not (norms and self._is_part(w, w.word))
+            ]
             most = 2 if norms and norms[0].before else 1
-            return is_thing and not is_of_use and {*others} <= {"object"} and len(others) <= most
+            is_named = {*others} <= {"object"} and len(others) <= most
+            return is_thing and is_named and not is_of_use and not in_middle
         return len(words) <= MAX_NEW_NAMES and self._may_name_words(meaning, words, tokens)
 
     def _is_part(self, word: NewWord, *names: str) -> bool:

@@ -25,10 +25,12 @@ NAMED: Values = {
     "thing": frozenset({"new", "own", "abstract", "bare"}),
     "use": frozenset({"act"}),
     "recipient": frozenset({"place"}),
+    "place": frozenset({"new"}),
 }
 """The features of what is named.
 
-A part that is `new`, `unsure` or a person's own; a thing; a use; a recipient that is a place.
+A part that is `new`, `unsure` or a person's own; a thing; a use; a recipient that is a place; a
+place that is `new`.
 """
 
 
@@ -70,7 +72,7 @@ class FeatureReader:
         defaults: the value of a feature that no words show, where it has one.
         categories: the names of the categories of conditions, of people and things, and of goals.
         words: lists of words, by the keys of `features.yaml`, which says what they show.
-        endings: those of abstract nouns, and of words that hardly ever name a person.
+        endings: those of abstract nouns, of words that hardly ever name a person, and of places.
     """
 
     phrases: Mapping[str, Sequence[tuple[tuple[str, ...], Values]]]
@@ -120,6 +122,10 @@ class FeatureReader:
         """Whether one of some nouns names what is no part of an object: places, people, clothes."""
         return not self.nouns["elsewhere"].isdisjoint(words)
 
+    def is_place(self, word: str) -> bool:
+        """Whether a noun names a place by how it ends: "hallway", "boiler room"."""
+        return word.endswith(self.endings["place"])
+
     def is_abstract(self, *words: str) -> bool:
         """Whether one of some nouns names nothing that can be taken."""
         return not self.nouns["abstract"].isdisjoint(words) or words[0].endswith(
@@ -167,7 +173,7 @@ def load_features(path: Path) -> FeatureReader:
         by_first.setdefault(phrase[0], []).append((phrase, each))
     nouns = parts["nouns"].entries(required=("part", "elsewhere", "abstract"), optional=())
     categories = parts["categories"].entries(required=("condition", "name", "goal"), optional=())
-    endings = parts["endings"].entries(required=("abstract", "nameless"), optional=())
+    endings = parts["endings"].entries(required=("abstract", "nameless", "place"), optional=())
     return FeatureReader(
         by_first,
         {**values, **NAMED},
