@@ -279,11 +279,11 @@ class TreeExecutor:
         if failure.cause in {outcome_answer.INTERRUPTED, outcome_answer.FORBIDDEN}:
             return None
         for index, branch in enumerate(tree.otherwise):
-            is_possible = bool(branch.steps) or tries[index] > 0
+            is_possible = branch.is_end or bool(branch.steps) or tries[index] > 0
             if branch.next:
                 is_possible = bool(self._others(arguments[branch.next]))
             if is_possible and branch.handles(failure.cause):
-                return index
+                return None if branch.is_end else index
         return None
 
     def _others(self, argument: Argument) -> list[Candidate]:

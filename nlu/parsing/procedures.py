@@ -52,7 +52,7 @@ _ANYTHING = "anythingNamed"  # the object of an action that is taught for any
 _TOOL = "tool"  # the kind of whatever has a use
 _OPENING = ("order", "only_if", "unless", "if")  # what a clause begins with
 _PATTERNS = (
-    *(*_OPENING, "behind", "heads", "asked", "tails", "again", "times", "another"),
+    *(*_OPENING, "behind", "heads", "asked", "tails", "again", "times", "another", "stopping"),
     *("how", "forget"),
 )
 _GROUPS, _LISTS = ("states", "failures"), ("links", "particles")
@@ -425,13 +425,22 @@ class _Clauses:
 
     def _reaction(self, tokens: Tokens, state: ClauseState) -> FailureReaction | None:
         count = len(tokens.items)
-        for start in (0, *range(2, count)):
-            for end, slots in self._words.matches("if", tokens.words, start):
-                causes = self._causes(tokens.part(*slots["FAILURE"]), state)
-                if causes and (end == count) == (start > 0):
-                    rest = tokens.part(0, start) if start else tokens.part(end, count)
-                    return self._response(rest, causes, state)
+        for start in range(count):
+            end, causes = self._failure(tokens, start, state)
+            # "Put it down. Stop if it fails": the condition is one of the last sentence.
+            is_apart = BREAK in tokens.words[:start]
+            if causes and (end == count) == (start > 0) and not is_apart:
+                rest = tokens.part(0, start) if start else tokens.part(end, count)
+                return self._response(rest, causes, state)
         return None
+
+    def _failure(
+        self, tokens: Tokens, start: int, state: ClauseState
+    ) -> tuple[int, tuple[str, ...]]:
+        found = self._words.matches("if", tokens.words, start)
+        ends = ((end, self._causes(tokens.part(*slots["FAILURE"]), state)) for end, slots in found)
+        # The longest one: "if you can't reach it" and not "if you can't".
+        return max((each for each in ends if each[1]), default=(start, ()))
 
     def _causes(self, tokens: Tokens, state: ClauseState) -> tuple[str, ...]:
         for names, places in self._words.wholes("failures", tokens.words):
@@ -451,6 +460,8 @@ class _Clauses:
                 return FailureReaction(causes, again=number)
         if self._words.is_all("another", tokens.words):
             return FailureReaction(causes, other=True)
+        if self._words.is_all("stopping", tokens.words):
+            return FailureReaction(causes, stop=True)
         bare = replace(tokens, items=tokens.items[: count - (tokens.words[-1] == "instead")])
         found = self.read(bare, state)
         steps = tuple(each for each, _ in found or () if isinstance(each, Act))
