@@ -7,7 +7,7 @@ act, then an intention, then a meaning.
 
 import contextlib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from ..grammar.categories import Functor
 from ..grammar.combinators import CombinationTable
@@ -139,11 +139,14 @@ class SentenceParser:
         self, act: str, derivation: Derivation, tokens: Tokens, context: UtteranceContext
     ) -> Reading:
         form = _fill_persons(form_of(derivation.value), context)
-        form = resolve(form, context.discourse)
+        is_for_now = self._is_for_now(derivation)
+        discourse = replace(context.discourse, rule=None) if is_for_now else context.discourse
+        form = resolve(form, discourse)
         entries = lexical_entries(derivation)
         words = new_words(entries)
         if tokens.asks and (act == "FRAGMENT" or form.name in load_predicates().fragments):
             act, form = "FRAGMENT", PredicateForm("asked", (form,))
+        act = "CORRECT" if form.name == "correctPart" else act
         act = _act_with_question_mark(act, form, tokens)
         if act == "QUESTION" and form.name in _STATED:
             form = PredicateForm("isTrue", (form,))
@@ -153,7 +156,7 @@ class SentenceParser:
         intention = self._intention(speech_act, context.recognition)
         interpreter = self.interpreter.with_words(words)
         meaning = meaning_of(intention.form, interpreter, context.discourse)
-        if isinstance(meaning, NormStatement) and self._is_for_now(derivation):
+        if isinstance(meaning, NormStatement) and is_for_now:
             raise UninterpretableError("not_a_rule")
         cost = derivation.cost + _WORD_COST * len(entries)
         meant = (intention.form, intention.interval, meaning)

@@ -8,7 +8,7 @@ kind mentioned last. A turn that failed leaves no referent.
 from dataclasses import replace
 
 from .discourse import Discourse, use_form
-from .meaning import Command, FunctionalRule, Question
+from .meaning import ActionRule, Command, FunctionalRule, Question
 from .predicates import PredicateForm, UninterpretableError
 from .rule_coreference import IT, is_tool_act, noun_of, resolve_rules, simplified
 
@@ -29,6 +29,8 @@ def resolve(form: PredicateForm, discourse: Discourse) -> PredicateForm:
     """
     discourse = discourse.accessible
     form = form.mapped(lambda part: _ordinal(part, discourse)).mapped(_with_use).mapped(_with_tool)
+    form = _as_correction(form, discourse) or form
+    _check_correction(form, discourse)
     form = form.mapped(_with_each_material).mapped(_with_each_part)
     form = form.mapped(_to_anyone).mapped(lambda part: _person(part, discourse))
     if THEY in form:
@@ -113,6 +115,34 @@ def _with_each_material(form: PredicateForm) -> PredicateForm | None:
     use, several = form.arguments
     each = (PredicateForm("of", (use, material)) for material in several.arguments)
     return PredicateForm(several.name, tuple(part.mapped(_with_each_material) for part in each))
+
+
+def _as_correction(form: PredicateForm, discourse: Discourse) -> PredicateForm | None:
+    # "Hold it by the handle instead of the blade", after a rule that said the blade.
+    rule = discourse.rule
+    if form.name not in {"holding", "graspObject"} or not isinstance(rule, ActionRule):
+        return None
+    act, place = form.arguments
+    several = next((part for part in place if part.name == "butNot"), None)
+    thing = place.arguments[-1] if form.name == "graspObject" else act.arguments[1]
+    is_of_rule = form.name == "graspObject" or act.name in {rule.context, "grasp"}
+    if several is None or not is_of_rule or _said(thing) not in {IT.name, rule.object}:
+        return None
+    part, other = several.arguments
+    return PredicateForm("correctPart", (part,)) if _said(other) == rule.part else None
+
+
+def _check_correction(form: PredicateForm, discourse: Discourse) -> None:
+    if form.name not in {"correctPart", "fillPart"}:
+        return
+    parts = {getattr(said, "part", None) for said in (discourse.rule, discourse.last)} - {None}
+    others = {_said(each.arguments[1]) for each in form if each.name == "butNot"}
+    if parts and not others <= parts:  # "not by the rim", of which nobody spoke
+        raise UninterpretableError("of_which_object", asks=True)
+
+
+def _said(form: PredicateForm) -> str:
+    return form.name.replace("_", " ")
 
 
 def _with_each_part(form: PredicateForm) -> PredicateForm | None:
