@@ -38,7 +38,7 @@ _SIGNS = (*OPERATORS, "by", "before_part")
 _WORD_LISTS = (
     *_SIGNS,
     *("unfinished", "recipient", "doer", "hearer", "asked", "at_end", "gripping", "joining"),
-    *("opening", "complement", "concession", "turning", "because"),
+    *("opening", "complement", "concession", "turning", "because", "placed"),
 )
 _QUOTES = frozenset('"“”„«»')
 _HEARER = frozenset({"addressee"})
@@ -199,6 +199,8 @@ class OfferChecks:
     def _keeps_condition(self, meaning: Meaning, mentions: Mentions) -> bool:
         if self.spoken("exception", mentions) or self.spoken("doubtful", mentions):
             return False
+        if _is_lasting(meaning) and self.spoken("placed", mentions):
+            return False
         if isinstance(meaning, (Command, ToolCommand)):
             return all(self._asks(meaning, n, mentions) for n in self.spoken("condition", mentions))
         names = _acts_and_uses(meaning)
@@ -252,6 +254,11 @@ class OfferChecks:
 def load_check_words(path: Path) -> Mapping[str, frozenset[Phrase]]:
     """Return the words of each check; `DataError` says where the file is not as expected."""
     return load_word_lists(path, phrases=_WORD_LISTS).phrases
+
+
+def _is_lasting(meaning: Meaning) -> bool:
+    is_forbidding = isinstance(meaning, (Command, ToolCommand)) and meaning.negated
+    return is_forbidding or isinstance(meaning, Statement)
 
 
 def _is_negative(meaning: Meaning) -> bool:
