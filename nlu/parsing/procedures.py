@@ -344,9 +344,11 @@ class _Clauses:
         return None
 
     def _act(self, tokens: Tokens, state: ClauseState) -> tuple[Act, ClauseState] | None:
-        control = self._reader.parser.control(tokens, self._reader.controls)
+        control = self._control_of(tokens)
         if control:
-            return self._control(*control, state)
+            pieces = (tokens.part(*span) for span in pairwise(sorted(tokens.edges)))
+            is_one = sum(map(bool, map(self._control_of, pieces))) < 2  # not "wait, put it down"
+            return self._control(*control, state) if is_one else None
         taught = self._taught(tokens)
         if taught:
             return taught, state
@@ -364,6 +366,9 @@ class _Clauses:
         if isinstance(act, ToolCommand) or act.goal in _TAKING:
             held = act.tool if isinstance(act, ToolCommand) else act.target
         return act, ClauseState(found.discourse, held)
+
+    def _control_of(self, tokens: Tokens) -> tuple[str, str | None] | None:
+        return self._reader.parser.control(tokens, self._reader.controls)
 
     def _control(
         self, control: str, name: str | None, state: ClauseState

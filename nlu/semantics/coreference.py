@@ -19,6 +19,11 @@ PERSONAL = frozenset(map(PredicateForm, ("him", "her", "them")))
 
 _ONE_OF_SEVERAL = PredicateForm("oneOfSeveral")
 _ORDINALS = {"former": 0, "latter": -1}
+_HOLDING = frozenset(
+    {"implies", "permitted", "holding", "graspObject", "correctPart", "fillPart"}
+)
+"""The forms that may say by which part, and by which other part not."""
+
 _OF_USE = frozenset({"usedFor", "notUsedFor", "both"})
 
 
@@ -146,13 +151,15 @@ def _said(form: PredicateForm) -> str:
 
 
 def _with_each_part(form: PredicateForm) -> PredicateForm | None:
-    if form.name not in {"implies", "holding", "graspObject", "correctPart", "fillPart"}:
+    if form.name not in _HOLDING:
         return None
     act = form.arguments[1] if form.name == "implies" else form
     several = next((part for part in act if part.name == "butNot"), None)
     if several is None or (form.name == "implies" and act.name != "graspObject"):
         return None
     each = tuple(act.replacing(several, part) for part in several.arguments)
+    if form.name == "permitted":  # by the rim, but not by the handle
+        return PredicateForm("and", (each[0], PredicateForm("forbidden", each[1].arguments)))
     if form.name != "implies":
         return each[0]
     context, _, degree = form.arguments
