@@ -17,7 +17,7 @@ from ..lexicon.tokenizer import MAX_CHARACTERS, MAX_TOKENS, Token, Tokens
 from ..lexicon.unknown_words import MAX_NEW_WORDS, KnownWords, is_word, new_recipients
 from ..lexicon.vocabulary import NewWord
 from ..semantics.licence_table import ACCEPT
-from ..semantics.meaning import AskBack, Meaning, Misunderstanding, Statement, with_rules
+from ..semantics.meaning import AskBack, Meaning, Misunderstanding, NormStatement, Statement, with_rules
 from ..semantics.predicates import UninterpretableError, UnlearnableError
 from .chart import Chart
 from .derivation_views import lexical_entries
@@ -181,6 +181,8 @@ class Clarifier:
     def _choice(self, meaning: Meaning) -> str:
         if isinstance(meaning, Statement):
             return self.answers.join([self.answers.rule_phrase(rule) for rule in meaning.rules])
+        if isinstance(meaning, NormStatement):
+            return self.answers.join([self.answers.norm_phrase(norm) for norm in meaning.norms])
         try:
             return f'"{self.realizer.realize(meaning)}"'
         except UnknownNameError:
