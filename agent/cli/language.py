@@ -69,7 +69,7 @@ def check(
     as_json: AsJson = False,
 ) -> None:
     """Check a lexicon file: declared categories, terms of the right type, unmixed features."""
-    from ...nlu.semantics.feature_consistency import check_spellings
+    from ...nlu.semantics.clause_features import check_spellings
 
     language = _session(None).language
     before = sum(1 for _ in language.lexicon.senses())

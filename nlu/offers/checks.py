@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
 
-from ..grammar.word_lists import Phrase, load_word_lists, places_of
+from ..grammar.word_patterns import Phrase, load_word_lists, places_of
 from ..lexicon.tokenizer import BREAK
 from ..lexicon.vocabulary import NewWord
 from ..parsing.clause_spans import features_of_names

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from itertools import takewhile
 from pathlib import Path
 
-from ..grammar.word_lists import Phrase, WordLists, load_word_lists
+from ..grammar.word_patterns import Phrase, WordLists, load_word_lists
 from ..lexicon.tokenizer import Token, Tokens
 from ..lexicon.unknown_words import KnownWords
 from ..semantics.discourse import Discourse

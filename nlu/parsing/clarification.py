@@ -17,10 +17,16 @@ from ..lexicon.tokenizer import MAX_CHARACTERS, MAX_TOKENS, Token, Tokens
 from ..lexicon.unknown_words import MAX_NEW_WORDS, KnownWords, is_word, new_recipients
 from ..lexicon.vocabulary import NewWord
 from ..semantics.licence_table import ACCEPT
-from ..semantics.meaning import AskBack, Meaning, Misunderstanding, NormStatement, Statement, with_rules
+from ..semantics.meaning import (
+    AskBack,
+    Meaning,
+    Misunderstanding,
+    NormStatement,
+    Statement,
+    with_rules,
+)
 from ..semantics.predicates import UninterpretableError, UnlearnableError
-from .chart import Chart
-from .derivation_views import lexical_entries
+from .chart import Chart, lexical_entries
 from .parser import SentenceParser
 from .understanding import Reading
 

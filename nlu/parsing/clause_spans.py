@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from ..grammar.categories import AtomicCategory
-from ..grammar.word_lists import places_of
+from ..grammar.word_patterns import places_of
 from ..lexicon.lexicon import Entry
 from ..lexicon.tokenizer import Tokens
 from ..lexicon.unknown_words import new_recipients
@@ -25,8 +25,7 @@ from ..semantics.meaning import (
     Statement,
     ToolCommand,
 )
-from .chart import Derivation
-from .derivation_views import lexical_entries
+from .chart import Derivation, lexical_entries
 from .understanding import Reading
 
 

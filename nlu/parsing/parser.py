@@ -26,8 +26,7 @@ from ..semantics.meaning import Answer, Confidence, Meaning, NormStatement
 from ..semantics.norm_interpretation import meaning_of
 from ..semantics.pragmatics import CERTAIN, Intention, Pragmatics
 from ..semantics.predicates import PredicateForm, UninterpretableError, form_of, load_predicates
-from .chart import Chart, Derivation
-from .derivation_views import lexical_entries, subderivations
+from .chart import Chart, Derivation, lexical_entries, subderivations
 from .understanding import Reading, UtteranceContext
 
 MAX_EXPECTED = 5

@@ -16,7 +16,7 @@ from functools import cache
 from itertools import chain, pairwise
 from pathlib import Path
 
-from ..grammar.word_lists import WordLists, load_word_lists
+from ..grammar.word_patterns import WordLists, load_word_lists
 from ..lexicon.control_phrases import ControlPhrases
 from ..lexicon.tokenizer import BREAK, Token, Tokens
 from ..lexicon.unknown_words import KnownWords, is_word

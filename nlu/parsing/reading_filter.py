@@ -26,7 +26,7 @@ from ..semantics.meaning import (
     ToolCommand,
     TopicStatement,
 )
-from .derivation_views import lexical_entries
+from .chart import lexical_entries
 from .understanding import Reading
 
 MAX_NEW_NAMES = 2

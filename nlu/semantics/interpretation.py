@@ -261,9 +261,9 @@ class Interpreter:
     def _command_with_part(self, form: PredicateForm) -> Command:
         command = self._command(form.arguments[0])
         part, owner = part_and_owner(form.arguments[1])
-        is_held_twice = isinstance(command, Command) and command.part is not None
-        is_of_other = isinstance(command, Command) and owner and self._reference(owner) != command.target
-        if not isinstance(command, Command) or is_held_twice or is_of_other:
+        if not isinstance(command, Command) or command.part is not None:
+            raise UninterpretableError("one_thing_at_a_time")
+        if owner and self._reference(owner) != command.target:
             raise UninterpretableError("one_thing_at_a_time")
         return replace(command, part=part)
 

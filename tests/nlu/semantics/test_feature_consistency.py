@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from hilt.nlu import Language
-from hilt.nlu.semantics.feature_consistency import MAX_COMPARED, check_spellings
+from hilt.nlu.semantics.clause_features import MAX_COMPARED, check_spellings
 from hilt.ontology.errors import DataError
 
 ENGLISH = Path(__file__).parents[3] / "ontology" / "english"

@@ -82,7 +82,7 @@ def test_exception_makes_two_norms(language: Language):
 
 
 def test_permission_may_forbid_another_part(language: Language):
-    """ "By the rim, but not by the handle" says both."""
+    """What is allowed by the rim but not by the handle is both."""
     text = "It's fine if you hold the mug by the rim, but not by the handle"
 
     found = language.understand(text).meaning
