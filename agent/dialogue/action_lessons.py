@@ -18,9 +18,9 @@ from ...nlu.semantics import meaning
 from ...ontology.actions import Actions
 from ..execution.outcome import AnswerContent
 from ..execution.request import Request
-from ..execution.taught_trees import tree_from_definition
 from .conversation import Conversation, UnderstoodTurn
 from .reply import Reply
+from .translation import tree_from_definition
 
 
 class ActionLessons:

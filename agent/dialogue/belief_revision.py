@@ -25,19 +25,15 @@ class BeliefRevision:
     def learn_kinds(self, turn: UnderstoodTurn, said: meaning.KindStatement) -> Reply:
         """Believe of which kinds things are, unless they would be kinds of themselves."""
         taxonomy = Taxonomy.from_base(self._base)
-        circle = [
-            each
-            for each in said.rules
-            if not each.denies and each.object in taxonomy.names_above("object", each.kind_of)
-        ]
-        if not circle:
-            return self.learn(turn, said)
         words = self._conversation.language.answers
         known = tuple(
             words.kind_phrase(replace(each, object=each.kind_of, kind_of=each.object))
-            for each in circle
+            for each in said.rules
+            if not each.denies and each.object in taxonomy.names_above("object", each.kind_of)
         )
-        return self._conversation.answered(turn, "kind_circle", "failed", rules=known)
+        if known:
+            return self._conversation.answered(turn, "kind_circle", "failed", rules=known)
+        return self.learn(turn, said)
 
     def learn(self, turn: UnderstoodTurn, said: meaning.Statement | meaning.KindStatement) -> Reply:
         """Believe what a speaker states, and return the reply that says what that is."""
@@ -95,7 +91,9 @@ class BeliefRevision:
         if not own:
             return conversation.answered(turn, "nothing_to_forget", "failed")
         if said in _BARE and not topic:
-            return self._ask_to_forget(turn, own)
+            conversation.wait_for(turn, lambda: self._retract(turn, own))
+            described = conversation.describe(own[-1])
+            return conversation.answered(turn, "forget_what", "asked", rule=described)
         return self._retract(turn, own)
 
     def open_topic(self, turn: UnderstoodTurn, said: meaning.TopicStatement) -> Reply:
@@ -120,11 +118,6 @@ class BeliefRevision:
         for name in dict.fromkeys(rule.object for rule in said.rules):
             if name not in known and not self._conversation.language.lexicon.name_categories(name):
                 yield NewWord(name, "object", name)
-
-    def _ask_to_forget(self, turn: UnderstoodTurn, rules: Sequence[Rule]) -> Reply:
-        self._conversation.wait_for(turn, lambda: self._retract(turn, rules))
-        described = self._conversation.describe(rules[-1])
-        return self._conversation.answered(turn, "forget_what", "asked", rule=described)
 
     def _retract(self, turn: UnderstoodTurn, rules: Sequence[Rule]) -> Reply:
         conversation = self._conversation
