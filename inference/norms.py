@@ -236,9 +236,8 @@ class _JudgedAct:
             for atom in self._premises(rule)
             if atom in self._shown
         ]
-        premise = derive(
-            "and", known or [Proof("given", CERTAIN, f"action:{rule.context}")], operators
-        )
+        known = known or [Proof("given", CERTAIN, f"action:{rule.context}")]
+        premise = derive("and", known, operators)
         return derive("modus ponens", (premise, Proof("told", rule.support, rule=rule)), operators)
 
 

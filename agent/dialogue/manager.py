@@ -202,9 +202,8 @@ class DialogueManager:
         steps = said.steps if isinstance(said, meaning.Plan) else (said,)
         unknown = next(filter(None, (self.lessons.ask_how(turn, each) for each in steps)), None)
         acts = self.conversation.language.tool_acts
-        return unknown or self._start(
-            turn, [request_from_command(each, turn.speaker, acts) for each in steps]
-        )
+        requests = [request_from_command(each, turn.speaker, acts) for each in steps]
+        return unknown or self._start(turn, requests)
 
     def _start(self, turn: UnderstoodTurn, requests: Sequence[Request]) -> Reply:
         conversation = self.conversation
@@ -335,9 +334,8 @@ class DialogueManager:
         if said.control == "stop" and stopped:
             return conversation.spoken(turn, replace(stopped, ending="done"))
         if said.is_halt:
-            return conversation.answered(
-                turn, "waiting" if said.control == "wait" else "idle", "done"
-            )
+            key = "waiting" if said.control == "wait" else "idle"
+            return conversation.answered(turn, key, "done")
         if said.control == "continue":
             return self._continue(turn, pending)
         if conversation.last_done is None:  # there is no need of a body yet

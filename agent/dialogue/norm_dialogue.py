@@ -97,9 +97,8 @@ class NormDialogue:
             return [said]
         if isinstance(said, meaning.ToolCommand):  # with any tool
             return [replace(said, tool=meaning.ObjectReference(meaning.ANY_OBJECT))]
-        used = [
-            rule.object for rule in self._base.rules(affordance=target.used_for) if rule.asserts
-        ]
+        rules = self._base.rules(affordance=target.used_for)
+        used = (rule.object for rule in rules if rule.asserts)
         named = dict.fromkeys(filter(None, used)) or [meaning.ANY_OBJECT]
         return [replace(said, target=meaning.ObjectReference(name)) for name in named]
 
@@ -145,10 +144,8 @@ class NormDialogue:
         )
 
     def _told(self, key: str, rule: Rule) -> AnswerContent:
-        if rule.id in self._momentary:
-            text = self._momentary[rule.id][1].text
-        else:
-            text = self._conversation.words_of(rule)
+        _, said = self._momentary.get(rule.id, (rule, None))
+        text = said.text if said else self._conversation.words_of(rule)
         return AnswerContent(key, {"speaker": rule.speaker, "texts": (text,)}, "refused")
 
     # --- Questions -------------------------------------------------------------------------------
@@ -167,9 +164,8 @@ class NormDialogue:
     def _permission(self, turn: UnderstoodTurn, norm: meaning.Norm) -> Answered:
         tools = self._conversation.language.tool_acts
         request = request_from_command(norm.act, turn.speaker, tools)
-        contexts = {
-            a: CERTAIN for a in rule_from_norm(norm, turn.speaker).contexts if a.kind == "place"
-        }
+        named = rule_from_norm(norm, turn.speaker).contexts
+        contexts = {atom: CERTAIN for atom in named if atom.kind == "place"}
         try:
             verdict = self._judge(replace(request, contexts=contexts, momentary=self.momentary))
         except UnknownNameError:

@@ -66,11 +66,8 @@ def _objects_for(question: Question, known: Conversation) -> Answered:
 def _best_for(question: Question, known: Conversation) -> Answered:
     rules = _functional(question, known)
     goal = Goal("find", Target(used_for=question.affordance, material=question.material))
-    kinds_told = {_kind(rule): rule.features for rule in rules if rule.object}
-    seen = [
-        Observation(name, name, dict.fromkeys(features, CERTAIN))
-        for name, features in kinds_told.items()
-    ]
+    told = {_kind(rule): dict.fromkeys(rule.features, CERTAIN) for rule in rules if rule.object}
+    seen = [Observation(name, name, features) for name, features in told.items()]
     kinds = Taxonomy.from_base(known.base)
     best = Affordances(known.base, taxonomy=kinds).infer(FIND, goal, seen).best
     if best is None:
@@ -448,13 +445,12 @@ def _on_material(rules: Iterable[Rule], question: Question, known: Conversation)
 
 
 def _meant(question: Question, known: Conversation) -> list[Rule]:
-    named = (question.object, question.affordance, question.context)
-    if not any(named):
+    names = ("object", "affordance", "context")
+    named = {name: getattr(question, name) for name in names}
+    if not any(named.values()):
         latest = sorted(known.base.rules(), key=lambda rule: -(rule.utterance or 0))[:1]
         return list(known.topic) or ([] if known.last_said else latest)
-    rules = known.base.rules(
-        object=question.object, affordance=question.affordance, context=question.context
-    )
+    rules = known.base.rules(**named)
     fitting = [rule for rule in rules if question.part in {None, rule.part}]
     return _on_material(fitting, question, known) if question.affordance else _by_strength(fitting)
 

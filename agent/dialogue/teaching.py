@@ -145,9 +145,8 @@ def rules_to_retract(
     told = sorted(base.rules(speaker=speaker), key=lambda rule: rule.utterance or 0)
     if said.rule is not None:
         wanted = rule_from_meaning(said.rule, speaker)
-        told = [
-            rule for rule in told if can_replace(rule, wanted) and rule.argument == wanted.argument
-        ]
+        same = (rule for rule in told if rule.argument == wanted.argument)
+        told = [rule for rule in same if can_replace(rule, wanted)]
     return told[-1:]
 
 

@@ -125,15 +125,11 @@ def request_from_command(
         if tool.object is None and tool.material is None:
             tool = replace(tool, material=command.patient)
         arguments: dict[str, Argument] = {"patient": patient, "tool": tool}
-        return Request(
-            command.goal, arguments, speaker, assumed=frozenset({"tool"} if is_assumed else ())
-        )
+        assumed = frozenset({"tool"} if is_assumed else ())
+        return Request(command.goal, arguments, speaker, assumed=assumed)
     if isinstance(command, meaning.ActionCommand):
-        return Request(
-            command.goal,
-            dict(zip(PARAMETERS, map(_target, command.objects), strict=False)),
-            speaker,
-        )
+        targets = zip(PARAMETERS, map(_target, command.objects), strict=False)
+        return Request(command.goal, dict(targets), speaker)
     arguments = {"object": _target(command.target)}
     if command.recipient:
         arguments["recipient"] = command.recipient
@@ -150,9 +146,8 @@ def use_of(said: meaning.Command | meaning.ToolCommand) -> meaning.Question:
 def declined(said: meaning.Command | meaning.ToolCommand) -> AnswerContent:
     """Return the answer to a command not to do something."""
     if isinstance(said, meaning.ToolCommand):
-        return AnswerContent(
-            "will_not_tool", {"goal": said.goal, "patient": said.patient}, "refused"
-        )
+        slots = {"goal": said.goal, "patient": said.patient}
+        return AnswerContent("will_not_tool", slots, "refused")
     name = said.target.object or said.target.used_for or "thing"
     return AnswerContent("will_not", {"goal": said.goal, "object": name}, "refused")
 

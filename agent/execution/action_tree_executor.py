@@ -153,10 +153,8 @@ class TreeExecutor:
         goal = self._goal(arguments)
         features = self._context.affordances.features(node, goal)
         percepts = self._search(node, features, arguments)
-        point = self._context.affordances.settings.detection == "point"
-        observations = [
-            percept_as_observation(percept, features, point=point) for percept in percepts
-        ]
+        is_point = self._context.affordances.settings.detection == "point"
+        observations = [percept_as_observation(p, features, point=is_point) for p in percepts]
         try:
             inference = self._context.affordances.infer(node, goal, observations)
         except ConflictError as error:
@@ -408,9 +406,9 @@ class TreeExecutor:
         part, failure = self._obliged_part(target, percept, inference), None
         if part is None:
             part, failure = self._choose_part(percept, inference)
-        return (
-            (part, failure) if failure else self._permitted_part(target, percept, part, inference)
-        )
+        if failure:
+            return part, failure
+        return self._permitted_part(target, percept, part, inference)
 
     def _obliged_part(self, target: Target, percept: Percept, inference: Inference) -> str | None:
         wanted = self._norms.obliged_parts(inference.node, target, percept)
@@ -453,9 +451,8 @@ class TreeExecutor:
             return allowed, None if allowed else self._no_part("no_part_allowed", percept)
         unsure = [each for each in inference.candidates if each.verdict == "unsure"]
         if unsure:
-            return None, outcome_answer.not_sure_how(
-                self._request.action, percept.object, unsure[0]
-            )
+            goal = self._request.action
+            return None, outcome_answer.not_sure_how(goal, percept.object, unsure[0])
         is_tool = self._patient is not None
         return self._context.grips.get(percept.object) if is_tool else None, None
 

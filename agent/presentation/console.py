@@ -223,9 +223,8 @@ def reasons(made: Decision, quote: Quote) -> Table:
 
 
 def _told_by(candidate: Candidate, quote: Quote) -> list[str]:
-    return [
-        f'{_source(rule)}: "{quote(rule.utterance)}"' for rule in candidate.rules if rule.utterance
-    ]
+    told = ((rule, rule.utterance) for rule in candidate.rules if rule.utterance)
+    return [f'{_source(rule)}: "{quote(utterance)}"' for rule, utterance in told]
 
 
 def _source(rule: Rule) -> str:

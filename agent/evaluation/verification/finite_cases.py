@@ -70,10 +70,8 @@ class VerbalizedSpace(ScenarioSpace):
 
     def taught_agent(self, codes: Sequence[int]) -> TaughtAgent:
         """Return an agent that was taught a learning scenario."""
-        cells = zip(self.cells, codes, strict=True)
-        return TaughtAgent(
-            self.rules[cell, level] for cell, code in cells for level in levels_of(code)
-        )
+        taught = zip(self.cells, map(levels_of, codes), strict=True)
+        return TaughtAgent(self.rules[cell, level] for cell, levels in taught for level in levels)
 
     def cell_mask(self, cells: Iterable[RuleKey]) -> int:
         """Return the bit mask of a set of cells."""
