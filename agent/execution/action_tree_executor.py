@@ -25,15 +25,7 @@ from ..protocols import Motion, ReleasingMotion, Vision
 from . import outcome_answer
 from .doubt import Doubt, find_doubt
 from .norm_guard import NormGuard
-from .outcome import (
-    AnswerContent,
-    Constraint,
-    Decision,
-    Failure,
-    GoalResult,
-    WalkStep,
-    WorldOutcome,
-)
+from .outcome import AnswerContent, Decision, Failure, GoalResult, WalkStep, WorldOutcome
 from .perception import percept_as_observation
 from .primitives import PrimitiveExecutor, PrimitiveTask
 from .request import PATIENT, Argument, Arguments, Request, named, review_arguments
@@ -112,11 +104,8 @@ class TreeExecutor:
         self._norms = NormGuard(
             context.norms, context.actions, request, context.done, lambda: context.holding
         )
-        self._primitives = (
-            PrimitiveExecutor(context.motion, context, request.action)
-            if context.motion and is_able
-            else None
-        )
+        motion = context.motion if is_able else None
+        self._primitives = PrimitiveExecutor(motion, context, request.action) if motion else None
         self.decision: Decision | None = None
         self._steps: list[WalkStep] = []
         self._setbacks: list[AnswerContent] = []
@@ -223,15 +212,11 @@ class TreeExecutor:
             return self._walk_tree(node, self._context.actions.trees[action], arguments)
         if self._primitives is None:
             return None
-        things = {
-            parameter: self._found[value].percept
-            for parameter, value in arguments.items()
-            if value in self._found
-        }
-        bound = Constraint.from_inference(inference)
-        return self._primitives.perform(
-            PrimitiveTask(action, arguments, percept, part, bound, things, acting_for(node))
-        )
+        known = ((parameter, self._found.get(value)) for parameter, value in arguments.items())
+        things = {parameter: each.percept for parameter, each in known if each}
+        bound, goal = self._steps[-1].constraint, acting_for(node)
+        task = PrimitiveTask(action, arguments, percept, part, bound, things, goal)
+        return self._primitives.perform(task)
 
     # --- Trees: steps, loops, conditions and branches ----------------------------------------
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterable, Sequence
 from itertools import islice
+from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
 from rich.console import Console, ConsoleOptions, Group, RenderableType, RenderResult
@@ -409,11 +410,9 @@ def episodes(found: Sequence[Episode]) -> Table:
 
 def experience(found: Sequence[GraspRecord]) -> Table:
     """Return a table of what grasps came to, a row for each object, part, action and robot."""
-    rows = (
-        (one.object, one.part, one.context, one.robot, one.counts, one.counts.interval)
-        for one in found
-    )
-    return table(("object", "part", "to", "robot", "outcomes", "holds"), rows, "record")
+    cells = attrgetter("object", "part", "context", "robot", "counts", "counts.interval")
+    columns = ("object", "part", "to", "robot", "outcomes", "holds")
+    return table(columns, map(cells, found), "record")
 
 
 def teachers(found: Sequence[TeacherRecord]) -> Table:
