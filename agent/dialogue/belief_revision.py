@@ -11,6 +11,7 @@ from ..execution.outcome import AnswerContent
 from . import teaching
 from .conversation import Conversation, UnderstoodTurn
 from .reply import Reply
+from .translation import Lesson
 
 _BARE = (meaning.Retraction(), meaning.Retraction(is_of_told=True))
 """What takes back a rule without naming it."""
@@ -35,7 +36,7 @@ class BeliefRevision:
             return self._conversation.answered(turn, "kind_circle", "failed", rules=known)
         return self.learn(turn, said)
 
-    def learn(self, turn: UnderstoodTurn, said: meaning.Statement | meaning.KindStatement) -> Reply:
+    def learn(self, turn: UnderstoodTurn, said: Lesson) -> Reply:
         """Believe what a speaker states, and return the reply that says what that is."""
         base, conversation = self._base, self._conversation
         source = base.match_speaker(said.source) if said.source else None
@@ -111,9 +112,7 @@ class BeliefRevision:
         )
         return any(each.is_dismissal for each in answers)
 
-    def _new_names(
-        self, said: meaning.Statement | meaning.KindStatement, turn: UnderstoodTurn
-    ) -> Iterator[NewWord]:
+    def _new_names(self, said: Lesson, turn: UnderstoodTurn) -> Iterator[NewWord]:
         known = {meaning.ANY_OBJECT, *(word.word for word in turn.understood.new_words)}
         for name in dict.fromkeys(rule.object for rule in said.rules):
             if name not in known and not self._conversation.language.lexicon.name_categories(name):

@@ -32,7 +32,7 @@ from .norm_dialogue import NormDialogue
 from .part_agreements import PartAgreements
 from .questions import answer
 from .reply import OpenQuestion, Reply
-from .translation import declined, request_from_command, use_of
+from .translation import SimpleCommand, declined, request_from_command, use_of
 
 KINDS = {  # what a command of the CLI listens to -> kinds of meaning
     "tell": ("statement", "correction", "topic"),
@@ -177,9 +177,7 @@ class DialogueManager:
 
     # --- Commands -----------------------------------------------------------------------------
 
-    def _carry_out_command(
-        self, turn: UnderstoodTurn, said: meaning.Command | meaning.ToolCommand
-    ) -> Reply:
+    def _carry_out_command(self, turn: UnderstoodTurn, said: SimpleCommand) -> Reply:
         if said.negated:
             reading = turn.understood.reading
             if reading and "lasting" in reading.features.main:
@@ -316,9 +314,7 @@ class DialogueManager:
     def _asking_for_use(self, turn: UnderstoodTurn, result: GoalResult, spoken: str) -> str:
         said, conversation = turn.understood.meaning, self.conversation
         conversation.open_question = None
-        if result.answer.key != "nothing_used_for" or not isinstance(
-            said, (meaning.Command, meaning.ToolCommand)
-        ):
+        if result.answer.key != "nothing_used_for" or not isinstance(said, SimpleCommand):
             return spoken
         asked = use_of(said)
         self._clarification.wait_to_learn(turn, asked)

@@ -19,6 +19,8 @@ from ..execution.outcome import AnswerContent
 from ..execution.request import Argument, Request
 
 Names = Mapping[str, str]
+Lesson = meaning.Statement | meaning.KindStatement
+SimpleCommand = meaning.Command | meaning.ToolCommand
 
 PARAMETERS = ("object", "second", "third", "fourth")
 """The names of the parameters of taught actions, in order."""
@@ -98,7 +100,7 @@ def norm_from_rule(rule: Rule) -> meaning.Norm | None:
         return None
     props = tuple(sorted(atom.name for atom in rule.features if atom.kind == "property"))
     target = meaning.ObjectReference(rule.object or meaning.ANY_OBJECT, props=props)
-    act: meaning.Command | meaning.ToolCommand
+    act: SimpleCommand
     if rule.material:
         act = meaning.ToolCommand(names["action"], rule.material, target)
     else:
@@ -136,14 +138,14 @@ def request_from_command(
     return Request(command.goal, arguments, speaker, part=command.part)
 
 
-def use_of(said: meaning.Command | meaning.ToolCommand) -> meaning.Question:
+def use_of(said: SimpleCommand) -> meaning.Question:
     """Return the question what has the use that a command asks for, if it asks for one."""
     target = said.tool if isinstance(said, meaning.ToolCommand) else said.target
     use = target.used_for or target.not_used_for
     return meaning.Question("objects_for", affordance=use, material=target.material)
 
 
-def declined(said: meaning.Command | meaning.ToolCommand) -> AnswerContent:
+def declined(said: SimpleCommand) -> AnswerContent:
     """Return the answer to a command not to do something."""
     if isinstance(said, meaning.ToolCommand):
         slots = {"goal": said.goal, "patient": said.patient}
