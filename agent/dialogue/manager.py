@@ -26,10 +26,9 @@ from ..execution.outcome_answer import use_slot
 from ..execution.request import Request
 from .action_lessons import ActionLessons
 from .belief_revision import BeliefRevision
-from .clarification import ClarificationDialogue
+from .clarification import ClarificationDialogue, PartAgreements
 from .conversation import Conversation, UnderstoodTurn
 from .norm_dialogue import NormDialogue
-from .part_agreements import PartAgreements
 from .questions import answer
 from .reply import OpenQuestion, Reply
 from .translation import SimpleCommand, declined, request_from_command, use_of
