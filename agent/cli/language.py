@@ -152,7 +152,6 @@ def _case(line: str, source: str, number: int) -> tuple[str, list[str]]:
     text, given = case.get("text"), case.get("before") or []
     before = cast("list[object]", given) if isinstance(given, list) else [given]
     if not isinstance(text, str) or not all(isinstance(each, str) for each in before):
-        raise DataError(
-            'expected {"text": ..., "before": [...]} with texts.', source=source, line=number
-        )
+        problem = 'expected {"text": ..., "before": [...]} with texts.'
+        raise DataError(problem, source=source, line=number)
     return text, [str(each) for each in before]

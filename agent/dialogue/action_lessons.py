@@ -166,10 +166,8 @@ def _names(act: meaning.Act) -> Sequence[str]:
 
 
 def _about_a_thing(act: meaning.Act) -> meaning.Act:
-    if (
-        isinstance(act, meaning.Command)
-        and act.target.object == meaning.ANY_OBJECT
-        and not act.target.props
-    ):
-        return replace(act, target=meaning.ObjectReference("thing"))
-    return act
+    match act:
+        case meaning.Command(target=meaning.ObjectReference(object=meaning.ANY_OBJECT, props=())):
+            return replace(act, target=meaning.ObjectReference("thing"))
+        case _:
+            return act

@@ -269,9 +269,8 @@ def explanation(
     for about, proof in reply.decision.explained() if reply.decision else ():
         parts += [Text(about, "bold"), Text("\n".join(proof))]
     if changes:
-        rows = (
-            (c.evidence.interval, c.after, c.evidence.about, c.chosen or "nothing") for c in changes
-        )
+        cells = attrgetter("evidence.interval", "after", "evidence.about", "chosen")
+        rows = ((*before, chosen or "nothing") for *before, chosen in map(cells, changes))
         columns = ("if instead of", "it were", "about", "I would choose")
         title = "What would change my mind"
         parts.append(table(columns, rows, title=title, title_justify="left"))
@@ -322,7 +321,7 @@ def words(found: Sequence[LearnedWord | LearnedPhrase]) -> Table:
 
 def actions(found: Sequence[TaughtAction]) -> Table:
     """Taught actions with what taught them and their teachers."""
-    rows = ((each.name, each.said, each.speaker, each.utterance) for each in found)
+    rows = map(attrgetter("name", "said", "speaker", "utterance"), found)
     return table(("action", "said as", "speaker", "utterance"), rows, "action", "actions")
 
 
@@ -442,27 +441,20 @@ def merge_result(report: MergeReport) -> RenderableType:
     done = "Would take over" if report.dry_run else "Took over"
     taken = f"{done} {counted(summary.new, 'rule')} ({summary.known} known already)"
     lines: list[RenderableType] = [Text(f"{taken} and {counted(summary.utterances, 'utterance')}.")]
-    lines += (
-        Text(f"Not taken: {counted(number, 'statement')} with {what}.")
-        for what, number in summary.not_taken.items()
-    )
+    left = ((counted(number, "statement"), what) for what, number in summary.not_taken.items())
+    lines += (Text(f"Not taken: {statements} with {what}.") for statements, what in left)
     if summary.untrusted:
         names = ", ".join(summary.untrusted)
         lines.append(Text(f"Nobody trusts {names}; their rules weigh nothing."))
     if report.conflicts:
         lines.append(conflicts(report.conflicts))
-    lines += (
-        Text(f"{rule_text(rule)}: {rule.status} in the other; stays as it is here.")
-        for rule in report.kept
-    )
-    return Group(*lines)
+    kept = (f"{rule_text(rule)}: {rule.status} in the other" for rule in report.kept)
+    return Group(*lines, *(Text(f"{each}; stays as it is here.") for each in kept))
 
 
 def _effect(said: Utterance) -> str:
-    counts = (
-        ("told", said.asserts), ("took back", said.retracts), ("replaced", said.supersedes),
-    )  # fmt: skip
-    done = ", ".join(f"{verb} {len(ids)}" for verb, ids in counts if ids)
+    counts = {"told": said.asserts, "took back": said.retracts, "replaced": said.supersedes}
+    done = ", ".join(f"{verb} {len(ids)}" for verb, ids in counts.items() if ids)
     return done or (said.kind if said.accepted else f"{said.kind}, not accepted")
 
 
