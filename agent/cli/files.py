@@ -72,7 +72,8 @@ def import_(
         raise DataError(f'expected "rules" or "ontology", found "{as_}".', source="--as")
     from ...kb.formats.import_export import import_file
 
-    with open_to_change(kb, dry_run=dry_run) as base, _progress("Reading", _size(file)) as advance:
+    size = Path(file).stat().st_size if Path(file).is_file() else None
+    with open_to_change(kb, dry_run=dry_run) as base, _progress("Reading", size) as advance:
         found = import_file(base, file, format=file_format, dry_run=dry_run, progress=advance)
     if as_json:
         print_json({"applied": not dry_run, **found.as_json()})
@@ -115,18 +116,8 @@ def _show(found: ImportSummary, file: str, *, dry_run: bool) -> None:
     for what, number in found.not_taken.items():
         typer.echo(f"Not taken: {counted(number, 'statement')} with {what}.", err=True)
     if found.untrusted:
-        typer.echo(
-            f"Nobody trusts {', '.join(found.untrusted)}, so what they say weighs nothing. "
-            "Run: hilt trust NAME DEGREE",
-            err=True,
-        )
-
-
-def _size(file: str) -> int | None:
-    try:
-        return Path(file).stat().st_size
-    except OSError:
-        return None
+        doubt = f"Nobody trusts {', '.join(found.untrusted)}, so what they say weighs nothing."
+        typer.echo(f"{doubt} Run: hilt trust NAME DEGREE", err=True)
 
 
 @contextmanager

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import time
 from collections.abc import Iterator
+from functools import partial
 from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -200,11 +201,8 @@ def replay(
             found = run(base, which, gui=gui, film=record)
         if record:
             typer.echo(f"Film written to {record}.", err=True)
-        common.show(
-            found,
-            lambda one: presentation.console.replay_result(one, lambda n: base.utterance(n).text),
-            as_json=as_json,
-        )
+        quote = partial(presentation.console.replay_result, quote=lambda n: base.utterance(n).text)
+        common.show(found, quote, as_json=as_json)
     common.exit_with(not found.differences)
 
 

@@ -174,11 +174,9 @@ class PartAgreements:
 
     def applied_to(self, request: Request) -> Request:
         """Return a request with the parts that were agreed on for its goal and that still stand."""
-        standing = {
-            kind: agreed.part
-            for (goal, kind), agreed in self._agreed.items()
-            if goal == request.action and self._stands(kind, agreed)
-        }
+        wanted = request.action
+        agreed = ((kind, each) for (goal, kind), each in self._agreed.items() if goal == wanted)
+        standing = {kind: each.part for kind, each in agreed if self._stands(kind, each)}
         return replace(request, agreed=standing)
 
     def question(
@@ -187,10 +185,8 @@ class PartAgreements:
         """Return the question about a doubt; an answer lets the request be carried out again."""
 
         def take(part: str) -> Reply:
-            agreed = _Agreement(
-                part, doubt.context, self._affordances().outcomes(doubt.object, part, doubt.context)
-            )
-            self._agreed[request.action, doubt.object] = agreed
+            counts = self._affordances().outcomes(doubt.object, part, doubt.context)
+            self._agreed[request.action, doubt.object] = _Agreement(part, doubt.context, counts)
             return carry_out()
 
         return OpenQuestion(

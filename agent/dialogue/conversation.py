@@ -113,12 +113,10 @@ class Conversation:
         is_new, self._noticed = sequence != self._noticed, sequence
         if is_new:
             people = map(teaching.word_for_person, self.base.trust_by_speaker())
-            words = (*map(teaching.word_from_base, self.base.words()), *people)
-            phrases = (
-                PhrasePattern(tuple(phrase.pattern.split(" ")), MeaningShape(phrase.meaning))
-                for phrase in self.base.phrases()
-            )
-            self.language = self.language.with_words(words).with_phrases(phrases)
+            names = (*map(teaching.word_from_base, self.base.words()), *people)
+            kept = ((each.pattern.split(" "), each.meaning) for each in self.base.phrases())
+            phrases = (PhrasePattern(tuple(words), MeaningShape(meant)) for words, meant in kept)
+            self.language = self.language.with_words(names).with_phrases(phrases)
         return is_new
 
     # --- What is understood and known ---------------------------------------------------------

@@ -252,9 +252,8 @@ class DialogueManager:
             spoken = " ".join(map(conversation.say, (*result.setbacks, result.answer)))
         spoken = self._asking_for_use(turn, result, spoken)
         self._last = (turn, request)
-        reply = replace(
-            conversation.reply(turn, spoken), ending=result.answer.ending, result=result
-        )
+        reply = conversation.reply(turn, spoken)
+        reply = replace(reply, ending=result.answer.ending, result=result)
         has_more = rest and reply.is_done
         if not has_more:
             conversation.record(reply, turn)

@@ -134,10 +134,8 @@ class NormDialogue:
         first = result.answer.slots.get("first")
         if not first or result.answer.ending != "asked":
             return None
-        thing = Target(object=str(result.answer.slots["thing"]))
-        return replace(
-            request, action=str(first), arguments={"object": thing}, part=None, assumed=frozenset()
-        )
+        about = {"object": Target(object=str(result.answer.slots["thing"]))}
+        return replace(request, action=str(first), arguments=about, part=None, assumed=frozenset())
 
     def _told(self, key: str, rule: Rule) -> AnswerContent:
         _, said = self._momentary.get(rule.id, (rule, None))

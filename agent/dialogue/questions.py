@@ -46,10 +46,8 @@ def _uses_of(question: Question, known: Conversation) -> Answered:
         return spoken("no_uses_of", object=question.object), ()
     if any(_properties(rule) for rule in rules):
         return spoken("about", done=True, rules=tuple(map(known.quote, rules))), tuple(rules)
-    uses = tuple(
-        known.note(known.language.answers.use_phrase(rule.affordance or "", rule.material), rule)
-        for rule in rules
-    )
+    phrase = known.language.answers.use_phrase
+    uses = tuple(known.note(phrase(rule.affordance or "", rule.material), rule) for rule in rules)
     return spoken("uses_of", done=True, object=question.object, uses=uses), tuple(rules)
 
 
@@ -134,11 +132,8 @@ def _is_kind_of(question: Question, known: Conversation) -> Answered:
     above = taxonomy.names_above("object", name)
     between = {each for each in above if kind in taxonomy.names_above("object", each)}
     pairs = between or {name, kind}
-    told = [
-        rule
-        for rule in known.base.rules_at_nodes([KIND_OF])
-        if rule.object in pairs and rule.argument and rule.argument.name in pairs
-    ]
+    rules = known.base.rules_at_nodes([KIND_OF])
+    told = [r for r in rules if {r.object, r.argument and r.argument.name} <= pairs]
     if not between and not told:
         return spoken("is_of_no_kind", object=name, kind=kind), ()
     if not between:
@@ -334,11 +329,8 @@ def _grasps(rules: Iterable[Rule]) -> tuple[Rule, ...]:
 
 
 def _denials(made: Inference | None, name: str) -> tuple[Rule, ...]:
-    about = (
-        each
-        for each in (made.denied if made else ())
-        if name in {each.name, each.object} or (each.argument and each.argument.name == name)
-    )
+    denied = made.denied if made else ()
+    about = (c for c in denied if name in {c.name, c.object, c.argument and c.argument.name})
     return tuple(rule for each in about for rule in each.rules if not rule.asserts)
 
 
