@@ -7,7 +7,8 @@ strength 1, Beta(t, 1 - t) for all t in (0, 1):
     [ B(α/2; s, n - s + 1),  B(1 - α/2; s + 1, n - s) ]
 
 where B is the quantile of the Beta distribution and α = 1 - `CREDIBILITY`. It is [0, 1] for n = 0,
-and equal to the exact interval of Clopper and Pearson (1934).
+and equal to the exact interval of Clopper and Pearson (1934). For whole numbers, B(q; s, n - s + 1)
+is the share at which s or more of n grasps hold with probability q.
 
 What was told, [a, b], is discounted by experience [l, u] to [a·u, b]: the mass that supports it is
 unreliable to the degree 1 - u at least, that against it is not touched (contextual discounting,
@@ -20,6 +21,7 @@ from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
+from math import exp, lgamma, log, log1p
 
 from ..kb.episodes import HELD
 from ..kb.interval import Interval
@@ -32,6 +34,7 @@ from ..ontology.vocabulary import Iri
 from .proof import Json
 
 CREDIBILITY = 0.95
+BISECTIONS, PRECISION = 60, 1e-16
 
 
 @lru_cache(maxsize=4096)
@@ -41,10 +44,29 @@ def credible_interval(held: int, trials: int) -> Interval:
 
 
 def _lower_bound(held: int, trials: int) -> float:
-    from scipy.special import betaincinv  # imported here: it takes a while to load
-
+    """Return the share at which so many successes or more are as rare as the tail allows."""
     tail = (1 - CREDIBILITY) / 2
-    return float(betaincinv(held, trials - held + 1, tail)) if held else 0.0
+    if held == 0:
+        return 0.0
+    if held == trials:
+        return tail ** (1 / trials)
+    low, high = 0.0, held / trials
+    for _ in range(BISECTIONS):
+        middle = (low + high) / 2
+        low, high = (middle, high) if _upper_tail(held, trials, middle) < tail else (low, middle)
+    return low
+
+
+def _upper_tail(least: int, trials: int, share: float) -> float:
+    ways = lgamma(trials + 1) - lgamma(least + 1) - lgamma(trials - least + 1)
+    term = exp(ways + least * log(share) + (trials - least) * log1p(-share))
+    total, odds = 0.0, share / (1 - share)
+    for held in range(least, trials + 1):
+        total += term
+        term *= odds * (trials - held) / (held + 1)
+        if term < total * PRECISION:
+            break
+    return total
 
 
 def contradiction(told: Interval, seen: Interval) -> float:
