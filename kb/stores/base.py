@@ -107,10 +107,6 @@ class EmbeddedStore(Protocol):
         """The statements of a graph as the engine has them, to be serialized (`rdf_text`)."""
         ...
 
-    def rows(self, query: str) -> Iterator[list[str]]:
-        """Iterate over the rows of a SELECT query, tab-separated values, many at a time."""
-        ...
-
     def check_tables(self) -> None:
         """Read every statement in every way it is stored; StoreError where one is damaged."""
         ...

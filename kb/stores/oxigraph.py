@@ -13,7 +13,6 @@ from __future__ import annotations
 import contextlib
 import os
 import shutil
-import tempfile
 import threading
 from collections import deque
 from collections.abc import Generator, Iterable, Iterator
@@ -41,7 +40,6 @@ _PREFIXES = dict(PREFIXES)
 # The places in a statement that choose each of the engine's indexes, but for the one by which it
 # goes through all statements.
 _INDEXES = ((0,), (1,), (1, 3), (2,), (2, 3))
-_BUFFER = 2**18  # bytes that are split into rows at once
 
 
 class OxigraphStore:
@@ -185,18 +183,6 @@ class OxigraphStore:
                         f'The knowledge base "{self.location}" is damaged: its indexes differ. '
                         "Restore it from a backup or an export."
                     )
-
-    def rows(self, query: str) -> Iterator[list[str]]:
-        """Iterate over the rows of a SELECT query, tab-separated values, many at a time."""
-        with tempfile.TemporaryDirectory(prefix="hilt-") as folder:
-            file = Path(folder) / "rows.tsv"
-            with translated_errors(self.location, query):
-                found = cast("engine.QuerySolutions", self._run(query))
-                found.serialize(str(file), format=engine.QueryResultsFormat.TSV)
-            with file.open("rb") as lines:
-                lines.readline()  # the names of the variables
-                while text := lines.read(_BUFFER) + lines.readline():
-                    yield text.decode().removesuffix("\n").split("\n")
 
     def checked(self, number: int) -> OxigraphStore:
         """The store, marked as acknowledged; StoreError if it ends before this utterance."""
