@@ -14,7 +14,7 @@ from collections.abc import Mapping, Sequence
 from statistics import fmean
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from ...ontology.errors import MissingExtraError
+from ...ontology.errors import extra_required
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -52,11 +52,9 @@ def draw_graph(graph: MultiDiGraph[str], form: str) -> bytes:
 
     The form is "svg" or "png". MissingExtraError if matplotlib is not installed.
     """
-    try:
+    with extra_required("report", "matplotlib"):
         import matplotlib as mpl
         from matplotlib.figure import Figure
-    except ImportError as error:
-        raise MissingExtraError("report", "matplotlib") from error
 
     arrows = sorted(_arrow(*edge) for edge in graph.edges(data=True))
     columns = _ordered_columns(graph)
