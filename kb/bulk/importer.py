@@ -24,7 +24,9 @@ from typing import BinaryIO, Protocol, cast
 from ...ontology.errors import DataError, ValidationError
 from ...ontology.garbage_collection import paused_garbage_collection
 from ...ontology.vocabulary import NAMED_KINDS, PREFIXES, Iri, is_ontology, shortened, split
+from .. import validation
 from ..history import ASSERTS, HISTORY, SEQUENCE, Utterance, import_utterance, utterance_iri
+from ..invariants import check_invariants
 from ..knowledge_base import KnowledgeBase
 from ..rdf import rule_mapping
 from ..rdf.annotated_turtle import ReifyingTriple
@@ -33,28 +35,12 @@ from ..rdf.terms import BASE_GRAPH, BASE_NODE, Properties, Quad, Term
 from ..reader import RuleReader
 from ..rule import Rule
 from ..stores.base import EmbeddedStore, Store, batched
-from ..validation import (
-    ValidationFinding,
-    check_graph,
-    check_invariants,
-    findings,
-    raise_findings,
-    stage,
-)
+from ..validation import ValidationFinding, raise_findings
 from ..writer import to_milliseconds
+from . import reconciliation
 from .exporter import write_statements
 from .nquads_reader import RuleBlock, StatementGroup, Statements, read_groups, read_quads
-from .reconciliation import (
-    AncillaryWrites,
-    ImportConflict,
-    ImportSummary,
-    believed_rules,
-    claim,
-    conflicts_of,
-    plan_history,
-    plan_rest,
-    plan_trust,
-)
+from .reconciliation import AncillaryWrites, ImportConflict, ImportSummary
 from .rule_nquads import FastRuleReader, NQuadsWriter
 
 MAX_LISTED = 20  # conflicts that a summary names
@@ -86,7 +72,7 @@ def import_statements(
     *,
     source: str,
     dry_run: bool = False,
-    check: Callable[[Store], Iterable[ValidationFinding]] = findings,
+    check: Callable[[Store], Iterable[ValidationFinding]] = validation.findings,
     observer: ImportObserver | None = None,
 ) -> ImportSummary:
     """Import the statements of an RDF text: whole or not at all, and twice is once.
@@ -224,14 +210,14 @@ class _Import:
         for rule in self._new_rules(rules):
             writer.write_rule(rule)
             yield from writer.taken()
-        staging = stage(self.rest, source=self.source)
+        staging = validation.stage(self.rest, source=self.source)
         self.rest.clear()
         try:
             raise_findings(self.check(staging))
             other = RuleReader(staging)
-            plan_trust(plan, self.base, other)
-            plan_history(plan, self.base, self._utterances(other))
-            plan_rest(plan, self.base, other)
+            reconciliation.plan_trust(plan, self.base, other)
+            reconciliation.plan_history(plan, self.base, self._utterances(other))
+            reconciliation.plan_rest(plan, self.base, other)
             for _ in self._write_sources(plan, writer):
                 yield from writer.taken()
             self.utterances_added = len({each for each in plan.numbers.values() if each > before})
@@ -241,7 +227,7 @@ class _Import:
         yield from writer.taken(0)
 
     def _new_rules(self, rules: Iterable[Rule]) -> Iterator[Rule]:
-        believed, observer = cache(partial(believed_rules, self.base)), self.observer
+        believed, observer = cache(partial(reconciliation.believed_rules, self.base)), self.observer
         there = _statuses(self.base.store) if self.base.sequence else dict[int, Term]()
         for rule in rules:
             number = _number(rule.id)
@@ -258,8 +244,8 @@ class _Import:
                 self.timeless.add(number)
             same: Sequence[Rule] = ()
             if there and rule.status == "active":
-                same = believed(rule.node).get(claim(rule), ())
-                found = conflicts_of(rule, same)
+                same = believed(rule.node).get(reconciliation.claim(rule), ())
+                found = reconciliation.conflicts_of(rule, same)
                 self.conflicting += len(found)
                 self.conflicts += found[: MAX_LISTED - len(self.conflicts)]
             if observer:
@@ -322,7 +308,7 @@ def _checked(group: StatementGroup | ReifyingTriple, source: str) -> StatementGr
             "annotated edges (RDF 1.2) are read from small files only; take N-Quads or CSV.",
             source=source,
         )
-    check_graph(group.graph, source=source)
+    validation.check_graph(group.graph, source=source)
     return group
 
 
