@@ -199,7 +199,8 @@ class OfferChecks:
     def _keeps_condition(self, meaning: Meaning, mentions: Mentions) -> bool:
         if self.spoken("exception", mentions) or self.spoken("doubtful", mentions):
             return False
-        if _is_lasting(meaning) and self.spoken("placed", mentions):
+        is_lasting = isinstance(meaning, Statement) or getattr(meaning, "negated", False)
+        if is_lasting and self.spoken("placed", mentions):
             return False
         if isinstance(meaning, (Command, ToolCommand)):
             return all(self._asks(meaning, n, mentions) for n in self.spoken("condition", mentions))
@@ -254,11 +255,6 @@ class OfferChecks:
 def load_check_words(path: Path) -> Mapping[str, frozenset[Phrase]]:
     """Return the words of each check; `DataError` says where the file is not as expected."""
     return load_word_lists(path, phrases=_WORD_LISTS).phrases
-
-
-def _is_lasting(meaning: Meaning) -> bool:
-    is_forbidding = isinstance(meaning, (Command, ToolCommand)) and meaning.negated
-    return is_forbidding or isinstance(meaning, Statement)
 
 
 def _is_negative(meaning: Meaning) -> bool:

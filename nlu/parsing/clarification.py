@@ -25,7 +25,7 @@ from ..semantics.meaning import (
     Statement,
     with_rules,
 )
-from ..semantics.predicates import UninterpretableError, UnlearnableError
+from ..semantics.predicates import UninterpretableError
 from .chart import Chart, lexical_entries
 from .parser import SentenceParser
 from .understanding import Reading
@@ -61,10 +61,6 @@ class Clarifier:
         if len({token.word for token in unknown}) <= MAX_NEW_WORDS:
             return None
         return self.of_unknown_words(tokens, unknown)
-
-    def of_recognition(self, text: str) -> AskBack:
-        """The question whether a text that was not recognised well is what was said."""
-        return AskBack(self.answers.say("heard_badly", text=text), (text,))
 
     def of_new_words(
         self, readings: Iterable[Reading], tokens: Tokens, accepted: Collection[str]
@@ -136,10 +132,6 @@ class Clarifier:
             message = self.answers.say("unknown_words", words=words[:MAX_NEW_WORDS])
         rest = [token.word for token in tokens.items if token not in unknown]
         return Misunderstanding(message, nearest=self._nearest_examples(rest))
-
-    def of_unlearnable(self, tokens: Tokens, refusal: UnlearnableError) -> Misunderstanding:
-        """The answer that a whole sentence was understood, but is nothing that Hilt learns."""
-        return Misunderstanding(self.answers.say(refusal.key), where=tokens.text)
 
     def of_ambiguity(self, readings: Sequence[Reading]) -> AskBack:
         """The question which one of several meanings was meant."""

@@ -86,7 +86,7 @@ class SentenceParser:
             while form.name == "having":
                 form = form.arguments[0]
             if not form.arguments and form not in PRONOUNS and form.name not in SOMETHING:
-                return form.name.replace("_", " ").rstrip()
+                return form.said
         return None
 
     def control(self, tokens: Tokens, controls: ControlPhrases) -> tuple[str, str | None] | None:

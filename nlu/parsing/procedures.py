@@ -95,7 +95,7 @@ class ActionHead:
     def discourse(self) -> Discourse:
         """The discourse state of the body: "it" is the object of the action."""
         kinds = (_ANYTHING if kind == ANY_OBJECT else kind for kind in self.parameters)
-        named = [PredicateForm(kind.replace(" ", "_")) for kind in kinds]
+        named = [PredicateForm.named(kind) for kind in kinds]
         return Discourse().naming(*named) if named else Discourse()
 
 
@@ -501,7 +501,7 @@ def _starts(words: WordLists, tokens: Tokens) -> list[int]:
 
 
 def _is_of_same(one: Act, other: Act) -> bool:
-    """Whether a command says more of the one before: "hold the mug, by the barrel"."""
+    # "Hold the mug, by the barrel" says more of one command.
     if isinstance(one, Command) and isinstance(other, ToolCommand) and one.goal in _USING:
         return other.tool.object == one.target.object
     if isinstance(one, Command) and isinstance(other, Command):

@@ -111,7 +111,7 @@ class ReadingFilter:
 
     def _may_introduce_kinds(self, reading: Reading) -> bool:
         above = {
-            part.arguments[1].name.replace("_", " ")
+            part.arguments[1].said
             for part in reading.speech_act
             if part.name == "isA" and not part.arguments[0].name.endswith(part.arguments[1].name)
         }

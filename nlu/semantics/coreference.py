@@ -129,23 +129,19 @@ def _as_correction(form: PredicateForm, discourse: Discourse) -> PredicateForm |
     several = next((part for part in place if part.name == "butNot"), None)
     thing = place.arguments[-1] if form.name == "graspObject" else act.arguments[1]
     is_of_rule = form.name == "graspObject" or act.name in {rule.context, "grasp"}
-    if several is None or not is_of_rule or _said(thing) not in {IT.name, rule.object}:
+    if several is None or not is_of_rule or thing.said not in {IT.name, rule.object}:
         return None
     part, other = several.arguments
-    return PredicateForm("correctPart", (part,)) if _said(other) == rule.part else None
+    return PredicateForm("correctPart", (part,)) if other.said == rule.part else None
 
 
 def _check_correction(form: PredicateForm, discourse: Discourse) -> None:
     if form.name not in {"correctPart", "fillPart"}:
         return
     parts = {getattr(said, "part", None) for said in (discourse.rule, discourse.last)} - {None}
-    others = {_said(each.arguments[1]) for each in form if each.name == "butNot"}
+    others = {each.arguments[1].said for each in form if each.name == "butNot"}
     if parts and not others <= parts:  # "not by the rim", of which nobody spoke
         raise UninterpretableError("of_which_object", asks=True)
-
-
-def _said(form: PredicateForm) -> str:
-    return form.name.replace("_", " ")
 
 
 def _with_each_part(form: PredicateForm) -> PredicateForm | None:
