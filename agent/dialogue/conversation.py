@@ -10,7 +10,7 @@ from typing import Any, Literal
 from ...kb.history import IMPORT
 from ...kb.interval import Interval
 from ...kb.knowledge_base import KnowledgeBase
-from ...kb.learned_words import LearnedPhrase
+from ...kb.learned import LearnedPhrase
 from ...kb.rule import Rule
 from ...nlu.language import Language
 from ...nlu.lexicon.vocabulary import NewWord
