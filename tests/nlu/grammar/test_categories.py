@@ -75,16 +75,16 @@ def test_an_undeclared_atom_has_no_type() -> None:
         type_of(category("VP/NP"), {"NP": BasicType("e")})
 
 
-def type_of(text: str) -> Type:
+def parsed_type(text: str) -> Type:
     """A type from its notation."""
     return read_type(YamlNode(text, "<text>", 1, 1))
 
 
 SIGNATURE = {
-    "implies": [type_of("e -> e -> d -> t"), type_of("t -> t -> d -> t")],
-    "pass": [type_of("e -> e -> t")],
-    "knife": [type_of("e")],
-    "high": [type_of("d")],
+    "implies": [parsed_type("e -> e -> d -> t"), parsed_type("t -> t -> d -> t")],
+    "pass": [parsed_type("e -> e -> t")],
+    "knife": [parsed_type("e")],
+    "high": [parsed_type("d")],
 }
 
 
@@ -100,7 +100,7 @@ SIGNATURE = {
 )
 def test_a_term_of_the_right_type_passes(term: str, wanted: str) -> None:
     """Constants may have several types; the one that fits is meant."""
-    check_type(parse_term(term), type_of(wanted), SIGNATURE)
+    check_type(parse_term(term), parsed_type(wanted), SIGNATURE)
 
 
 @pytest.mark.parametrize(
@@ -116,10 +116,10 @@ def test_a_term_of_the_right_type_passes(term: str, wanted: str) -> None:
 def test_a_term_of_the_wrong_type_is_refused(term: str, wanted: str, message: str) -> None:
     """The message says what was expected and what was found."""
     with pytest.raises(TypeMismatchError, match=message.replace("(", r"\(")):
-        check_type(parse_term(term), type_of(wanted), SIGNATURE)
+        check_type(parse_term(term), parsed_type(wanted), SIGNATURE)
 
 
 @pytest.mark.parametrize("text", ["e", "e -> t", "(e -> t) -> t", "e -> (e -> t) -> d -> t"])
 def test_types_print_as_they_are_written(text: str) -> None:
     """Arrows group to the right."""
-    assert str(type_of(text)) == text
+    assert str(parsed_type(text)) == text
