@@ -16,9 +16,8 @@ from itertools import count
 from pathlib import Path
 from typing import NamedTuple, TextIO
 
+from prompt_toolkit import prompt
 from rich.console import Console, Group, RenderableType
-from rich.control import Control
-from rich.segment import ControlType
 from rich.text import Text
 
 from ..kb.rule import DEFAULT_SPEAKER, check_speaker
@@ -30,7 +29,7 @@ from .execution.outcome import WalkStep
 from .presentation import console as shown
 from .presentation.plain_text import printable
 from .presentation.progress import doing, view
-from .typed_lines import read_lines, typed_so_far
+from .typed_lines import read_lines
 
 QUIT = "/quit"
 QUIT_WORDS = {QUIT, "/exit", "quit", "exit"}
@@ -44,7 +43,6 @@ EXAMPLES = (  # what it is for, and what is said
     ("interrupt", "Stop", "Wait", "Go on", "Put it down"),
     ("introduce somebody", "My name is Anna", "You can trust Anna"),
 )
-_CLEAR_LINE = Control(ControlType.CARRIAGE_RETURN, (ControlType.ERASE_IN_LINE, 2))
 _NO_ROBOT = Text("There is no robot to be seen: this chat was started with --no-sim.")
 _TRUST = re.compile(r"(.+?)((?: +\d*\.?\d+){0,2})")
 
@@ -86,7 +84,7 @@ def _first_speaker(agent: Agent, name: str | None, out: Console | None) -> str:
 def _ask_name(agent: Agent, out: Console) -> str:
     account = proper_name(os.environ.get("USER", DEFAULT_SPEAKER))
     while True:
-        said = out.input(Text(f"What is your name? [{account}] ")).strip()
+        said = prompt(f"What is your name? [{account}] ").strip()
         introduced = agent.dialogue.conversation.language.introduction(said)
         name = proper_name(introduced.name) if introduced else said or account
         try:
@@ -109,19 +107,16 @@ class Chat:
     _worker: ThreadPoolExecutor = field(default_factory=lambda: ThreadPoolExecutor(1))
     _waiting: list[Future[None]] = field(default_factory=list[Future[None]])
     _is_interrupted: bool = False  # by a control whose answer is not there yet
-    _is_typing: bool = False  # whether the prompt is shown
     film: Path | None = None  # of what is done next
     _found: str = ""  # the object that is acted on
 
     def prompt(self) -> str:
         """Return what stands before the line that is typed now."""
-        self._is_typing = True
         people = self.agent.dialogue.conversation.people
         return f"{people.called(people.speaker(self.speaker))}> "
 
     def handle_line(self, line: str) -> None:
         """Show the answer to an utterance, or the result of a slash command."""
-        self._is_typing = False
         name, _, rest = line.partition(" ")
         if not line.startswith("/"):
             self._converse(line)
@@ -136,7 +131,6 @@ class Chat:
 
     def interrupt(self) -> None:
         """Stop what is being done, and drop the lines that wait to be heard."""
-        self._is_typing = False
         self._drop_waiting()
         if self.agent.is_busy:
             self.agent.interrupt()
@@ -187,12 +181,6 @@ class Chat:
             self.interrupt()
         if done.done():
             done.result()
-        else:
-            done.add_done_callback(lambda _: self._prompt_again())
-
-    def _prompt_again(self) -> None:
-        if self._is_typing:
-            self.out.print(Text(self.prompt() + typed_so_far()), end="")
 
     def _hear(self, line: str) -> None:
         film, self.film = self.film, None
@@ -200,12 +188,12 @@ class Chat:
             with self.agent.filmed(film) if film else nullcontext():
                 reply = self._watched(line)
         except HiltError as error:  # a text that cannot be stored, a film that cannot be written
-            self._tell(Text(str(error)))
+            self.out.print(Text(str(error)))
             return
         # What was interrupted is said in the answer to the control.
         if not (reply.is_interrupted and self._is_interrupted):
             spoken = Text.assemble(("Hilt: ", "bold green"), printable(reply.said))
-            self._tell(spoken if self.is_interactive else shown.turn(reply))
+            self.out.print(spoken if self.is_interactive else shown.turn(reply))
             if reply.ending == "refused" and self.agent.base.trust(reply.speaker) is None:
                 self.out.print(Text(self.hint(reply.speaker), "dim"))
         if film:
@@ -225,13 +213,7 @@ class Chat:
             self._found = step.inference.best.object
         said = "" if step.action else doing(step, self._found)
         if said:
-            self._tell(Text(f"... {said}", "dim"))
-            self._prompt_again()
-
-    def _tell(self, what: RenderableType) -> None:
-        if self._is_typing:
-            self.out.control(_CLEAR_LINE)
-        self.out.print(what)
+            self.out.print(Text(f"... {said}", "dim"))
 
     def hint(self, stranger: str) -> str:
         """Return how a stranger comes to be trusted."""
@@ -240,7 +222,7 @@ class Chat:
 
     def show_file(self, kind: str, path: Path) -> None:
         """Say where a picture or film is, and open the viewer where there is one."""
-        self._tell(Text(f"The {kind} is in {path.resolve()}."))
+        self.out.print(Text(f"The {kind} is in {path.resolve()}."))
         if self.is_interactive:
             view(path)
 

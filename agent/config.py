@@ -125,10 +125,8 @@ class AgentConfig:
         for option in OPTIONS.values():
             value = getattr(self, option.name)
             if not _fits(value, option):
-                raise DataError(
-                    f"expected {_EXPECTED[option.kind]}, found {value!r}.",
-                    source=f"AgentConfig.{option.name}",
-                )
+                problem = f"expected {_EXPECTED[option.kind]}, found {value!r}."
+                raise DataError(problem, source=f"AgentConfig.{option.name}")
         self.context_intervals()
 
     @classmethod
@@ -311,6 +309,5 @@ def _context(text: str) -> tuple[Atom, Interval]:
     try:
         return Atom.parse(name), Interval(float(degree) if equals else 1.0, 1.0)
     except (HiltError, ValueError) as error:
-        raise DataError(
-            f'expected KIND:NAME or KIND:NAME=DEGREE, as "place:kitchen=0.9": {error}', source=text
-        ) from error
+        problem = f'expected KIND:NAME or KIND:NAME=DEGREE, as "place:kitchen=0.9": {error}'
+        raise DataError(problem, source=text) from error

@@ -15,7 +15,7 @@ from ..inference.experience import Experience
 from ..inference.settings import Settings
 from ..kb.episodes import Episode
 from ..kb.knowledge_base import KnowledgeBase
-from ..kb.learned_words import LearnedWord
+from ..kb.learned import LearnedWord
 from ..kb.views import view
 from ..ontology.errors import HiltError, NotFoundError
 from .agent import Agent
@@ -137,12 +137,8 @@ def _run(agent: Agent, base: KnowledgeBase, episode: Episode) -> ReplayResult:
     recorded = json.loads(episode.document) | {"state": again["state"]}
     ended = {"outcome": result.answer.ending, "said": said, "state": agent.state()}
     repeated = json.loads(json.dumps(result.as_json() | ended))
-    return ReplayResult(
-        episode,
-        {key: recorded[key] for key in COMPARED},
-        {key: repeated[key] for key in COMPARED},
-        result,
-    )
+    was, now = ({key: each[key] for key in COMPARED} for each in (recorded, repeated))
+    return ReplayResult(episode, was, now, result)
 
 
 def _leaves(path: str, value: object) -> Iterator[tuple[str, str]]:

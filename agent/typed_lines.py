@@ -1,14 +1,33 @@
 """Lines that are typed on a terminal: a prompt, a history over sessions, completion of words."""
 
-import contextlib
-import sys
-from collections.abc import Callable, Collection, Generator, Iterator
-from pathlib import Path
+import re
+from collections.abc import Callable, Collection, Iterator
 
 from platformdirs import user_state_path
+from prompt_toolkit import PromptSession
+from prompt_toolkit.completion import CompleteEvent, Completer, Completion
+from prompt_toolkit.document import Document
+from prompt_toolkit.history import FileHistory, History, InMemoryHistory
+from prompt_toolkit.patch_stdout import patch_stdout
+from prompt_toolkit.shortcuts import CompleteStyle
 
-HISTORY_LENGTH = 1000  # lines
-_DELIMITERS = " \t\n,.;:!?\"'"
+_WORD = re.compile(r"[^\s,.;:!?\"']+")
+
+
+class WordCompleter(Completer):
+    """Completes one of the `words` by its beginning, in any case; offers nothing for nothing."""
+
+    def __init__(self, words: Callable[[], Collection[str]]) -> None:
+        self.words = words
+
+    def get_completions(
+        self, document: Document, complete_event: CompleteEvent
+    ) -> Iterator[Completion]:
+        """Yield the words that begin like the one before the cursor, sorted."""
+        start = document.get_word_before_cursor(pattern=_WORD).lower()
+        for word in sorted(self.words()) if start else ():
+            if word.startswith(start):
+                yield Completion(word, -len(start))
 
 
 def read_lines(
@@ -16,58 +35,33 @@ def read_lines(
     words: Callable[[], Collection[str]],
     interrupt: Callable[[], None] = lambda: None,
 ) -> Iterator[str]:
-    """Yield the lines that are typed until the end of input; Ctrl-C discards one and interrupts."""
-    with _editing(user_state_path("hilt") / "history", words):
-        while True:
-            try:
-                line = input(prompt())
-            except EOFError:
-                sys.stdout.write("\n")  # the shell's prompt stands on a line of its own
-                return
-            except KeyboardInterrupt:
-                sys.stdout.write("\n")
-                interrupt()
-                continue
+    """Yield the lines that are typed until the end of input; Ctrl-C discards one and interrupts.
+
+    What is printed meanwhile, in any thread, stands above the line that is being typed.
+    """
+    session = PromptSession[str](
+        history=_history(),
+        completer=WordCompleter(words),
+        complete_style=CompleteStyle.READLINE_LIKE,
+        complete_while_typing=False,
+    )
+    while True:
+        try:
+            with patch_stdout(raw=True):
+                line = session.prompt(prompt())
+        except EOFError:
+            return
+        except KeyboardInterrupt:
+            interrupt()
+        else:
             yield line
 
 
-def typed_so_far() -> str:
-    """Return what was typed of the present line; empty where that is not known."""
-    readline = sys.modules.get("readline")
-    return readline.get_line_buffer() if readline else ""
-
-
-def completions(start: str, words: Collection[str]) -> list[str]:
-    """Return the words with this prefix, sorted; none for an empty prefix.
-
-    >>> completions("spo", {"spoon", "spoons", "mug"})
-    ['spoon', 'spoons']
-    """
-    return sorted(word for word in words if start and word.startswith(start.lower()))
-
-
-@contextlib.contextmanager
-def _editing(history: Path, words: Callable[[], Collection[str]]) -> Generator[None]:
+def _history() -> History:
+    file = user_state_path("hilt") / "history"
     try:
-        import readline
-    except ImportError:
-        yield
-        return
-
-    def complete(start: str, number: int) -> str | None:
-        found = completions(start, words())
-        return found[number] if number < len(found) else None
-
-    with contextlib.suppress(OSError):
-        readline.read_history_file(history)
-    readline.set_history_length(HISTORY_LENGTH)
-    readline.set_completer_delims(_DELIMITERS)
-    readline.set_completer(complete)
-    readline.parse_and_bind("tab: complete")
-    try:
-        yield
-    finally:
-        readline.set_completer(None)
-        with contextlib.suppress(OSError):
-            history.parent.mkdir(parents=True, exist_ok=True)
-            readline.write_history_file(history)
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.touch()
+    except OSError:
+        return InMemoryHistory()
+    return FileHistory(file)

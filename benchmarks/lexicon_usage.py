@@ -35,7 +35,7 @@ from hilt.nlu.lexicon.discourse_markers import DiscourseMarkers
 from hilt.nlu.lexicon.lexicon import Entry
 from hilt.nlu.lexicon.loader import LexiconBuilder
 from hilt.nlu.parsing import strategies
-from hilt.nlu.parsing.derivation_views import subderivations
+from hilt.nlu.parsing.chart import subderivations
 from hilt.ontology.yaml_reader import YamlNode
 
 LISTS = ("lexicon.yaml", "constructions.yaml", "requests.yaml")

@@ -7,13 +7,12 @@ from functools import wraps
 from time import process_time
 from typing import Any
 
-from hilt.sim.grasping import scoring, selection
+from hilt.sim.grasping import planner, scoring
 from hilt.sim.physics.bodies import Bodies
 from hilt.sim.physics.engine import PhysicsEngine
 from hilt.sim.robot.kinematics import KinematicChain
 from hilt.sim.robot.path_planner import PathPlanner
-from hilt.sim.vision.mask_detector import MaskDetector
-from hilt.sim.vision.object_detector import ObjectDetector
+from hilt.sim.vision.object_detector import MaskDetector, ObjectDetector
 
 WATCHED: tuple[tuple[str, Any, str], ...] = (
     ("stepping", PhysicsEngine, "step"),
@@ -22,7 +21,7 @@ WATCHED: tuple[tuple[str, Any, str], ...] = (
     ("vision", ObjectDetector, "search"),
     ("vision", ObjectDetector, "find"),
     ("vision", ObjectDetector, "obstacles"),
-    ("candidates", selection, "plan_grasps"),
+    ("candidates", planner, "plan_grasps"),
     ("scoring", scoring, "score_grasps"),
     ("joints", KinematicChain, "solve"),
     ("joints", KinematicChain, "track"),

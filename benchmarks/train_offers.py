@@ -29,11 +29,18 @@ from utterances import DATA, Utterance, data_sets
 
 from hilt.nlu import Language, Session
 from hilt.nlu.lexicon.tokenizer import tokenize
-from hilt.nlu.offers.candidates import Asides, CandidateMeaning, candidates
+from hilt.nlu.offers.candidates import (
+    NONE,
+    Asides,
+    CandidateMeaning,
+    Ranker,
+    candidates,
+    filling_features,
+    utterance_features,
+)
 from hilt.nlu.offers.meaning_shapes import MeaningShape, meaning_from_json, shape_of
 from hilt.nlu.offers.mentions import Mentions
 from hilt.nlu.offers.offers import LEAST, OfferModel
-from hilt.nlu.offers.ranker import NONE, Ranker, filling_features, utterance_features
 from hilt.nlu.parsing.understanding import UtteranceContext
 from hilt.nlu.semantics.discourse import Discourse
 from hilt.nlu.semantics.meaning import Json

@@ -29,8 +29,7 @@ from hilt.sim.vision.learned_detector import (
     Recogniser,
     point_inputs,
 )
-from hilt.sim.vision.mask_detector import MaskDetector
-from hilt.sim.vision.object_detector import ObjectDetector
+from hilt.sim.vision.object_detector import MaskDetector, ObjectDetector
 from hilt.sim.vision.perception_noise import NoiseLevels
 from hilt.sim.vision.point_cloud_operations import farthest_points
 from hilt.sim.vision.segmentation import TABLE_MARGIN, Segment, describe_segment, segment_images

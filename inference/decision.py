@@ -126,9 +126,8 @@ class DecisionRule:
         if ordered and ordered[0].accepted:
             best = rank(ordered[0].interval)
             # In scene order: rounding errors must not decide between equal candidates.
-            tied = [
-                each for each in found if each.accepted and rank(each.interval) > best - EPSILON
-            ]
+            sure = (each for each in found if each.accepted)
+            tied = [each for each in sure if rank(each.interval) > best - EPSILON]
             ordered = [tied[0], *(each for each in ordered if each is not tied[0])]
             ties = tuple(tied) if len(tied) > 1 else ()
         return Inference(self.node, self.threshold, tuple(ordered), ties, tuple(absent))

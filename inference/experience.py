@@ -135,9 +135,8 @@ class GraspRecord:
 
     def as_json(self) -> Json:
         """Return the JSON object that `hilt experience --json` prints."""
-        return {name: getattr(self, name) for name in ("object", "part", "context", "robot")} | (
-            self.counts.as_json()
-        )
+        names = ("object", "part", "context", "robot")
+        return {name: getattr(self, name) for name in names} | self.counts.as_json()
 
 
 def read_records(base: KnowledgeBase, **wanted: str) -> list[GraspRecord]:

@@ -169,11 +169,9 @@ def needed_features(rule: Rule, rules: Iterable[Rule], objects: ObjectTypes) -> 
         told = frozenset(str(atom) for atom in each.features if atom.kind != "object")
         if told:
             return told
-    known = [
-        (r.asserts, _features(objects[r.object])) for r in same if r.object and r.object in objects
-    ]
-    having = [features for asserts, features in known if asserts]
-    lacking = [features for asserts, features in known if not asserts]
+    known = [(r.asserts, objects[r.object]) for r in same if r.object and r.object in objects]
+    having = [_features(kind) for asserts, kind in known if asserts]
+    lacking = [_features(kind) for asserts, kind in known if not asserts]
     common = frozenset.intersection(*having).difference(*lacking) if having else frozenset[str]()
     roles = frozenset(feature for feature in common if feature.startswith("role:"))
     # What a single object has besides its working parts may have nothing to do with its use.

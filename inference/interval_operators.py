@@ -11,8 +11,9 @@ Factors are multiplied in sorted order, so that results do not depend, not even 
 the order of teaching.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 from ..kb.interval import VACUOUS, Interval
 from ..ontology import evidence_operators
@@ -31,16 +32,19 @@ def _bounded(lower: float, upper: float) -> Interval:
     return Interval(*evidence_operators.clip(lower, upper))
 
 
+def _each_bound(
+    combine: Callable[[Iterable[float]], float], intervals: Sequence[Interval]
+) -> Interval:
+    return _bounded(combine(i.lower for i in intervals), combine(i.upper for i in intervals))
+
+
 def _pair(interval: Interval) -> evidence_operators.Bounds:
     return interval.lower, interval.upper
 
 
 def conjunction(intervals: Sequence[Interval]) -> Interval:
     """AND of independent propositions: [a1·a2, b1·b2] (Sarathy & Scheutz 2016; product frame)."""
-    return _bounded(
-        evidence_operators.product(i.lower for i in intervals),
-        evidence_operators.product(i.upper for i in intervals),
-    )
+    return _each_bound(evidence_operators.product, intervals)
 
 
 def conjunction_frechet(intervals: Sequence[Interval]) -> Interval:
@@ -51,10 +55,7 @@ def conjunction_frechet(intervals: Sequence[Interval]) -> Interval:
 
 def conjunction_min(intervals: Sequence[Interval]) -> Interval:
     """AND when one proposition implies the other: [min a, min b]."""
-    return _bounded(
-        min((i.lower for i in intervals), default=1.0),
-        min((i.upper for i in intervals), default=1.0),
-    )
+    return _each_bound(partial(min, default=1.0), intervals)
 
 
 def modus_ponens(antecedent: Interval, rule: Interval) -> Interval:
@@ -114,13 +115,8 @@ def fuse_cautious(intervals: Sequence[Interval]) -> Interval:
 
 def fuse_mean(intervals: Sequence[Interval]) -> Interval:
     """Fuse by the average of the bounds; [0, 1] when there is nothing to average."""
-    if not intervals:
-        return VACUOUS
     count = len(intervals)
-    return _bounded(
-        sum(sorted(i.lower for i in intervals)) / count,
-        sum(sorted(i.upper for i in intervals)) / count,
-    )
+    return _each_bound(lambda bounds: sum(sorted(bounds)) / count, intervals) if count else VACUOUS
 
 
 def fuse_latest(intervals: Sequence[Interval]) -> Interval:

@@ -231,14 +231,10 @@ class _JudgedAct:
         return NormConflict(*pairs[0 if is_later else 1], "later")
 
     def proof(self, rule: Rule, operators: Operators) -> Proof:
-        known = [
-            Proof("given", self._of(atom), str(atom))
-            for atom in self._premises(rule)
-            if atom in self._shown
-        ]
-        premise = derive(
-            "and", known or [Proof("given", CERTAIN, f"action:{rule.context}")], operators
-        )
+        shown = (atom for atom in self._premises(rule) if atom in self._shown)
+        known = [Proof("given", self._of(atom), str(atom)) for atom in shown]
+        known = known or [Proof("given", CERTAIN, f"action:{rule.context}")]
+        premise = derive("and", known, operators)
         return derive("modus ponens", (premise, Proof("told", rule.support, rule=rule)), operators)
 
 

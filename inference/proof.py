@@ -10,27 +10,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal, get_args
 
 from ..kb.interval import Interval
 from ..kb.rule import Rule
 from .interval_operators import Operators
 
-Step = Literal[
-    "seen",
-    "given",
-    "told",
-    "unknown",
-    "experienced",
-    "and",
-    "not",
-    "fuse",
-    "modus ponens",
-    "discount",
-]
-Json = dict[str, Any]
+Leaf = Literal["seen", "given", "told", "unknown", "experienced"]
+Step = Leaf | Literal["and", "not", "fuse", "modus ponens", "discount"]
+Json = dict[str, object]
 
-LEAVES = ("seen", "given", "told", "unknown", "experienced")
+LEAVES: tuple[Leaf, ...] = get_args(Leaf)
 
 
 @dataclass(frozen=True, slots=True)

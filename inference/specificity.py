@@ -73,9 +73,8 @@ class Specificity:
 
     def is_more_specific(self, one: Rule, other: Rule) -> bool:
         """Return whether the premises and the argument of one rule entail those of another."""
-        return self._is_more_specific(
-            self._premises(one, is_asked=True), self._premises(other, is_asked=True)
-        )
+        premises = (self._premises(rule, is_asked=True) for rule in (one, other))
+        return self._is_more_specific(*premises)
 
     def _premises(self, rule: Rule, *, is_asked: bool) -> Premises:
         found = {("feature", atom) for atom in rule.features}

@@ -8,7 +8,7 @@ from ..ontology.errors import NotFoundError, ValidationError
 from ..ontology.vocabulary import Iri
 from .history import HISTORY, IMPORT, KIND, Utterance, utterance_iri
 from .interval import Interval
-from .learned_words import LearnedWord
+from .learned import LearnedWord
 from .rdf import rule_mapping
 from .reader import RuleReader
 from .rule import Atom, Rule

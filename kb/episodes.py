@@ -5,7 +5,7 @@ which node, what each grasp came to); the complete record, as `hilt do --json` p
 beside them as one text. Experience is counted from the grasp trials, which are stored nowhere else.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from datetime import datetime
 from decimal import Decimal
@@ -16,26 +16,9 @@ from typing import cast
 from ..ontology.vocabulary import Iri, external, iri, term
 from .history import ANSWER, SPEAKER, TEXT, rules_property, utterance_iri, utterance_number
 from .interval import Interval
-from .rdf.record_mapping import (
-    REQUIRED,
-    FieldProperty,
-    PropertyValues,
-    RecordMapping,
-    group_properties,
-    local_name,
-)
-from .rdf.rule_mapping import (
-    CONTEXT,
-    DERIVED,
-    FEATURE,
-    GENERATED_AT,
-    LOWER,
-    PART,
-    TYPE,
-    UPPER,
-    atom_from_iri,
-    atom_iri,
-)
+from .rdf import record_mapping, rule_mapping
+from .rdf.record_mapping import FieldProperty, RecordMapping, group_properties, local_name
+from .rdf.rule_mapping import DERIVED, LOWER, TYPE, UPPER, atom_from_iri, atom_iri
 from .rdf.terms import Quad, Term
 from .rule import Atom
 from .stores.base import ReadableStore, Store
@@ -168,7 +151,7 @@ def observation_quads(node: Iri, properties: Iterable[tuple[Iri, Term]]) -> Iter
         for name, key in _OBSERVED.items():
             yield from (Quad(node, key, value, DERIVED) for value in found[_TRIAL[name].predicate])
     for trial in found[TRIAL]:
-        for time in found[GENERATED_AT]:
+        for time in found[rule_mapping.GENERATED_AT]:
             yield Quad(cast(Iri, trial), external("sosa:resultTime"), time, DERIVED)
 
 
@@ -198,37 +181,35 @@ def read_episode(store: ReadableStore, node: Iri) -> Episode:
     return _EPISODES.read(found, steps=steps, trials=trials, id=local_name(node))
 
 
-def _in_order(store: ReadableStore, nodes: Iterable[Term]) -> list[PropertyValues]:
+def _in_order(store: ReadableStore, nodes: Iterable[Term]) -> list[record_mapping.PropertyValues]:
     found = [group_properties(store.properties(cast(Iri, node), EPISODES)) for node in nodes]
     return sorted(found, key=lambda each: cast(int, each[INDEX][0]))
 
 
-def _read_step(found: PropertyValues) -> EpisodeStep:
+def _read_step(found: record_mapping.PropertyValues) -> EpisodeStep:
     bounds = [cast(float, found[key][0]) for key in (LOWER, UPPER) if found[key]]
     interval = Interval(*bounds) if bounds else None
     return _STEPS.read(found, interval=interval)
 
 
-def _part_iri(name: str) -> Iri:
-    return atom_iri(Atom("part", name))
+def _atom_of(kind: str) -> Callable[[str], Iri]:
+    return lambda name: atom_iri(Atom(kind, name))
 
 
 _CHOICE = {
-    "object": FieldProperty(
-        term("chosenObject"), Iri, lambda name: atom_iri(Atom("object", name)), local_name, None
-    ),
-    "part": FieldProperty(PART, Iri, _part_iri, local_name, None),
+    "object": FieldProperty(term("chosenObject"), Iri, _atom_of("object"), local_name, None),
+    "part": FieldProperty(rule_mapping.PART, Iri, _atom_of("part"), local_name, None),
     "rules": rules_property(external("prov:used")),
 }
 _STEP = {
     "path": FieldProperty(term("path"), str),
-    "features": FieldProperty(FEATURE, Iri, atom_iri, atom_from_iri, ()),
+    "features": FieldProperty(rule_mapping.FEATURE, Iri, atom_iri, atom_from_iri, ()),
     **_CHOICE,
 }
 _TRIAL = {
-    "object": replace(_CHOICE["object"], default=REQUIRED),
-    "part": replace(_CHOICE["part"], default=REQUIRED),
-    "context": FieldProperty(CONTEXT, Iri, lambda name: atom_iri(Atom("action", name)), local_name),
+    "object": replace(_CHOICE["object"], default=record_mapping.REQUIRED),
+    "part": replace(_CHOICE["part"], default=record_mapping.REQUIRED),
+    "context": FieldProperty(rule_mapping.CONTEXT, Iri, _atom_of("action"), local_name),
     "outcome": FieldProperty(term("outcome"), str),
     "robot": FieldProperty(term("robot"), str),
     "forgotten_by": FieldProperty(FORGOTTEN_BY, Iri, utterance_iri, utterance_number, None),
@@ -246,13 +227,13 @@ _EPISODE = {
     "seed": FieldProperty(term("seed"), int),
     "document": FieldProperty(term("document"), str),
     **_CHOICE,
-    "touched": FieldProperty(term("touched"), Iri, _part_iri, local_name, ()),
+    "touched": FieldProperty(term("touched"), Iri, _atom_of("part"), local_name, ()),
     "lifted_m": FieldProperty(
         term("lifted"), Number, lambda height: Decimal(str(round(height, 6))), float, None
     ),
     "handed_over": FieldProperty(term("handedOver"), bool, default=None),
     "utterance": FieldProperty(term("about"), Iri, utterance_iri, utterance_number, None),
-    "time": FieldProperty(GENERATED_AT, datetime, default=None),
+    "time": FieldProperty(rule_mapping.GENERATED_AT, datetime, default=None),
 }
 _EPISODES = RecordMapping(Episode, "An episode", term("Episode"), EPISODES, _EPISODE)
 _STEPS = RecordMapping(EpisodeStep, "A step", term("Step"), EPISODES, _STEP)

@@ -28,7 +28,7 @@ MAX_TEXT = 100_000  # characters of an utterance or its predicate that are kept
 
 SEQUENCE, TEXT, PREDICATE, KIND = (term(n) for n in ("sequence", "text", "predicate", "kind"))
 ACCEPTED, ANSWER, HEARD = (term(n) for n in ("accepted", "answer", "heard"))
-TRUST_LOWER, TRUST_UPPER = term("trustLower"), term("trustUpper")
+TRUST = TRUST_LOWER, TRUST_UPPER = term("trustLower"), term("trustUpper")
 _GENERATED_BY, _AGENT = external("prov:wasGeneratedBy"), external("prov:wasAssociatedWith")
 _STARTED = external("prov:startedAtTime")
 _TRUST = re.compile(r"trust\(([^,()]+),([0-9.e-]+),([0-9.e-]+)\)")  # as `set_trust` writes it

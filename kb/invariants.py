@@ -14,47 +14,32 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from datetime import datetime
 from decimal import Decimal
-from itertools import groupby
-from operator import attrgetter
 from typing import TypeAlias, cast
 
+from ..ontology import vocabulary
 from ..ontology.errors import ValidationError
-from ..ontology.vocabulary import (
-    ATOM_KINDS,
-    GRAPH_NAMES,
-    PREFIXES,
-    Iri,
-    iri,
-    is_ontology,
-    shortened,
-    split,
-    term,
-)
+from ..ontology.vocabulary import NAMED_KINDS, Iri, iri, is_ontology, shortened, split, term
 from . import history
 from .episodes import EPISODES, episode_quads, read_episode
 from .interval import Interval
 from .knowledge_base import DERIVATION, FORMAT, FORMAT_VERSION, base_format
-from .learned_words import LEXICON, PHRASES, TOLD, WORDS, LearnedMapping
+from .learned import ACTIONS, LEXICON, PHRASES, TAUGHT_ACTIONS, TOLD, WORDS, LearnedMapping
 from .rdf import rule_mapping
 from .rdf.domain import DOMAIN, DOMAIN_HASH, content_hash
 from .rdf.record_mapping import group_properties
 from .rdf.rule_mapping import BELIEFS, DERIVED, DERIVED_FROM, LABEL, STATUS, TYPE
-from .rdf.terms import BLANK, Quad, Term, lexical
-from .reader import BASE_GRAPH, BASE_NODE
+from .rdf.terms import BASE_GRAPH, BASE_NODE, Properties, Quad, Term, is_blank, lexical
 from .rule import check_speaker
-from .stores.base import EmbeddedStore, ReadableStore, Store
-from .taught_actions import ACTIONS, TAUGHT_ACTIONS
+from .stores.base import ReadableStore, Store, described_nodes
 from .writer import speaker_quads, trust_quads
 
-BASE_GRAPHS = frozenset(iri("graph", name) for name in GRAPH_NAMES)
-Properties: TypeAlias = "list[tuple[Iri, Term]]"
-
-NAMED = frozenset((*ATOM_KINDS, "node", "functor"))  # kinds of nodes that rules speak of
+BASE_GRAPHS = frozenset(iri("graph", name) for name in vocabulary.GRAPH_NAMES)
 _OF_NODES = frozenset((TYPE, LABEL, *(term(name) for name in ("does", "under", "heeds"))))
 _OF_BASE = frozenset((TYPE, FORMAT_VERSION, history.SEQUENCE, DOMAIN_HASH, DERIVATION))
-TRUST = (history.TRUST_LOWER, history.TRUST_UPPER)
 _REFERRED = {"utterance": history.HISTORY, "rule": BELIEFS}  # kinds of nodes that must be there
-_MAY_LACK = tuple(PREFIXES[kind] for kind in _REFERRED)
+_COUNT = "SELECT (COUNT(*) AS ?count) { GRAPH ?graph { ?node ?key ?value } }"
+_STEP = 10_000  # statements between two calls of the progress
+_MAY_LACK = tuple(vocabulary.PREFIXES[kind] for kind in _REFERRED)
 
 
 @dataclass(frozen=True, order=True)
@@ -82,15 +67,22 @@ class ValidationFinding:
         return {**where, "problem": self.problem}
 
 
-def check_invariants(store: Store, *, whole: bool = False) -> Iterator[ValidationFinding]:
-    """What breaks the laws, or belongs to nothing; of a `whole` base also what is missing."""
-    laws = Invariants(store, whole=whole)
+def check_invariants(
+    store: Store, *, whole: bool = False, progress: Callable[[int, int], None] | None = None
+) -> Iterator[ValidationFinding]:
+    """What breaks the laws, or belongs to nothing; of a `whole` base also what is missing.
+
+    `progress` is told now and then how many statements are done, and of how many.
+    """
+    laws, done, told = Invariants(store, whole=whole), 0, 0
+    ((total,),) = store.select(_COUNT) if progress else ((0,),)
     for graph in sorted(BASE_GRAPHS):
-        quads = store.quads(None, None, None, graph)
-        if not (isinstance(store, EmbeddedStore) and store.is_sorted):
-            quads = sorted(quads, key=attrgetter("subject"))
-        for node, several in groupby(quads, key=attrgetter("subject")):
-            yield from laws.check(node, graph, [(quad.predicate, quad.object) for quad in several])
+        for node, properties in described_nodes(store, graph):
+            yield from laws.check(node, graph, properties)
+            done += len(properties)
+            if progress and done - told >= _STEP:
+                told = done
+                progress(done, cast(int, total))
     yield from laws.check_derived()
     if whole:
         yield from _base_findings(store)
@@ -160,8 +152,7 @@ def written(
     A ValidationError says that they make no value. Each statement stands under itself, because
     literals are equal by value and may differ in their datatype.
     """
-    if _is_blank(node) or any(_is_blank(value) for _, value in properties):
-        raise ValidationError(["A base has no blank nodes; give each a name."])
+    refuse_blank_nodes((node, *(value for _, value in properties)))
     read = _READERS.get((graph, split(node)[0]))
     if read is None or not properties:
         return {}
@@ -171,6 +162,12 @@ def written(
         raise
     except (KeyError, IndexError, TypeError, ValueError, AttributeError, ArithmeticError) as error:
         raise ValidationError([f"It cannot be read: {error}"]) from error
+
+
+def refuse_blank_nodes(terms: Iterable[Term | None]) -> None:
+    """Raise a ValidationError where one of the terms is a blank node."""
+    if any(map(is_blank, terms)):
+        raise ValidationError(["A base has no blank nodes; give each a name."])
 
 
 def _rule(_: ReadableStore, node: Iri, properties: Properties) -> Iterator[Quad]:
@@ -192,10 +189,10 @@ def _utterance(_: ReadableStore, node: Iri, properties: Properties) -> Iterator[
 def _speaker(_: ReadableStore, node: Iri, properties: Properties) -> Iterable[Quad]:
     name, found = split(node)[1], group_properties(properties)
     check_speaker(name)
-    bounds = [bound for key in TRUST for bound in found[key]]
+    bounds = [bound for key in history.TRUST for bound in found[key]]
     if not bounds:
         return speaker_quads(name, BELIEFS)
-    if [len(found[key]) for key in TRUST] != [1, 1]:
+    if [len(found[key]) for key in history.TRUST] != [1, 1]:
         raise ValidationError(["Trust is one hilt:trustLower and one hilt:trustUpper."])
     return trust_quads(name, Interval(*cast("list[float]", bounds)).rounded())
 
@@ -244,7 +241,7 @@ _READERS: dict[tuple[Iri, str], _Reader] = {
     (LEXICON, "word"): _learned(cast("LearnedMapping[object]", WORDS)),
     (LEXICON, "phrase"): _learned(cast("LearnedMapping[object]", PHRASES)),
     (ACTIONS, "taught"): _learned(cast("LearnedMapping[object]", TAUGHT_ACTIONS)),
-    **{(EPISODES, kind): _episode for kind in ("episode", "step", "trial")},
+    **{(EPISODES, kind): _episode for kind in vocabulary.EPISODE_KINDS},
 }
 
 
@@ -282,22 +279,18 @@ def _stands_alone(quad: Quad) -> bool:
     """What is not read back: the domain has a hash, and trees of actions are written only."""
     if quad.graph == BASE_GRAPH:
         return quad.subject == BASE_NODE and quad.predicate in _OF_BASE
-    is_tree = split(quad.subject)[0] in NAMED and quad.predicate in _OF_NODES
+    is_tree = split(quad.subject)[0] in NAMED_KINDS and quad.predicate in _OF_NODES
     return quad.graph == DOMAIN or (quad.graph == ACTIONS and is_tree)
 
 
 def is_name(quad: Quad) -> bool:
     """Whether a statement says the class or the label of something that rules speak of."""
-    return split(quad.subject)[0] in NAMED and quad.predicate in {TYPE, LABEL}
+    return split(quad.subject)[0] in NAMED_KINDS and quad.predicate in {TYPE, LABEL}
 
 
 def _has_same_type(expected: Term, found: Term) -> bool:
     numbers = {int, Decimal}
     return type(expected) is type(found) or {type(expected), type(found)} == numbers
-
-
-def _is_blank(value: Term) -> bool:
-    return isinstance(value, Iri) and value.startswith(BLANK)
 
 
 def _finding(quad: Quad, problem: str) -> ValidationFinding:

@@ -18,9 +18,8 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import AbstractContextManager, suppress
 from dataclasses import replace
 from datetime import datetime
-from itertools import groupby
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeAlias, cast
+from typing import TYPE_CHECKING, cast
 
 from ..ontology.errors import QueryError, StoreError, ValidationError
 from ..ontology.vocabulary import HILT, PREFIXES, Iri, term
@@ -28,14 +27,13 @@ from .episodes import EPISODES, Episode, episode_quads, observation_quads, read_
 from .history import HISTORY, read_utterance, utterance_quads
 from .interval import CERTAIN
 from .rdf.rule_mapping import BELIEFS, DERIVED, TYPE, read_rule, rule_quads
-from .rdf.terms import Quad, Term, as_sparql
-from .reader import BASE_GRAPH, BASE_NODE
+from .rdf.terms import BASE_GRAPH, BASE_NODE, Properties, Quad, Term, as_sparql
 from .rule import DEFAULT_SPEAKER
 from .sparql import query_text
 from .sparql.named_queries import named_query
 from .sparql.results import QueryLimits, QueryResult, SelectResult
 from .sparql.safety import refuse_external_access
-from .stores.base import EmbeddedStore, ReadableStore, Store, batched
+from .stores.base import EmbeddedStore, ReadableStore, Store, batched, described_nodes
 from .stores.opening import open_store
 from .writer import RuleWriter, to_milliseconds, trust_quads
 
@@ -72,8 +70,6 @@ DERIVATION = term("derivation")
 MARK = Quad(BASE_NODE, DERIVATION, _VERSION, BASE_GRAPH)  # the derived graph is complete
 _BATCH = 1000  # statements
 _MAX_SEEN = 100_000  # statements that are not written again
-
-Properties: TypeAlias = "list[tuple[Iri, Term]]"
 
 
 class KnowledgeBase(RuleWriter, AbstractContextManager["KnowledgeBase"]):
@@ -318,7 +314,7 @@ def derived_quads(store: Store, *graphs: Iri) -> Iterator[Quad]:
     """
     for graph in graphs or _SOURCES:
         kind, read = _SOURCES[graph]
-        for node, properties in _described(store, graph):
+        for node, properties in described_nodes(store, graph):
             if node.startswith(PREFIXES.get(kind, "")):
                 with suppress(ValidationError):
                     yield from (quad for quad in read(node, properties) if quad.graph == DERIVED)
@@ -330,14 +326,6 @@ _SOURCES: Mapping[Iri, tuple[str, Callable[[Iri, Properties], Iterable[Quad]]]] 
     HISTORY: ("utterance", lambda _, found: utterance_quads(read_utterance(found))),
     EPISODES: ("", observation_quads),
 }
-
-
-def _described(store: Store, graph: Iri) -> Iterator[tuple[Iri, Properties]]:
-    found = store.quads(None, None, None, graph)
-    if not (isinstance(store, EmbeddedStore) and store.is_sorted):
-        found = iter(sorted(found, key=lambda quad: quad.subject))
-    for node, some in groupby(found, key=lambda quad: quad.subject):
-        yield node, [(quad.predicate, quad.object) for quad in some]
 
 
 def _first_ones(quads: Iterable[Quad]) -> Iterator[Quad]:

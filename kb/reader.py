@@ -17,20 +17,18 @@ from ..ontology.errors import NotFoundError
 from ..ontology.vocabulary import Iri, iri, split, term
 from . import history
 from .interval import Interval
-from .learned_words import PHRASES, WORDS, LearnedPhrase, LearnedWord
+from .learned import PHRASES, TAUGHT_ACTIONS, WORDS, LearnedPhrase, LearnedWord, TaughtAction
 from .rdf import rule_mapping
 from .rdf.rule_mapping import BELIEFS, DERIVED
-from .rdf.terms import BASE_GRAPH, BASE_NODE, Term, as_sparql
+from .rdf.terms import Properties, Term, as_sparql
 from .rule import Atom, Rule, Status
-from .sparql.named_queries import named_query, node_iri
+from .sparql.named_queries import named_query
 from .sparql.query_text import bind_variables
-from .stores.base import Store
-from .taught_actions import TaughtAction, read_actions
+from .stores.base import Store, last_utterance
 
 MAX_LISTED = 10  # rules that an error message names
 
-# The node of a rule, and its properties with their values.
-NodeProperties: TypeAlias = "tuple[Iri, list[tuple[Iri, Term]]]"
+NodeProperties: TypeAlias = tuple[Iri, Properties]
 
 
 class RuleReader:
@@ -53,12 +51,12 @@ class RuleReader:
             edges = (
                 edge
                 for node in dict.fromkeys(nodes)
-                for edge in self.store.quads(node_iri(node), rule_mapping.RULE, None, DERIVED)
+                for edge in self.store.quads(iri("node", node), rule_mapping.RULE, None, DERIVED)
             )
             found = [(rule := cast(Iri, edge.object), self.properties(rule)) for edge in edges]
         else:
             query = named_query("rules-of-node").text
-            bound = bind_variables(query, {"node": [node_iri(node) for node in nodes]})
+            bound = bind_variables(query, {"node": [iri("node", node) for node in nodes]})
             found = _gathered(self.store.select(bound))
         return self.read_rules(sorted(found, key=lambda one: one[0]))
 
@@ -154,23 +152,21 @@ class RuleReader:
         return PHRASES.active(self.store)
 
     def actions(self) -> list[TaughtAction]:
-        """The taught actions that were not revoked, one of each name."""
-        return read_actions(self.store)
+        """The taught actions that were not revoked, the latest of each name, sorted by name."""
+        known = sorted(TAUGHT_ACTIONS.active(self.store), key=lambda one: one.utterance or 0)
+        latest = {each.name: each for each in known}
+        return [latest[name] for name in sorted(latest)]
 
     @property
     def sequence(self) -> int:
         """The number of the last utterance; 0 before the first. Equal numbers mean equal rules."""
-        numbers = self.store.quads(BASE_NODE, history.SEQUENCE, None, BASE_GRAPH)
-        return max((cast(int, quad.object) for quad in numbers), default=0)
+        return last_utterance(self.store)
 
     def trust(self, speaker: str) -> Interval | None:
         """The trust in a speaker; None when nobody has set it."""
         found = dict(self.store.properties(iri("speaker", speaker), BELIEFS))
-        if history.TRUST_LOWER not in found:
-            return None
-        return Interval(
-            cast(float, found[history.TRUST_LOWER]), cast(float, found[history.TRUST_UPPER])
-        )
+        lower, upper = (cast("float | None", found.get(key)) for key in history.TRUST)
+        return None if lower is None or upper is None else Interval(lower, upper)
 
     def match_speaker(self, speaker: str) -> str:
         """The known speaker whose name matches, whatever the case; else the name as given.
@@ -195,7 +191,7 @@ class RuleReader:
         names = sorted(split(node)[1] for node in nodes)
         return {name: trust for name in names if (trust := self.trust(name))}
 
-    def properties(self, node: Iri) -> list[tuple[Iri, Term]]:
+    def properties(self, node: Iri) -> Properties:
         """The properties of a rule's node, with their values."""
         return self.store.properties(node, BELIEFS)
 
@@ -221,9 +217,10 @@ class RuleReader:
     def read_rules(self, found: Iterable[NodeProperties]) -> list[Rule]:
         """The rules of nodes with their properties, weighted by the trust in their speakers."""
         rules = [rule_mapping.read_rule(properties) for _, properties in found]
-        trust = {speaker: self._weight(speaker) for speaker in {r.speaker for r in rules}}
+        trust = {speaker: self.trust(speaker) for speaker in {rule.speaker for rule in rules}}
+        weights = {speaker: found.lower if found else 0.0 for speaker, found in trust.items()}
         return [
-            rule if trust[rule.speaker] == 1.0 else replace(rule, trust=trust[rule.speaker])
+            rule if weights[rule.speaker] == 1.0 else replace(rule, trust=weights[rule.speaker])
             for rule in rules
         ]
 
@@ -231,12 +228,6 @@ class RuleReader:
         quads = self.store.quads(None, rule_mapping.STATUS, None, BELIEFS)
         found = [rule_mapping.rule_id(quad.subject) for quad in islice(quads, MAX_LISTED + 1)]
         return [*found[:MAX_LISTED], "..."] if len(found) > MAX_LISTED else found
-
-    def _weight(self, speaker: str) -> float:
-        node = iri("speaker", speaker)
-        for quad in self.store.quads(node, history.TRUST_LOWER, None, BELIEFS):
-            return float(cast(float, quad.object))
-        return 0.0
 
 
 def atom_named(kind: str, name: str | None) -> Atom | None:

@@ -33,11 +33,7 @@ NORMS = (FORBIDDEN, OBLIGED, PERMITTED)
 ARGUMENT_KINDS: Mapping[str, str] = MappingProxyType(
     {USED_FOR: "affordance", GRASP_OBJECT: "part", KIND_OF: "object"}
 )
-_EXAMPLES = {
-    USED_FOR: "usedFor(affordance:cutting)",
-    GRASP_OBJECT: "graspObject(part:blade)",
-    KIND_OF: "kindOf(object:knife)",
-}
+_EXAMPLES = {USED_FOR: "cutting", GRASP_OBJECT: "blade", KIND_OF: "knife"}
 DEFAULT_SPEAKER = "sam"  # where no speaker is named
 MAX_NAME = 100  # characters
 
@@ -139,9 +135,9 @@ class Rule:
             raise ValidationError([f'"{self.functor[:MAX_NAME]}" is no functor, as "graspObject".'])
         wanted = ARGUMENT_KINDS.get(self.functor)
         if wanted and (self.argument is None or self.argument.kind != wanted):
-            example, found = _EXAMPLES[self.functor], self.argument or "none"
-            problem = f"{self.functor} needs {_article(wanted)}, as {example}; found {found}."
-            raise ValidationError([problem])
+            example = f"{self.functor}({wanted}:{_EXAMPLES[self.functor]})"
+            expected = f"{self.functor} needs {_article(wanted)}, as {example}"
+            raise ValidationError([f"{expected}; found {self.argument or 'none'}."])
         if sum(atom.kind == "material" for atom in self.contexts) > 1:
             raise ValidationError(["A rule has at most one material; write a rule for each."])
         if self.kind == "norm":

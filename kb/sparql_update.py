@@ -9,7 +9,6 @@ history says who changed what and when. The graphs that Hilt makes cannot be cha
 from __future__ import annotations
 
 import contextlib
-import shutil
 import tempfile
 import time
 from collections import defaultdict
@@ -21,15 +20,15 @@ from typing import cast
 
 from ..ontology.errors import QueryError, QueryLimitError, ValidationError
 from ..ontology.vocabulary import Iri, is_ontology, shortened, split
+from . import invariants
 from .episodes import EPISODES, observation_quads
-from .history import HISTORY, Utterance
-from .invariants import BASE_GRAPHS, TRUST, Invariants, ValidationFinding, trust_findings, written
+from .history import HISTORY, TRUST, Utterance
+from .invariants import Invariants, ValidationFinding, trust_findings, written
 from .knowledge_base import KnowledgeBase
 from .rdf import rule_mapping
 from .rdf.domain import DOMAIN
 from .rdf.rule_mapping import BELIEFS, DERIVED
-from .rdf.terms import BLANK, Quad, Term
-from .reader import BASE_GRAPH
+from .rdf.terms import BASE_GRAPH, Properties, Quad, Term
 from .rule import DEFAULT_SPEAKER, Rule
 from .sparql.results import QueryLimits, SelectResult
 from .sparql.safety import refuse_external_access
@@ -145,13 +144,10 @@ def _trial(store: Store, operations: int) -> Generator[Store]:
     if operations == 1:
         yield store
         return
-    folder = Path(tempfile.mkdtemp(prefix="hilt-"))
-    try:
-        store.save(folder / "copy")
-        with closing(open_store(folder / "copy")) as copy:
+    with tempfile.TemporaryDirectory(prefix="hilt-", ignore_cleanup_errors=True) as folder:
+        store.save(place := Path(folder) / "copy")
+        with closing(open_store(place)) as copy:
             yield copy
-    finally:
-        shutil.rmtree(folder, ignore_errors=True)
 
 
 def _effect(
@@ -164,8 +160,7 @@ def _effect(
         else set[Quad]()
         for template in (operation.deleted, operation.inserted)
     )
-    if max(len(delete), len(insert)) > MAX_CHANGED:
-        raise _too_large()
+    _check_size(max(len(delete), len(insert)))
     _check_places(delete | insert)
     there = {quad for quad in delete | insert if any(store.quads(*quad))}
     return (delete & there) - insert, insert - there
@@ -177,35 +172,29 @@ def _solutions(
     if not operation.where:
         return [(None,)]
     found = cast(SelectResult, store.run(operation.query(MAX_CHANGED + 1), limits))
-    if len(found) > MAX_CHANGED:
-        raise _too_large()
+    _check_size(len(found))
     for row in found:
-        _check_names(row)
+        invariants.refuse_blank_nodes(row)
     return found.rows
 
 
-def _too_large() -> QueryError:
-    return QueryError(
-        f"The update changes more than {MAX_CHANGED} statements. Narrow it, or export the base, "
-        "and import what is to be."
-    )
+def _check_size(changed: int) -> None:
+    if changed > MAX_CHANGED:
+        raise QueryError(
+            f"The update changes more than {MAX_CHANGED} statements. Narrow it, or export the "
+            "base, and import what is to be."
+        )
 
 
 def _check_places(quads: Iterable[Quad]) -> None:
     graphs = {quad.graph for quad in quads if not is_ontology(quad.graph)}
-    for graph in graphs - BASE_GRAPHS:
+    for graph in graphs - invariants.BASE_GRAPHS:
         name = shortened(graph) if graph else "without a name"
         raise ValidationError(
             [f"The graph {name} is not one of a base; write GRAPH graph:beliefs {{ ... }}."]
         )
     for quad in quads:
-        _check_names(quad)
-
-
-def _check_names(terms: Iterable[Term | None]) -> None:
-    for one in terms:
-        if isinstance(one, Iri) and one.startswith(BLANK):
-            raise ValidationError(["A base has no blank nodes; give each a name."])
+        invariants.refuse_blank_nodes(quad)
 
 
 class _Plan:
@@ -233,22 +222,13 @@ class _Plan:
         for node, graph in touched:
             self._take(node, graph)
             yield from laws.check(node, graph, self._after.properties(node, graph))
-            yield from self._status_findings(node, graph)
-
-    def _status_findings(self, node: Iri, graph: Iri) -> Iterator[ValidationFinding]:
-        match split(node)[0]:
-            case "rule" if graph == BELIEFS:
+            if split(node)[0] == "rule" and graph == BELIEFS:
                 yield from self._rule_findings(node)
-            case "speaker":
+            elif split(node)[0] == "speaker":
                 yield from self._speaker_findings(node, graph)
-            case _:
-                pass
 
     def _rule_findings(self, node: Iri) -> Iterator[ValidationFinding]:
-        name, before, after = (
-            shortened(node),
-            *(_rule(s, node) for s in (self._before, self._after)),
-        )
+        name, before, after = shortened(node), _rule(self._before, node), _rule(self._after, node)
         if not self._after.properties(node, BELIEFS):
             yield ValidationFinding(name, _MUST_KEEP)
         if after is None:
@@ -309,7 +289,7 @@ class _ChangedStore:
             if all(part in (None, there) for part, there in zip(wanted, quad, strict=True)):
                 yield quad
 
-    def properties(self, subject: Iri, graph: Iri) -> list[tuple[Iri, Term]]:
+    def properties(self, subject: Iri, graph: Iri) -> Properties:
         """The properties of a node."""
         return [(quad.predicate, quad.object) for quad in self.quads(subject, graph=graph)]
 

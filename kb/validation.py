@@ -15,27 +15,25 @@ from itertools import islice
 from typing import TYPE_CHECKING, Any
 
 from ..ontology.errors import DataError, ValidationError
-from ..ontology.vocabulary import SHAPES_FILE, Iri, is_ontology, shortened, split, term
+from ..ontology.vocabulary import NAMED_KINDS, SHAPES_FILE, Iri, is_ontology, shortened, split, term
 from .episodes import EPISODES
 from .history import HISTORY
-from .invariants import BASE_GRAPHS, NAMED, ValidationFinding, check_invariants, is_name
+from .invariants import BASE_GRAPHS, ValidationFinding, check_invariants, is_name
 from .knowledge_base import DERIVATION
-from .learned_words import LEXICON
+from .learned import ACTIONS, LEXICON
 from .rdf import rule_mapping
 from .rdf.rule_mapping import BELIEFS, DERIVED, TYPE
-from .rdf.terms import STRING, Quad, Term, lexical
-from .reader import BASE_GRAPH
+from .rdf.terms import BASE_GRAPH, STRING, Quad, Term, lexical
 from .rule import Rule
 from .stores.base import MEMORY, ReadableStore, Store
 from .stores.opening import open_store
-from .taught_actions import ACTIONS
 
 if TYPE_CHECKING:
     from rdflib import Graph
 
-RULE_CLASSES = tuple(term(name) for name in ("Rule", "FunctionalRule", "ActionRule", "Norm"))
-MAX_SHACL = 200_000  # statements; SHACL on more takes minutes, and the laws find the same
-MAX_BY_HAND = 5_000  # statements that a person may have written, in a second by SHACL
+# Statements that a person may have written, which take a second by SHACL. The invariants find the
+# same; of more statements they alone are checked, in a tenth of the time.
+MAX_SHACL = 5_000
 _WRONG_NAME = "A rule is a node rule:ID"  # how that message of shapes.ttl begins
 PORTION = 1000  # nodes that SHACL checks at a time
 Progress = Callable[[int, int], None]  # is told how many are done, and of how many
@@ -89,19 +87,19 @@ def check_graph(graph: Iri | None, *, source: str) -> None:
 
 
 def findings(
-    store: Store, *, whole: bool = False, most: int = MAX_BY_HAND, progress: Progress | None = None
+    store: Store, *, whole: bool = False, progress: Progress | None = None
 ) -> list[ValidationFinding]:
     """The causes of everything that is wrong with a store, node by node.
 
-    Of a `whole` base, what is missing is found too. Up to `most` statements are checked by SHACL,
-    with `progress` as for `check_shapes`.
+    Of a `whole` base, what is missing is found too. Up to `MAX_SHACL` statements are checked by
+    SHACL as well. `progress` is told how many statements are done, and of how many.
     """
     if not store.has_cheap_patterns:  # an endpoint is read at once, not node by node
         remote, store = store, open_store(MEMORY)
         store.apply(insert=remote.quads())
-    few = sum(1 for _ in islice(store.quads(), most + 1)) <= most
-    by_shapes = check_shapes(store, progress=progress) if few else ()
-    return causes(by_shapes, check_invariants(store, whole=whole))
+    few = sum(1 for _ in islice(store.quads(), MAX_SHACL + 1)) <= MAX_SHACL
+    by_shapes = check_shapes(store) if few else ()
+    return causes(by_shapes, check_invariants(store, whole=whole, progress=progress))
 
 
 def causes(
@@ -139,12 +137,11 @@ def raise_findings(found: Iterable[ValidationFinding]) -> None:
 
 
 def check_shapes(
-    store: ReadableStore, *, nodes: Iterable[Iri] | None = None, progress: Progress | None = None
+    store: ReadableStore, *, nodes: Iterable[Iri] | None = None
 ) -> Iterator[ValidationFinding]:
     """What breaks the SHACL shapes, at some nodes or at all.
 
-    A shape looks at one node and what stands at it, so the nodes are checked in portions: that
-    bounds the memory, and `progress` is told how many nodes are done, and of how many.
+    A shape looks at one node and what stands at it, so that the nodes are checked in portions.
     """
     import pyshacl  # slow to import, and only validation needs it
     from rdflib import Graph
@@ -158,8 +155,6 @@ def check_shapes(
             _as_rdflib(quads), shacl_graph=shapes_graph, inplace=True, do_owl_imports=False
         )
         yield from _reported(report)
-        if progress:
-            progress(min(start + PORTION, len(chosen)), len(chosen))
 
 
 def locate_findings(found: Iterable[ValidationFinding], text: str) -> list[ValidationFinding]:
@@ -174,16 +169,6 @@ def locate_findings(found: Iterable[ValidationFinding], text: str) -> list[Valid
             name = shortened(start[1][1:-1]) if start[1].startswith("<") else start[1]
             lines.setdefault(name, number)
     return sorted(replace(one, line=lines.get(one.node, 0)) for one in set(found))
-
-
-def rule_nodes(store: Store) -> list[Iri]:
-    """The nodes of all rules, sorted."""
-    found = (_of_class(store, kind, BELIEFS) for kind in RULE_CLASSES)
-    return sorted({node for nodes in found for node in nodes})
-
-
-def _of_class(store: Store, kind: Iri, graph: Iri) -> list[Iri]:
-    return sorted(quad.subject for quad in store.quads(None, TYPE, kind, graph))
 
 
 def _as_rdflib(quads: Iterable[Quad]) -> Graph:
@@ -228,7 +213,7 @@ def _sort(staging: Store) -> None:
     moved = [q for node in places for q in staging.quads(node, None, None, BELIEFS)]
     there = [quad._replace(graph=places[quad.subject]) for quad in moved]
     beliefs = staging.quads(None, None, None, BELIEFS)
-    edges = [q for q in beliefs if split(q.subject)[0] in NAMED and not is_name(q)]
+    edges = [q for q in beliefs if split(q.subject)[0] in NAMED_KINDS and not is_name(q)]
     # In format 1 the edge of "a ladle is a kind of spoon" was one of these.
     there += [q._replace(graph=DERIVED) for q in edges if q.predicate != term("affords")]
     staging.apply(insert=there, delete=[*moved, *edges])
@@ -236,7 +221,9 @@ def _sort(staging: Store) -> None:
 
 def _rename(staging: Store) -> None:
     names: dict[Iri, Iri] = {}
-    for node in rule_nodes(staging):
+    classes = rule_mapping.CLASSES.values()
+    typed = (staging.quads(None, TYPE, kind, BELIEFS) for kind in classes)
+    for node in sorted({quad.subject for some in typed for quad in some}):
         try:
             rule = rule_mapping.read_rule(staging.properties(node, BELIEFS))
         except ValidationError:

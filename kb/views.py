@@ -6,18 +6,17 @@ utterances count, and with full trust.
 """
 
 import re
-from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime, timedelta
 
 from ..ontology.errors import DataError, NotFoundError
-from ..ontology.vocabulary import PREFIXES, Iri
+from ..ontology.vocabulary import split
 from .history import HISTORY, Utterance, parse_trust, read_utterance
 from .interval import CERTAIN, Interval
-from .rdf.terms import Term
 from .reader import RuleReader, atom_named
 from .rule import DEFAULT_SPEAKER, Rule
+from .stores.base import described_nodes
 
 _DATE = re.compile(r"\d{4}-\d{2}-\d{2}")
 
@@ -120,11 +119,9 @@ def parse_moment(text: str) -> datetime | int:
 
 
 def _utterances(base: RuleReader) -> list[Utterance]:
-    found: dict[Iri, list[tuple[Iri, Term]]] = defaultdict(list)
-    for quad in base.store.quads(None, None, None, HISTORY):
-        if quad.subject.startswith(PREFIXES["utterance"]):
-            found[quad.subject].append((quad.predicate, quad.object))
-    return sorted(map(read_utterance, found.values()), key=lambda one: (one.time, one.sequence))
+    nodes = described_nodes(base.store, HISTORY)
+    found = (read_utterance(some) for node, some in nodes if split(node)[0] == "utterance")
+    return sorted(found, key=lambda one: (one.time, one.sequence))
 
 
 def _check(

@@ -12,18 +12,18 @@ from typing import cast
 
 from ..ontology.errors import NotFoundError
 from ..ontology.vocabulary import Iri, iri, split, term
+from . import learned
 from .episodes import EPISODES, FORGOTTEN_BY, trial_nodes
 from .history import HISTORY, SEQUENCE, Utterance, trust_bounds, utterance_iri, utterance_quads
 from .interval import Interval
-from .learned_words import PHRASES, WORDS, LearnedMapping, LearnedPhrase, LearnedWord
+from .learned import LearnedMapping, LearnedPhrase, LearnedWord, TaughtAction
 from .rdf import rule_mapping
 from .rdf.record_mapping import Record
 from .rdf.rule_mapping import BELIEFS
-from .rdf.terms import Quad
-from .reader import BASE_GRAPH, BASE_NODE, RuleReader
+from .rdf.terms import BASE_GRAPH, BASE_NODE, Quad
+from .reader import RuleReader
 from .rule import DEFAULT_SPEAKER, Rule, Status, check_speaker
 from .stores.base import Store
-from .taught_actions import TAUGHT_ACTIONS, TaughtAction
 
 
 @dataclass
@@ -98,12 +98,14 @@ class RuleWriter(RuleReader):
             change.insert += speaker_quads(source, BELIEFS) if source else []
             number = self.sequence + 1
             for word in words:
-                change.insert += WORDS.learned_quads(replace(word, utterance=number))
+                change.insert += learned.WORDS.learned_quads(replace(word, utterance=number))
             for action in actions:
-                for known in TAUGHT_ACTIONS.active(self.store):
+                for known in learned.TAUGHT_ACTIONS.active(self.store):
                     if known.name == action.name:
-                        self._end_learned(change, TAUGHT_ACTIONS, known)
-                change.insert += TAUGHT_ACTIONS.learned_quads(replace(action, utterance=number))
+                        self._end_learned(change, learned.TAUGHT_ACTIONS, known)
+                change.insert += learned.TAUGHT_ACTIONS.learned_quads(
+                    replace(action, utterance=number)
+                )
             return self._write(utterance, list(asserted.values()), change)
 
     def record(
@@ -162,29 +164,13 @@ class RuleWriter(RuleReader):
             self._write(utterance, [], change)
         return trust
 
-    def forget_word(self, name: str, text: str, speaker: str) -> LearnedWord:
-        """Retract a learned word, whose node stays; UnknownNameError if none has that name."""
-        said = self._said(text, "", speaker, "correction")
-        return self._forget(WORDS, "learned word", lambda word: [word.atom.name], name, said)
-
     def learn_phrase(self, phrase: LearnedPhrase) -> None:
         """Store a phrase that the last utterance confirmed; durable when this returns."""
         with self.store.writing():
             kept, change = replace(phrase, utterance=self.last_written), _Change()
-            before = PHRASES.stored_quads(self.store, kept)
-            change.replace(before, PHRASES.learned_quads(kept))
+            before = learned.PHRASES.stored_quads(self.store, kept)
+            change.replace(before, learned.PHRASES.learned_quads(kept))
             self.store.apply(insert=change.insert, delete=change.delete)
-
-    def forget_phrase(self, pattern: str, text: str, speaker: str) -> LearnedPhrase:
-        """Retract a learned phrase, whose node stays.
-
-        `pattern` is its pattern, or an utterance from which it was learned; `text` is the utterance
-        that retracts it, for the history. A NotFoundError says that there is no such phrase.
-        """
-        said = self._said(text, "", speaker, "correction")
-        return self._forget(
-            PHRASES, "learned phrase", lambda one: [one.said, one.pattern], pattern, said
-        )
 
     def forget_trials(
         self, text: str, speaker: str, *, of: str | None = None, part: str | None = None
@@ -203,29 +189,28 @@ class RuleWriter(RuleReader):
             self._write(self._said(text, "", speaker, "correction"), [], change)
         return len(found)
 
-    def forget_action(
-        self, name: str, text: str, speaker: str, *, answer: str = ""
-    ) -> TaughtAction:
-        """Retract a taught action, whose node stays; NotFoundError if none has that name.
-
-        `text` is the utterance that retracts it, for the history.
-        """
-        said = replace(self._said(text, "", speaker, "correction"), answer=answer)
-        return self._forget(TAUGHT_ACTIONS, "taught action", lambda one: [one.name], name, said)
-
-    def _forget(
+    def forget(
         self,
         mapping: LearnedMapping[Record],
-        what: str,
-        names: Callable[[Record], list[str]],
         name: str,
-        said: Utterance,
+        text: str,
+        speaker: str,
+        *,
+        answer: str = "",
     ) -> Record:
+        """Retract what was learned and has this name; its node stays.
+
+        `mapping` is `WORDS`, `PHRASES` (their names are the pattern, and an utterance from which it
+        was learned), or `TAUGHT_ACTIONS`; `text` is the utterance that retracts it, for the
+        history. A NotFoundError says that there is none.
+        """
+        said = replace(self._said(text, "", speaker, "correction"), answer=answer)
         with self.store.writing():
             known = mapping.active(self.store)
-            found = [record for record in known if name in names(record)]
+            found = [record for record in known if name in mapping.names(record)]
             if not found:
-                raise NotFoundError(what, name, (each for one in known for each in names(one)))
+                others = (each for one in known for each in mapping.names(one))
+                raise NotFoundError(mapping.what.removeprefix("A "), name, others)
             change = _Change()
             for record in found:
                 self._end_learned(change, mapping, record)

@@ -38,9 +38,8 @@ from .lexicon.vocabulary import NewWord, Vocabulary, household_vocabulary
 from .offers.checks import OPERATORS, OfferChecks, load_check_words
 from .offers.courtesies import Courtesy, CourtesyPhrases, answer_to, load_courtesies
 from .offers.meaning_shapes import meaning_from_json
-from .offers.offers import OfferFinder, choice_of, load_model
+from .offers.offers import OfferFinder, choice_of, is_misspelled, load_model
 from .offers.phrase_memory import NO_PHRASES, PhraseMemory, PhrasePattern, phrase_from
-from .offers.typing_slips import is_misspelled
 from .offers.utterance_segments import SegmentReader, parts
 from .parsing.clarification import Clarifier
 from .parsing.parser import SentenceParser

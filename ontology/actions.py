@@ -103,7 +103,9 @@ class Precondition:
 
 @dataclass(frozen=True)
 class FailureBranch:
-    """What to do after a failure: exactly one of the last three attributes is set.
+    """What to do after a failure: at most one of the last three attributes is set.
+
+    With none of them the tree ends there, as failed.
 
     Attributes:
         after: the failures it handles, some of `Actions.failures` or "any".
@@ -116,6 +118,11 @@ class FailureBranch:
     next: str | None = None
     again: int = 0
     steps: tuple[Step | Loop, ...] = ()
+
+    @property
+    def is_end(self) -> bool:
+        """Whether nothing is tried after the failure."""
+        return not (self.next or self.again or self.steps)
 
     def handles(self, failure: str) -> bool:
         """Whether the branch handles a failure."""

@@ -20,23 +20,12 @@ INDIVIDUALS = "https://w3id.org/hilt/"
 
 # Kinds of atoms in rules.
 ATOM_KINDS = ("object", "part", "property", "action", "place", "role", "affordance", "material")
-# Kinds of records in the graph.
-RECORD_KINDS = (
-    "node",
-    "functor",
-    "rule",
-    "utterance",
-    "speaker",
-    "episode",
-    "step",
-    "trial",
-    "word",
-    "phrase",
-    "taught",
-    "relation",
-    "activity",
-)
-KINDS = (*ATOM_KINDS, *RECORD_KINDS, "graph")
+# Kinds of nodes that rules speak of.
+NAMED_KINDS = (*ATOM_KINDS, "node", "functor")
+EPISODE_KINDS = ("episode", "step", "trial")
+LEARNED_KINDS = ("word", "phrase", "taught")
+_OTHER_KINDS = ("rule", "utterance", "speaker", "relation", "activity", "graph")
+KINDS = (*NAMED_KINDS, *EPISODE_KINDS, *LEARNED_KINDS, *_OTHER_KINDS)
 
 # The named graphs of a knowledge base; `base` holds its format version and sequence number, and
 # `derived` what follows from the others.

@@ -11,7 +11,7 @@ larger than `MAX_BYTES`.
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -20,6 +20,8 @@ from .errors import DataError
 
 MAX_BYTES = 64 * 2**20
 MAX_DEPTH = 64
+_OPENING = frozenset({"SequenceStartEvent", "MappingStartEvent"})
+_CLOSING = frozenset({"SequenceEndEvent", "MappingEndEvent"})
 
 
 @dataclass(frozen=True)
@@ -180,118 +182,68 @@ def parse_yaml(text: str, *, source: str = "<text>") -> YamlNode:
     """Read YAML from a text, as `read_yaml` does from a file."""
     import yaml  # imported here to save start-up time
 
-    loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)(text)
+    loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+    reader = _NodeReader(source, text.splitlines(), yaml.SafeLoader("").construct_object)
     try:
-        return _FieldBuilder(loader, source, text.splitlines()).document()
+        reader.check(yaml.parse(text, Loader=loader))
+        document = yaml.compose(text, Loader=loader)
     except yaml.MarkedYAMLError as error:
-        raise _syntax_error(error, text, source) from error
+        mark: Any = error.problem_mark or error.context_mark
+        raise reader.node(mark, None).fail(f"is not YAML: {error.problem}.") from error
     except yaml.YAMLError as error:
         raise DataError(f"is not YAML: {error}.", source=source) from error
-    finally:
-        loader.dispose()
+    if document is None:
+        raise DataError("the file is empty.", source=source)
+    return reader.read(document)
 
 
-def _syntax_error(error: Any, text: str, source: str) -> DataError:
-    mark = error.problem_mark or error.context_mark
-    lines = text.splitlines()
-    shown = lines[mark.line] if mark.line < len(lines) else ""
-    place = {"line": mark.line + 1, "column": mark.column + 1}
-    return DataError(f"is not YAML: {error.problem}.", source=source, text=shown, **place)
+@dataclass(frozen=True)
+class _NodeReader:
+    source: str
+    lines: Sequence[str]
+    convert: Callable[[Any], Any]  # the value of a scalar that is no text
 
+    def check(self, events: Iterable[Any]) -> None:
+        depth = documents = 0
+        for event in events:
+            kind = type(event).__name__
+            depth += (kind in _OPENING) - (kind in _CLOSING)
+            documents += kind == "DocumentStartEvent"
+            if kind == "AliasEvent":
+                raise self.node(event.start_mark, None).fail("aliases are not allowed.")
+            if depth > MAX_DEPTH:
+                raise self.node(event.start_mark, None).fail("nested too deeply.")
+            if documents > 1:
+                problem = "expected one document, found a second one."
+                raise self.node(event.start_mark, None).fail(problem)
 
-_TAG = "tag:yaml.org,2002:"
-_TEXT = f"{_TAG}str"
-_PLAIN = frozenset({"str", "int", "float", "bool", "null", "seq", "map"})
-_END = frozenset({"SequenceEndEvent", "MappingEndEvent"})
+    def read(self, found: Any) -> YamlNode:
+        match found.id, found.tag.removeprefix("tag:yaml.org,2002:"):
+            case "scalar", "str":
+                return self.node(found.start_mark, found.value)
+            case "scalar", "int" | "float" | "bool" | "null":
+                return self.node(found.start_mark, self.convert(found))
+            case "sequence", "seq":
+                return self.node(found.start_mark, tuple(map(self.read, found.value)))
+            case "mapping", "map":
+                return self._mapping(found)
+            case _:
+                raise self.node(found.start_mark, None).fail(
+                    f'the type "{found.tag}" is not allowed; write a text in quotes, a number, '
+                    "true or false, a list or a mapping."
+                )
 
-
-class _FieldBuilder:
-    """Builds fields in one pass from the events of a YAML loader, which also converts scalars."""
-
-    def __init__(self, loader: Any, source: str, lines: Sequence[str]) -> None:
-        self._loader, self._source, self._lines = loader, source, lines
-        self._next: Callable[[], Any] = loader.get_event
-        self._tags: dict[str, str] = {}
-        self._depth = 0
-
-    def document(self) -> YamlNode:
-        self._next()
-        event = self._next()
-        if type(event).__name__ == "StreamEndEvent":
-            raise DataError("the file is empty.", source=self._source)
-        field = self._field(self._next())
-        self._next()
-        event = self._next()
-        if type(event).__name__ != "StreamEndEvent":
-            raise self._at(event, None).fail("expected one document, found a second one.")
-        return field
-
-    def _field(self, event: Any) -> YamlNode:
-        kind = type(event).__name__
-        if kind == "ScalarEvent":
-            return self._scalar(event)
-        if kind == "AliasEvent":
-            raise self._at(event, None).fail("aliases are not allowed.")
-        self._depth += 1
-        if self._depth > MAX_DEPTH:
-            raise self._at(event, None).fail("nested too deeply.")
-        is_list = kind == "SequenceStartEvent"
-        if event.tag is not None and event.tag != f"{_TAG}{'seq' if is_list else 'map'}":
-            raise self._tag_error(event, event.tag)
-        field = self._at(event, self._items()) if is_list else self._mapping(event)
-        self._depth -= 1
-        return field
-
-    def _items(self) -> tuple[YamlNode, ...]:
-        items: list[YamlNode] = []
-        while type(event := self._next()).__name__ not in _END:
-            items.append(self._field(event))
-        return tuple(items)
-
-    def _mapping(self, start: Any) -> YamlNode:
+    def _mapping(self, found: Any) -> YamlNode:
         entries: dict[str, YamlNode] = {}
         keys: list[YamlNode] = []
-        while type(event := self._next()).__name__ not in _END:
-            key = self._field(event)
+        for name, value in found.value:
+            keys.append(key := self.read(name))
             if key.text() in entries:
                 raise key.fail(f'the key "{key.value}" is given twice.')
-            keys.append(key)
-            entries[key.value] = self._field(self._next())
-        return self._at(start, entries, tuple(keys))
+            entries[key.value] = self.read(value)
+        return self.node(found.start_mark, entries, tuple(keys))
 
-    def _scalar(self, event: Any) -> YamlNode:
-        # Fast path: most values are quoted texts.
-        if event.tag in {None, "!"} and not event.implicit[0]:
-            return self._at(event, event.value)
-        tag = self._tag(event)
-        if tag == _TEXT:
-            return self._at(event, event.value)
-        if tag.removeprefix(_TAG) not in _PLAIN:
-            raise self._tag_error(event, tag)
-        from yaml.nodes import ScalarNode
-
-        node = ScalarNode(tag, event.value, event.start_mark, event.end_mark)
-        return self._at(event, self._loader.construct_object(node))
-
-    def _tag(self, event: Any) -> str:
-        if event.tag is not None:
-            return event.tag
-        found = self._tags.get(event.value)
-        if found is None:
-            from yaml.nodes import ScalarNode
-
-            found = self._loader.resolve(ScalarNode, event.value, (True, False))
-            self._tags[event.value] = found
-        return found
-
-    def _at(self, event: Any, value: object, keys: tuple[YamlNode, ...] = ()) -> YamlNode:
-        mark = event.start_mark
+    def node(self, mark: Any, value: object, keys: tuple[YamlNode, ...] = ()) -> YamlNode:
         line: int = mark.line
-        text = self._lines[line] if line < len(self._lines) else ""
-        return YamlNode(value, self._source, line + 1, mark.column + 1, text, keys)
-
-    def _tag_error(self, event: Any, tag: str) -> DataError:
-        return self._at(event, None).fail(
-            f'the type "{tag}" is not allowed; write a text in quotes, a number, true or false, a '
-            "list or a mapping."
-        )
+        text = self.lines[line] if line < len(self.lines) else ""
+        return YamlNode(value, self.source, line + 1, mark.column + 1, text, keys)

@@ -26,8 +26,7 @@ from .robot.robot import Robot
 from .scene.scene import Scene
 from .scene.world import SleepManager, World
 from .vision.learned_detector import LearnedDetector, Recogniser
-from .vision.mask_detector import MaskDetector
-from .vision.object_detector import ObjectDetector
+from .vision.object_detector import MaskDetector, ObjectDetector
 from .vision.percept import Percept, visible_features
 from .vision.perception_noise import NoiseLevels
 

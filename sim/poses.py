@@ -7,7 +7,6 @@ right-handed, lengths in [m], angles in [rad]. Most functions work on stacks of 
 scipy's `Rotation` takes two to eight times as long for the few rotations of one step.
 """
 
-from collections.abc import Sequence
 from typing import TypeAlias
 
 import numpy as np
@@ -48,15 +47,9 @@ def transform(a_from_b: Array, points: Array) -> Array:
 
 def rotation_about(axis: ArrayLike, angle: ArrayLike) -> Array:
     """Return rotations (..., 3, 3) about a unit axis (3,) by angles (...) [rad] (Rodrigues)."""
-    cross = cross_matrix(axis)
+    cross = np.cross(np.eye(3), np.asarray(axis, float))  # `cross @ v` is the axis times v
     angle = np.asarray(angle, float)[..., None, None]
     return np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * (cross @ cross)
-
-
-def cross_matrix(vector: ArrayLike) -> Array:
-    """Return the matrix (3, 3) of the cross product with a vector (3,) on its left."""
-    x, y, z = np.asarray(vector, float)
-    return np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
 
 
 def rotation_from_rpy(roll: float, pitch: float, yaw: float) -> Array:
@@ -103,20 +96,8 @@ def interpolate(pose_a: Array, pose_b: Array, fractions: ArrayLike) -> Array:
     (rotation_a, start), (rotation_b, end) = ((p[:3, :3], p[:3, 3]) for p in (pose_a, pose_b))
     vector = rotation_vector(rotation_a.T @ rotation_b)
     angle = float(np.linalg.norm(vector))
-    axis = vector / angle if angle > _SMALL_ANGLE else np.array([0.0, 0.0, 1.0])
-    rotations = rotation_a @ rotation_about(axis, fractions * angle)
+    rotations = rotation_a @ rotation_about(vector / max(angle, _SMALL_ANGLE), fractions * angle)
     return pose(rotations, start + fractions[:, None] * (end - start))
-
-
-def from_quaternion(position: Sequence[float], quaternion: Sequence[float]) -> Array:
-    """Return the pose at a position (3,) [m] with a unit quaternion in the order x, y, z, w."""
-    x, y, z, w = quaternion
-    rotation = [
-        [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-        [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-        [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-    ]
-    return pose(rotation, position)
 
 
 def quaternion(rotation: Array) -> tuple[float, float, float, float]:

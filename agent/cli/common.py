@@ -56,9 +56,8 @@ def require_base(kb: str | None) -> None:
     location = kb or str(config.default_location())
     if ":" in location or is_something(location):
         return
-    named = (
-        f" --kb {shlex.quote(location)}" if kb != config_files.configured()["base"].value else ""
-    )
+    is_usual = kb == config_files.configured()["base"].value
+    named = "" if is_usual else f" --kb {shlex.quote(location)}"
     raise StoreError(
         f'There is no knowledge base "{location}". Teach it something, which creates it '
         f'(hilt tell{named} "A knife is used for cutting."), or name another with --kb.'
@@ -145,10 +144,8 @@ def converse(
 
 def _hint_at_trust(agent: Agent, reply: Reply) -> None:
     if reply.ending == "refused" and agent.base.trust(reply.speaker) is None:
-        name = shlex.quote(reply.speaker)
-        typer.echo(
-            f"Nobody has said how far to trust them. Run: hilt trust {name} DEGREE", err=True
-        )
+        what_to_do = f"Run: hilt trust {shlex.quote(reply.speaker)} DEGREE"
+        typer.echo(f"Nobody has said how far to trust them. {what_to_do}", err=True)
 
 
 def _show_reply(agent: Agent, reply: Reply) -> None:

@@ -44,7 +44,8 @@ def bare(context: typer.Context, *, as_json: AsJson = False) -> None:
 def show(*, as_json: AsJson = False) -> None:
     """Show the value of each key, and where it comes from; "hilt config" alone does the same."""
     found = configured()
-    values = {name: _as_json(each.value) for name, each in found.items()}
+    plain = ((name, each.value) for name, each in found.items())
+    values = {name: str(each) if isinstance(each, Path) else each for name, each in plain}
     values["base"] = shown(str(values["base"] or default_location()))
     if as_json:
         origins = {name: {"from": each.origin, "place": each.place} for name, each in found.items()}
@@ -75,11 +76,8 @@ def set_value(
     kept = None if value is None else _checked(key, value, beside=path.parent if project else None)
     text = read_text(path) if path.exists() else ""
     write_atomically(path, with_value(text, str(path), key, kept))
-    document = {
-        "file": str(path),
-        "key": key,
-        "value": shown(kept) if isinstance(kept, str) else kept,
-    }
+    value_shown = shown(kept) if isinstance(kept, str) else kept
+    document = {"file": str(path), "key": key, "value": value_shown}
     announce(document, f"Written to {path}.", as_json=as_json, err=True)
 
 
@@ -108,7 +106,3 @@ def _checked(key: str, text: str, *, beside: Path | None) -> object:
     if not KEYS[key].is_file(text):
         return node.plain()
     return os.path.relpath(value, beside) if beside else os.path.abspath(value)
-
-
-def _as_json(value: object) -> object:
-    return str(value) if isinstance(value, Path) else value

@@ -98,7 +98,7 @@ def _filmed(agent: Agent, path: Path | None) -> Generator[None]:
 
 
 @app.command(epilog=example('ask "how do you pass a knife?"'))
-@with_config(*options.SCENE, "lexicon")
+@with_config(*options.SCENE, "lexicon", *options.INFERENCE)
 def ask(
     text: options.Utterance,
     *,

@@ -72,7 +72,8 @@ def import_(
         raise DataError(f'expected "rules" or "ontology", found "{as_}".', source="--as")
     from ...kb.formats.import_export import import_file
 
-    with open_to_change(kb, dry_run=dry_run) as base, _progress("Reading", _size(file)) as advance:
+    size = Path(file).stat().st_size if Path(file).is_file() else None
+    with open_to_change(kb, dry_run=dry_run) as base, _progress("Reading", size) as advance:
         found = import_file(base, file, format=file_format, dry_run=dry_run, progress=advance)
     if as_json:
         print_json({"applied": not dry_run, **found.as_json()})
@@ -115,18 +116,8 @@ def _show(found: ImportSummary, file: str, *, dry_run: bool) -> None:
     for what, number in found.not_taken.items():
         typer.echo(f"Not taken: {counted(number, 'statement')} with {what}.", err=True)
     if found.untrusted:
-        typer.echo(
-            f"Nobody trusts {', '.join(found.untrusted)}, so what they say weighs nothing. "
-            "Run: hilt trust NAME DEGREE",
-            err=True,
-        )
-
-
-def _size(file: str) -> int | None:
-    try:
-        return Path(file).stat().st_size
-    except OSError:
-        return None
+        doubt = f"Nobody trusts {', '.join(found.untrusted)}, so what they say weighs nothing."
+        typer.echo(f"{doubt} Run: hilt trust NAME DEGREE", err=True)
 
 
 @contextmanager
@@ -195,12 +186,12 @@ def _as_json(error: DataError) -> dict[str, object]:
 
 def _findings_in_file(file: str, file_format: str | None) -> list[ValidationFinding]:
     from ...kb.formats.import_export import read_file
-    from ...kb.validation import MAX_SHACL, findings, locate_findings
+    from ...kb.validation import findings, locate_findings
 
     staged = read_file(file, format=file_format)
     try:
         with _progress("Checking") as progress:
-            found = findings(staged, most=MAX_SHACL, progress=progress)
+            found = findings(staged, progress=progress)
     finally:
         staged.close()
     return locate_findings(found, _text(file) if found else "")
@@ -215,10 +206,10 @@ def _check_tables(kb: str | None) -> None:
 
 
 def _findings_in_base(kb: str | None) -> list[ValidationFinding]:
-    from ...kb.validation import MAX_SHACL, findings
+    from ...kb.validation import findings
 
     with open_for_reading(kb) as base, _progress("Checking") as progress:
-        return findings(base.store, whole=True, most=MAX_SHACL, progress=progress)
+        return findings(base.store, whole=True, progress=progress)
 
 
 def _text(file: str) -> str:

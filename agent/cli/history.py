@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator
+from functools import partial
 from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -196,11 +197,8 @@ def replay(
             found = run(base, which, gui=gui, film=record)
         if record:
             typer.echo(f"Film written to {record}.", err=True)
-        common.show(
-            found,
-            lambda one: presentation.console.replay_result(one, lambda n: base.utterance(n).text),
-            as_json=as_json,
-        )
+        quote = partial(presentation.console.replay_result, quote=lambda n: base.utterance(n).text)
+        common.show(found, quote, as_json=as_json)
     common.exit_with(not found.differences)
 
 
@@ -213,19 +211,20 @@ def _is_wanted(utterance: Utterance, speaker: str | None, rule: Rule | None) -> 
 
 def _forgotten(base: KnowledgeBase, what: list[str], speaker: str) -> str:
     from ..documents import forget_rules, rules_to_forget
+    from ...kb.learned import PHRASES, TAUGHT_ACTIONS, WORDS
 
     said, speaker = f"forget {' '.join(what)}", base.match_speaker(speaker)
     match what:
         case ["word" | "phrase" as kind]:
             raise typer.BadParameter(f'Which {kind}? "hilt words" lists those that were learned.')
         case ["word", name]:
-            base.forget_word(name, said, speaker)
+            base.forget(WORDS, name, said, speaker)
             return f'Forgot the word "{name}".'
         case ["phrase", *words]:
-            phrase = base.forget_phrase(" ".join(words), said, speaker)
+            phrase = base.forget(PHRASES, " ".join(words), said, speaker)
             return f'Forgot the phrase "{phrase.pattern}".'
         case ["action", *words] if words:
-            action = base.forget_action(" ".join(words), said, speaker)
+            action = base.forget(TAUGHT_ACTIONS, " ".join(words), said, speaker)
             return f'Forgot the action "{action.name}".'
         case ["experience", *names] if len(names) <= 2:
             name, part = (*names, None, None)[:2]

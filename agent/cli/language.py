@@ -69,7 +69,7 @@ def check(
     as_json: AsJson = False,
 ) -> None:
     """Check a lexicon file: declared categories, terms of the right type, unmixed features."""
-    from ...nlu.semantics.feature_consistency import check_spellings
+    from ...nlu.semantics.clause_features import check_spellings
 
     language = _session(None).language
     before = sum(1 for _ in language.lexicon.senses())
@@ -152,7 +152,6 @@ def _case(line: str, source: str, number: int) -> tuple[str, list[str]]:
     text, given = case.get("text"), case.get("before") or []
     before = cast("list[object]", given) if isinstance(given, list) else [given]
     if not isinstance(text, str) or not all(isinstance(each, str) for each in before):
-        raise DataError(
-            'expected {"text": ..., "before": [...]} with texts.', source=source, line=number
-        )
+        problem = 'expected {"text": ..., "before": [...]} with texts.'
+        raise DataError(problem, source=source, line=number)
     return text, [str(each) for each in before]

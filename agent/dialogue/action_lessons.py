@@ -10,17 +10,17 @@ from dataclasses import replace
 
 from ...inference.taxonomy import Taxonomy
 from ...inference.types import Target
+from ...kb.learned import TAUGHT_ACTIONS, TaughtAction
 from ...kb.rule import Atom
-from ...kb.taught_actions import TaughtAction
 from ...nlu.lexicon.vocabulary import NewWord
 from ...nlu.offers.meaning_shapes import meaning_from_json
 from ...nlu.semantics import meaning
 from ...ontology.actions import Actions
 from ..execution.outcome import AnswerContent
 from ..execution.request import Request
-from ..execution.taught_trees import tree_from_definition
 from .conversation import Conversation, UnderstoodTurn
 from .reply import Reply
+from .translation import tree_from_definition
 
 
 class ActionLessons:
@@ -100,7 +100,8 @@ class ActionLessons:
         if taught.speaker != turn.speaker:
             return conversation.answered(turn, "not_yours", "failed", speaker=taught.speaker)
         spoken = conversation.say(AnswerContent("forgotten_action", {"goal": name}))
-        self._base.forget_action(name, turn.understood.text, turn.speaker, answer=spoken)
+        said_in = turn.understood.text
+        self._base.forget(TAUGHT_ACTIONS, name, said_in, turn.speaker, answer=spoken)
         self.read()
         return conversation.reply(turn, spoken)
 
@@ -165,10 +166,8 @@ def _names(act: meaning.Act) -> Sequence[str]:
 
 
 def _about_a_thing(act: meaning.Act) -> meaning.Act:
-    if (
-        isinstance(act, meaning.Command)
-        and act.target.object == meaning.ANY_OBJECT
-        and not act.target.props
-    ):
-        return replace(act, target=meaning.ObjectReference("thing"))
-    return act
+    match act:
+        case meaning.Command(target=meaning.ObjectReference(object=meaning.ANY_OBJECT, props=())):
+            return replace(act, target=meaning.ObjectReference("thing"))
+        case _:
+            return act

@@ -11,6 +11,7 @@ from ..execution.outcome import AnswerContent
 from . import teaching
 from .conversation import Conversation, UnderstoodTurn
 from .reply import Reply
+from .translation import Lesson
 
 _BARE = (meaning.Retraction(), meaning.Retraction(is_of_told=True))
 """What takes back a rule without naming it."""
@@ -25,21 +26,17 @@ class BeliefRevision:
     def learn_kinds(self, turn: UnderstoodTurn, said: meaning.KindStatement) -> Reply:
         """Believe of which kinds things are, unless they would be kinds of themselves."""
         taxonomy = Taxonomy.from_base(self._base)
-        circle = [
-            each
-            for each in said.rules
-            if not each.denies and each.object in taxonomy.names_above("object", each.kind_of)
-        ]
-        if not circle:
-            return self.learn(turn, said)
         words = self._conversation.language.answers
         known = tuple(
             words.kind_phrase(replace(each, object=each.kind_of, kind_of=each.object))
-            for each in circle
+            for each in said.rules
+            if not each.denies and each.object in taxonomy.names_above("object", each.kind_of)
         )
-        return self._conversation.answered(turn, "kind_circle", "failed", rules=known)
+        if known:
+            return self._conversation.answered(turn, "kind_circle", "failed", rules=known)
+        return self.learn(turn, said)
 
-    def learn(self, turn: UnderstoodTurn, said: meaning.Statement | meaning.KindStatement) -> Reply:
+    def learn(self, turn: UnderstoodTurn, said: Lesson) -> Reply:
         """Believe what a speaker states, and return the reply that says what that is."""
         base, conversation = self._base, self._conversation
         source = base.match_speaker(said.source) if said.source else None
@@ -95,7 +92,9 @@ class BeliefRevision:
         if not own:
             return conversation.answered(turn, "nothing_to_forget", "failed")
         if said in _BARE and not topic:
-            return self._ask_to_forget(turn, own)
+            conversation.wait_for(turn, lambda: self._retract(turn, own))
+            described = conversation.describe(own[-1])
+            return conversation.answered(turn, "forget_what", "asked", rule=described)
         return self._retract(turn, own)
 
     def open_topic(self, turn: UnderstoodTurn, said: meaning.TopicStatement) -> Reply:
@@ -113,18 +112,11 @@ class BeliefRevision:
         )
         return any(each.is_dismissal for each in answers)
 
-    def _new_names(
-        self, said: meaning.Statement | meaning.KindStatement, turn: UnderstoodTurn
-    ) -> Iterator[NewWord]:
+    def _new_names(self, said: Lesson, turn: UnderstoodTurn) -> Iterator[NewWord]:
         known = {meaning.ANY_OBJECT, *(word.word for word in turn.understood.new_words)}
         for name in dict.fromkeys(rule.object for rule in said.rules):
             if name not in known and not self._conversation.language.lexicon.name_categories(name):
                 yield NewWord(name, "object", name)
-
-    def _ask_to_forget(self, turn: UnderstoodTurn, rules: Sequence[Rule]) -> Reply:
-        self._conversation.wait_for(turn, lambda: self._retract(turn, rules))
-        described = self._conversation.describe(rules[-1])
-        return self._conversation.answered(turn, "forget_what", "asked", rule=described)
 
     def _retract(self, turn: UnderstoodTurn, rules: Sequence[Rule]) -> Reply:
         conversation = self._conversation

@@ -1,12 +1,17 @@
 """Clarification dialogues: what Hilt asks back, and what an answer to it leads to."""
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 
+from ...inference.affordance import Affordances
+from ...inference.experience import OutcomeCounts, contradiction
+from ...kb.interval import CERTAIN
 from ...nlu.parsing.understanding import Understanding
 from ...nlu.semantics import meaning
+from ..execution.doubt import Doubt
 from ..execution.outcome import AnswerContent
+from ..execution.request import Request
 from .conversation import Conversation, UnderstoodTurn
 from .reply import OpenQuestion, Reply
 from .teaching import rule_from_answer
@@ -144,3 +149,54 @@ class ClarificationDialogue:
         step = conversation.say(example if said.nearest else AnswerContent("ask_for_help"))
         spoken = problem if problem.endswith("?") else f"{problem} {step}"
         return conversation.recorded(turn, spoken, "not_understood")
+
+
+@dataclass(frozen=True)
+class _Agreement:
+    """The part that was agreed on, the action it is grasped for, and the outcomes till then."""
+
+    part: str
+    context: str
+    counts: OutcomeCounts
+
+
+class PartAgreements:
+    """The parts to grasp by that were agreed on, where experience speaks against what was told.
+
+    Hilt asks, and follows the answer from then on in the conversation, until what happens
+    afterwards contradicts it, too. What was told, and the trust in who told it, are not changed.
+    `affordances` returns the inference of the robot.
+    """
+
+    def __init__(self, affordances: Callable[[], Affordances]) -> None:
+        self._affordances = affordances
+        self._agreed: dict[tuple[str, str], _Agreement] = {}  # by goal and kind of object
+
+    def applied_to(self, request: Request) -> Request:
+        """Return a request with the parts that were agreed on for its goal and that still stand."""
+        wanted = request.action
+        agreed = ((kind, each) for (goal, kind), each in self._agreed.items() if goal == wanted)
+        standing = {kind: each.part for kind, each in agreed if self._stands(kind, each)}
+        return replace(request, agreed=standing)
+
+    def question(
+        self, doubt: Doubt, request: Request, asked: str, carry_out: Callable[[], Reply]
+    ) -> OpenQuestion:
+        """Return the question about a doubt; an answer lets the request be carried out again."""
+
+        def take(part: str) -> Reply:
+            counts = self._affordances().outcomes(doubt.object, part, doubt.context)
+            self._agreed[request.action, doubt.object] = _Agreement(part, doubt.context, counts)
+            return carry_out()
+
+        return OpenQuestion(
+            asked,
+            yes=lambda: take(doubt.instead or doubt.part),
+            no=(lambda: take(doubt.part)) if doubt.instead else None,
+            choose=lambda named: take(named.name) if named.name else None,
+        )
+
+    def _stands(self, kind: str, agreed: _Agreement) -> bool:
+        since = self._affordances().outcomes(kind, agreed.part, agreed.context).since(agreed.counts)
+        bound = self._affordances().settings.contradiction
+        return contradiction(CERTAIN, since.interval) <= bound

@@ -10,9 +10,12 @@ from typing import Any, Literal
 from ...kb.history import IMPORT
 from ...kb.interval import Interval
 from ...kb.knowledge_base import KnowledgeBase
+from ...kb.learned import LearnedPhrase
 from ...kb.rule import Rule
 from ...nlu.language import Language
 from ...nlu.lexicon.vocabulary import NewWord
+from ...nlu.offers.meaning_shapes import MeaningShape
+from ...nlu.offers.phrase_memory import PhrasePattern
 from ...nlu.parsing.understanding import Understanding
 from ...nlu.semantics.discourse import Discourse
 from ...nlu.semantics.meaning import Meaning
@@ -110,9 +113,10 @@ class Conversation:
         is_new, self._noticed = sequence != self._noticed, sequence
         if is_new:
             people = map(teaching.word_for_person, self.base.trust_by_speaker())
-            words = (*map(teaching.word_from_base, self.base.words()), *people)
-            phrases = map(teaching.phrase_from_base, self.base.phrases())
-            self.language = self.language.with_words(words).with_phrases(phrases)
+            names = (*map(teaching.word_from_base, self.base.words()), *people)
+            kept = ((each.pattern.split(" "), each.meaning) for each in self.base.phrases())
+            phrases = (PhrasePattern(tuple(words), MeaningShape(meant)) for words, meant in kept)
+            self.language = self.language.with_words(names).with_phrases(phrases)
         return is_new
 
     def expect_news(self) -> None:
@@ -210,12 +214,12 @@ class Conversation:
 
     def learn_phrase(self, turn: UnderstoodTurn, meant: Meaning) -> None:
         """Keep how a turn says what its speaker has confirmed, if that is worth remembering."""
-        phrase = self.language.phrase_of(turn.understood.text, meant)
-        if phrase is not None and self.people.trusts(turn.speaker):
+        text, speaker = turn.understood.text, turn.speaker
+        phrase = self.language.phrase_of(text, meant)
+        if phrase is not None and self.people.trusts(speaker):
             self.language = self.language.with_phrases([phrase])
-            self.base.learn_phrase(
-                teaching.phrase_to_keep(phrase, turn.understood.text, turn.speaker)
-            )
+            pattern = " ".join(phrase.pattern)
+            self.base.learn_phrase(LearnedPhrase(pattern, phrase.shape.text, text, speaker))
 
     def refer_to(self, name: str) -> None:
         """Make the object of this name the one that "it" refers to."""

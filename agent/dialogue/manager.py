@@ -26,13 +26,12 @@ from ..execution.outcome_answer import use_slot
 from ..execution.request import Request
 from .action_lessons import ActionLessons
 from .belief_revision import BeliefRevision
-from .clarification import ClarificationDialogue
+from .clarification import ClarificationDialogue, PartAgreements
 from .conversation import Conversation, UnderstoodTurn
 from .norm_dialogue import NormDialogue
-from .part_agreements import PartAgreements
 from .questions import answer
 from .reply import OpenQuestion, Reply
-from .translation import declined, request_from_command, use_of
+from .translation import SimpleCommand, declined, request_from_command, use_of
 
 KINDS = {  # what a command of the CLI listens to -> kinds of meaning
     "tell": ("statement", "correction", "topic"),
@@ -177,9 +176,7 @@ class DialogueManager:
 
     # --- Commands -----------------------------------------------------------------------------
 
-    def _carry_out_command(
-        self, turn: UnderstoodTurn, said: meaning.Command | meaning.ToolCommand
-    ) -> Reply:
+    def _carry_out_command(self, turn: UnderstoodTurn, said: SimpleCommand) -> Reply:
         if said.negated:
             reading = turn.understood.reading
             if reading and "lasting" in reading.features.main:
@@ -202,9 +199,8 @@ class DialogueManager:
         steps = said.steps if isinstance(said, meaning.Plan) else (said,)
         unknown = next(filter(None, (self.lessons.ask_how(turn, each) for each in steps)), None)
         acts = self.conversation.language.tool_acts
-        return unknown or self._start(
-            turn, [request_from_command(each, turn.speaker, acts) for each in steps]
-        )
+        requests = [request_from_command(each, turn.speaker, acts) for each in steps]
+        return unknown or self._start(turn, requests)
 
     def _start(self, turn: UnderstoodTurn, requests: Sequence[Request]) -> Reply:
         conversation = self.conversation
@@ -256,9 +252,8 @@ class DialogueManager:
             spoken = " ".join(map(conversation.say, (*result.setbacks, result.answer)))
         spoken = self._asking_for_use(turn, result, spoken)
         self._last = (turn, request)
-        reply = replace(
-            conversation.reply(turn, spoken), ending=result.answer.ending, result=result
-        )
+        reply = conversation.reply(turn, spoken)
+        reply = replace(reply, ending=result.answer.ending, result=result)
         has_more = rest and reply.is_done
         if not has_more:
             conversation.record(reply, turn)
@@ -317,9 +312,7 @@ class DialogueManager:
     def _asking_for_use(self, turn: UnderstoodTurn, result: GoalResult, spoken: str) -> str:
         said, conversation = turn.understood.meaning, self.conversation
         conversation.open_question = None
-        if result.answer.key != "nothing_used_for" or not isinstance(
-            said, (meaning.Command, meaning.ToolCommand)
-        ):
+        if result.answer.key != "nothing_used_for" or not isinstance(said, SimpleCommand):
             return spoken
         asked = use_of(said)
         self._clarification.wait_to_learn(turn, asked)
@@ -335,9 +328,8 @@ class DialogueManager:
         if said.control == "stop" and stopped:
             return conversation.spoken(turn, replace(stopped, ending="done"))
         if said.is_halt:
-            return conversation.answered(
-                turn, "waiting" if said.control == "wait" else "idle", "done"
-            )
+            key = "waiting" if said.control == "wait" else "idle"
+            return conversation.answered(turn, key, "done")
         if said.control == "continue":
             return self._continue(turn, pending)
         if conversation.last_done is None:  # there is no need of a body yet

@@ -23,7 +23,7 @@ from ..execution.request import Request
 from .conversation import Answered, Conversation, UnderstoodTurn, spoken
 from .reply import Reply
 from .teaching import may_end
-from .translation import request_from_command, rule_from_norm
+from .translation import SimpleCommand, request_from_command, rule_from_norm
 
 MOST_LISTED = 8
 
@@ -74,32 +74,27 @@ class NormDialogue:
 
     # --- Prohibitions of the moment -------------------------------------------------------------
 
-    def forbid(self, turn: UnderstoodTurn, said: meaning.Command | meaning.ToolCommand) -> Reply:
+    def forbid(self, turn: UnderstoodTurn, said: SimpleCommand) -> Reply:
         """Keep for good that something must not be done: "never give me the knife"."""
         usual, acts = self._conversation.language.usual, self._named_acts(said)
         norms = tuple(meaning.Norm("forbidden", replace(a, negated=False), usual) for a in acts)
         return self.lay_down(turn, meaning.NormStatement(norms))
 
-    def forbid_for_now(
-        self, turn: UnderstoodTurn, said: meaning.Command | meaning.ToolCommand
-    ) -> None:
+    def forbid_for_now(self, turn: UnderstoodTurn, said: SimpleCommand) -> None:
         """Keep in mind that something must not be done in this conversation."""
         for act in self._named_acts(said):
             norm = meaning.Norm("forbidden", replace(act, negated=False), (1.0, 1.0))
             rule = rule_from_norm(norm, turn.speaker)
             self._momentary[rule.id] = (rule, turn.understood)
 
-    def _named_acts(
-        self, said: meaning.Command | meaning.ToolCommand
-    ) -> list[meaning.Command | meaning.ToolCommand]:
+    def _named_acts(self, said: SimpleCommand) -> list[SimpleCommand]:
         target = said.tool if isinstance(said, meaning.ToolCommand) else said.target
         if target.object:
             return [said]
         if isinstance(said, meaning.ToolCommand):  # with any tool
             return [replace(said, tool=meaning.ObjectReference(meaning.ANY_OBJECT))]
-        used = [
-            rule.object for rule in self._base.rules(affordance=target.used_for) if rule.asserts
-        ]
+        rules = self._base.rules(affordance=target.used_for)
+        used = (rule.object for rule in rules if rule.asserts)
         named = dict.fromkeys(filter(None, used)) or [meaning.ANY_OBJECT]
         return [replace(said, target=meaning.ObjectReference(name)) for name in named]
 
@@ -139,16 +134,12 @@ class NormDialogue:
         first = result.answer.slots.get("first")
         if not first or result.answer.ending != "asked":
             return None
-        thing = Target(object=str(result.answer.slots["thing"]))
-        return replace(
-            request, action=str(first), arguments={"object": thing}, part=None, assumed=frozenset()
-        )
+        about = {"object": Target(object=str(result.answer.slots["thing"]))}
+        return replace(request, action=str(first), arguments=about, part=None, assumed=frozenset())
 
     def _told(self, key: str, rule: Rule) -> AnswerContent:
-        if rule.id in self._momentary:
-            text = self._momentary[rule.id][1].text
-        else:
-            text = self._conversation.words_of(rule)
+        _, said = self._momentary.get(rule.id, (rule, None))
+        text = said.text if said else self._conversation.words_of(rule)
         return AnswerContent(key, {"speaker": rule.speaker, "texts": (text,)}, "refused")
 
     # --- Questions -------------------------------------------------------------------------------
@@ -167,9 +158,8 @@ class NormDialogue:
     def _permission(self, turn: UnderstoodTurn, norm: meaning.Norm) -> Answered:
         tools = self._conversation.language.tool_acts
         request = request_from_command(norm.act, turn.speaker, tools)
-        contexts = {
-            a: CERTAIN for a in rule_from_norm(norm, turn.speaker).contexts if a.kind == "place"
-        }
+        named = rule_from_norm(norm, turn.speaker).contexts
+        contexts = {atom: CERTAIN for atom in named if atom.kind == "place"}
         try:
             verdict = self._judge(replace(request, contexts=contexts, momentary=self.momentary))
         except UnknownNameError:

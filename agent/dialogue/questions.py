@@ -41,18 +41,18 @@ def answer(question: Question, known: Conversation) -> Answered:
 
 def _uses_of(question: Question, known: Conversation) -> Answered:
     strongest = (_strongest(rules, "affordance") for rules in _by_kind(question, known))
-    rules = next(filter(None, ([r for r in each if r.asserts] for each in strongest)), [])
+    rules = next(filter(None, map(_believed, strongest)), [])
     if not rules:
         return spoken("no_uses_of", object=question.object), ()
-    uses = tuple(
-        known.note(known.language.answers.use_phrase(rule.affordance or "", rule.material), rule)
-        for rule in rules
-    )
+    if any(_properties(rule) for rule in rules):
+        return spoken("about", done=True, rules=tuple(map(known.quote, rules))), tuple(rules)
+    phrase = known.language.answers.use_phrase
+    uses = tuple(known.note(phrase(rule.affordance or "", rule.material), rule) for rule in rules)
     return spoken("uses_of", done=True, object=question.object, uses=uses), tuple(rules)
 
 
 def _objects_for(question: Question, known: Conversation) -> Answered:
-    rules = [r for r in _functional(question, known) if r.asserts]
+    rules = _believed(_functional(question, known))
     if not rules:
         return spoken("nothing_known_for", affordance=_use(question)), ()
     best = {_named(rule, question, known): rule for rule in reversed(rules)}  # of each the surest
@@ -64,8 +64,8 @@ def _objects_for(question: Question, known: Conversation) -> Answered:
 def _best_for(question: Question, known: Conversation) -> Answered:
     rules = _functional(question, known)
     goal = Goal("find", Target(used_for=question.affordance, material=question.material))
-    names = dict.fromkeys(rule.object for rule in rules if rule.object)
-    seen = [Observation(name, name, {Atom("object", name): CERTAIN}) for name in names]
+    told = {_kind(rule): dict.fromkeys(rule.features, CERTAIN) for rule in rules if rule.object}
+    seen = [Observation(name, name, features) for name, features in told.items()]
     kinds = Taxonomy.from_base(known.base)
     best = Affordances(known.base, taxonomy=kinds).infer(FIND, goal, seen).best
     if best is None:
@@ -132,11 +132,8 @@ def _is_kind_of(question: Question, known: Conversation) -> Answered:
     above = taxonomy.names_above("object", name)
     between = {each for each in above if kind in taxonomy.names_above("object", each)}
     pairs = between or {name, kind}
-    told = [
-        rule
-        for rule in known.base.rules_at_nodes([KIND_OF])
-        if rule.object in pairs and rule.argument and rule.argument.name in pairs
-    ]
+    rules = known.base.rules_at_nodes([KIND_OF])
+    told = [r for r in rules if {r.object, r.argument and r.argument.name} <= pairs]
     if not between and not told:
         return spoken("is_of_no_kind", object=name, kind=kind), ()
     if not between:
@@ -332,11 +329,8 @@ def _grasps(rules: Iterable[Rule]) -> tuple[Rule, ...]:
 
 
 def _denials(made: Inference | None, name: str) -> tuple[Rule, ...]:
-    about = (
-        each
-        for each in (made.denied if made else ())
-        if name in {each.name, each.object} or (each.argument and each.argument.name == name)
-    )
+    denied = made.denied if made else ()
+    about = (c for c in denied if name in {c.name, c.object, c.argument and c.argument.name})
     return tuple(rule for each in about for rule in each.rules if not rule.asserts)
 
 
@@ -412,10 +406,22 @@ def _use(question: Question, *materials: str) -> Slot | None:
 
 
 def _named(rule: Rule, question: Question, known: Conversation) -> str:
-    name = rule.object or "thing"
+    name = _kind(rule)
     if rule.material is None or rule.material == question.material:
         return name
     return known.language.answers.object_for(name, rule.material)
+
+
+def _properties(rule: Rule) -> list[str]:
+    return sorted(each.name for each in rule.features if each.kind != "object")
+
+
+def _kind(rule: Rule) -> str:
+    return " ".join([*_properties(rule), rule.object or "thing"])
+
+
+def _believed(rules: Iterable[Rule]) -> list[Rule]:
+    return [rule for rule in rules if rule.asserts and rule.trust]
 
 
 def _functional(question: Question, known: Conversation) -> list[Rule]:
@@ -431,13 +437,12 @@ def _on_material(rules: Iterable[Rule], question: Question, known: Conversation)
 
 
 def _meant(question: Question, known: Conversation) -> list[Rule]:
-    named = (question.object, question.affordance, question.context)
-    if not any(named):
+    names = ("object", "affordance", "context")
+    named = {name: getattr(question, name) for name in names}
+    if not any(named.values()):
         latest = sorted(known.base.rules(), key=lambda rule: -(rule.utterance or 0))[:1]
         return list(known.topic) or ([] if known.last_said else latest)
-    rules = known.base.rules(
-        object=question.object, affordance=question.affordance, context=question.context
-    )
+    rules = known.base.rules(**named)
     fitting = [rule for rule in rules if question.part in {None, rule.part}]
     return _on_material(fitting, question, known) if question.affordance else _by_strength(fitting)
 

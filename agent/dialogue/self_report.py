@@ -66,9 +66,8 @@ def _last_done(_: Question, known: Conversation) -> Answered:
 
 
 def _repeated(_: Question, known: Conversation) -> Answered:
-    return spoken(
-        "repeated" if known.last_said else "nothing_said", done=True, said=known.last_said
-    ), ()
+    key = "repeated" if known.last_said else "nothing_said"
+    return spoken(key, done=True, said=known.last_said), ()
 
 
 def _told(question: Question, known: Conversation) -> Answered:

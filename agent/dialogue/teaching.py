@@ -11,21 +11,17 @@ from dataclasses import replace
 from ...kb.history import IMPORT
 from ...kb.interval import VACUOUS
 from ...kb.knowledge_base import KnowledgeBase
-from ...kb.learned_words import LearnedPhrase, LearnedWord
+from ...kb.learned import LearnedWord
 from ...kb.rule import Atom, Rule
 from ...nlu.lexicon.vocabulary import NewWord
-from ...nlu.offers.meaning_shapes import MeaningShape
-from ...nlu.offers.phrase_memory import PhrasePattern
 from ...nlu.semantics import meaning
-from .translation import rule_from_meaning
+from .translation import Lesson, rule_from_meaning
 
 KINDS = {"context": "action"}  # role of a new word -> kind of what it denotes
 ROLES = {kind: role for role, kind in KINDS.items()}
 
 
-def told_rules(
-    base: KnowledgeBase, said: meaning.Statement | meaning.KindStatement, speaker: str, heard: float
-) -> tuple[Rule, ...]:
+def told_rules(base: KnowledgeBase, said: Lesson, speaker: str, heard: float) -> tuple[Rule, ...]:
     """Return the rules that a statement asserts, discounted by the confidence of the recogniser.
 
     What somebody told the speaker is discounted by the trust in the speaker now, and by the trust
@@ -37,10 +33,7 @@ def told_rules(
 
 
 def replaced_rules(
-    said: meaning.Statement | meaning.KindStatement,
-    rules: Sequence[Rule],
-    before: Sequence[Rule],
-    topic: Sequence[Rule],
+    said: Lesson, rules: Sequence[Rule], before: Sequence[Rule], topic: Sequence[Rule]
 ) -> list[Rule]:
     """Return the rules that those of a statement correct, among earlier ones and the topic."""
     corrected = (new for new, each in zip(rules, said.rules, strict=True) if each.revises)
@@ -145,9 +138,8 @@ def rules_to_retract(
     told = sorted(base.rules(speaker=speaker), key=lambda rule: rule.utterance or 0)
     if said.rule is not None:
         wanted = rule_from_meaning(said.rule, speaker)
-        told = [
-            rule for rule in told if can_replace(rule, wanted) and rule.argument == wanted.argument
-        ]
+        same = (rule for rule in told if rule.argument == wanted.argument)
+        told = [rule for rule in same if can_replace(rule, wanted)]
     return told[-1:]
 
 
@@ -159,16 +151,6 @@ def word_to_keep(word: NewWord, speaker: str) -> LearnedWord:
 def word_from_base(word: LearnedWord) -> NewWord:
     """Return a stored word as the language takes it."""
     return NewWord(word.atom.name, ROLES.get(word.atom.kind, word.atom.kind), word.said)
-
-
-def phrase_to_keep(phrase: PhrasePattern, said: str, speaker: str) -> LearnedPhrase:
-    """Return a phrase as it is kept in the base."""
-    return LearnedPhrase(" ".join(phrase.pattern), phrase.shape.text, said, speaker)
-
-
-def phrase_from_base(phrase: LearnedPhrase) -> PhrasePattern:
-    """Return a phrase of the base as the language knows it."""
-    return PhrasePattern(tuple(phrase.pattern.split(" ")), MeaningShape(phrase.meaning))
 
 
 def word_for_person(name: str) -> NewWord:

@@ -1,4 +1,4 @@
-"""Translation between meanings of utterances and rules, requests and words of the agent.
+"""Translation between meanings and the rules, requests, words and action trees of the agent.
 
 `nlu` knows no rules and `kb` no sentences; only this module imports both.
 """
@@ -14,10 +14,16 @@ from ...nlu.language import Language
 from ...nlu.lexicon.vocabulary import NewWord
 from ...nlu.semantics import meaning
 from ...nlu.semantics.interpretation import GOALS
-from ...ontology.actions import Actions
+from ...ontology import actions
 from ..execution.outcome import AnswerContent
 from ..execution.request import Argument, Request
-from ..execution.taught_trees import PARAMETERS
+
+Names = Mapping[str, str]
+Lesson = meaning.Statement | meaning.KindStatement
+SimpleCommand = meaning.Command | meaning.ToolCommand
+
+PARAMETERS = ("object", "second", "third", "fourth")
+"""The names of the parameters of taught actions, in order."""
 
 
 def rule_from_meaning(
@@ -94,7 +100,7 @@ def norm_from_rule(rule: Rule) -> meaning.Norm | None:
         return None
     props = tuple(sorted(atom.name for atom in rule.features if atom.kind == "property"))
     target = meaning.ObjectReference(rule.object or meaning.ANY_OBJECT, props=props)
-    act: meaning.Command | meaning.ToolCommand
+    act: SimpleCommand
     if rule.material:
         act = meaning.ToolCommand(names["action"], rule.material, target)
     else:
@@ -108,7 +114,7 @@ def norm_from_rule(rule: Rule) -> meaning.Norm | None:
 
 
 def request_from_command(
-    command: meaning.Act, speaker: str, tool_acts: Mapping[str, str] | None = None
+    command: meaning.Act, speaker: str, tool_acts: Names | None = None
 ) -> Request:
     """Return the request that a command makes.
 
@@ -121,48 +127,43 @@ def request_from_command(
         if tool.object is None and tool.material is None:
             tool = replace(tool, material=command.patient)
         arguments: dict[str, Argument] = {"patient": patient, "tool": tool}
-        return Request(
-            command.goal, arguments, speaker, assumed=frozenset({"tool"} if is_assumed else ())
-        )
+        assumed = frozenset({"tool"} if is_assumed else ())
+        return Request(command.goal, arguments, speaker, assumed=assumed)
     if isinstance(command, meaning.ActionCommand):
-        return Request(
-            command.goal,
-            dict(zip(PARAMETERS, map(_target, command.objects), strict=False)),
-            speaker,
-        )
+        targets = zip(PARAMETERS, map(_target, command.objects), strict=False)
+        return Request(command.goal, dict(targets), speaker)
     arguments = {"object": _target(command.target)}
     if command.recipient:
         arguments["recipient"] = command.recipient
     return Request(command.goal, arguments, speaker, part=command.part)
 
 
-def use_of(said: meaning.Command | meaning.ToolCommand) -> meaning.Question:
+def use_of(said: SimpleCommand) -> meaning.Question:
     """Return the question what has the use that a command asks for, if it asks for one."""
     target = said.tool if isinstance(said, meaning.ToolCommand) else said.target
     use = target.used_for or target.not_used_for
     return meaning.Question("objects_for", affordance=use, material=target.material)
 
 
-def declined(said: meaning.Command | meaning.ToolCommand) -> AnswerContent:
+def declined(said: SimpleCommand) -> AnswerContent:
     """Return the answer to a command not to do something."""
     if isinstance(said, meaning.ToolCommand):
-        return AnswerContent(
-            "will_not_tool", {"goal": said.goal, "patient": said.patient}, "refused"
-        )
+        slots = {"goal": said.goal, "patient": said.patient}
+        return AnswerContent("will_not_tool", slots, "refused")
     name = said.target.object or said.target.used_for or "thing"
     return AnswerContent("will_not", {"goal": said.goal, "object": name}, "refused")
 
 
-def action_words(actions: Actions, language: Language) -> list[NewWord]:
+def action_words(known: actions.Actions, language: Language) -> list[NewWord]:
     """Return the words that name actions and that the language does not have yet.
 
     An action on a patient is done with a tool: "stir" comes with "used for stirring". Only a name
     that is one lower-case word can be said.
     """
-    known = {*GOALS, *language.acts, *language.tool_acts}
+    sayable = {*GOALS, *language.acts, *language.tool_acts}
     words: list[NewWord] = []
-    for name, tree in actions.trees.items():
-        if name in known or not name.islower() or not name.isalpha():
+    for name, tree in known.trees.items():
+        if name in sayable or not name.islower() or not name.isalpha():
             continue
         is_use = "patient" in tree.parameters
         word = language.inflection.form(name, "ing") if is_use else name
@@ -173,4 +174,54 @@ def action_words(actions: Actions, language: Language) -> list[NewWord]:
 def _target(said: meaning.ObjectReference) -> Target:
     name = None if said.object == meaning.ANY_OBJECT else said.object
     props = frozenset(said.props)
-    return Target(name, said.used_for, said.not_used_for, properties=props, material=said.material)
+    return Target(name, said.used_for, said.not_used_for, props, said.material)
+
+
+def tree_from_definition(said: meaning.ActionDefinition, tool_acts: Names) -> actions.ActionTree:
+    """Return the action tree of a definition.
+
+    `tool_acts` are the acts with a tool, each with the use that its tool must have.
+    """
+    kinds = dict(zip(said.parameters, PARAMETERS, strict=False))
+    return actions.ActionTree(
+        said.action,
+        tuple(kinds.values()),
+        {},
+        tuple(_step(each, kinds, tool_acts) for each in said.steps),
+        tuple(_precondition(each, kinds) for each in said.only_if),
+        tuple(_branch(each, kinds, tool_acts) for each in said.if_fails),
+        objects={name: kind for kind, name in kinds.items()},
+    )
+
+
+def _step(act: meaning.Act, kinds: Names, tool_acts: Names) -> actions.Step:
+    match act:
+        case meaning.ToolCommand(goal, patient, tool):
+            arguments = {"patient": _argument(meaning.ObjectReference(patient), kinds)}
+            if tool != meaning.ObjectReference(used_for=tool_acts.get(goal, "")):
+                arguments["tool"] = _argument(tool, kinds)
+            return actions.Step(goal, arguments)
+        case meaning.ActionCommand(goal, objects):
+            given = (_argument(each, kinds) for each in objects)
+            return actions.Step(goal, dict(zip(PARAMETERS, given, strict=False)))
+        case _:
+            arguments = {"object": _argument(act.target, kinds)}
+            recipient = {"recipient": f"{actions.FIXED}{act.recipient}"} if act.recipient else {}
+            return actions.Step(act.goal, arguments | recipient, act.part)
+
+
+def _argument(said: meaning.ObjectReference, kinds: Names) -> str | actions.DescribedObject:
+    if said.object and said.object in kinds and not said.props:
+        return kinds[said.object]
+    return _target(said)
+
+
+def _precondition(said: meaning.ActionCondition, kinds: Names) -> actions.Precondition:
+    parameter = kinds.get(said.object, f"{actions.FIXED}{said.object}")
+    return actions.Precondition(said.state, parameter, said.property, said.negated)
+
+
+def _branch(said: meaning.FailureReaction, kinds: Names, tool_acts: Names) -> actions.FailureBranch:
+    following = PARAMETERS[0] if said.other else None
+    steps = tuple(_step(each, kinds, tool_acts) for each in said.steps)
+    return actions.FailureBranch(frozenset(said.after), following, said.again, steps)

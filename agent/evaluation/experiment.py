@@ -19,8 +19,8 @@ from importlib import import_module
 from typing import Any, ClassVar, Literal
 
 from ...ontology.errors import DataError, UnknownNameError
-from ..execution.outcome import Json
 
+Json = dict[str, Any]  # what an experiment wrote, and reads again
 Kind = Literal["unique", "tie", "none", "grasp", "check", "error", "lost"]
 
 

@@ -25,15 +25,7 @@ from ..protocols import Motion, ReleasingMotion, Vision
 from . import outcome_answer
 from .doubt import Doubt, find_doubt
 from .norm_guard import NormGuard
-from .outcome import (
-    AnswerContent,
-    Constraint,
-    Decision,
-    Failure,
-    GoalResult,
-    WalkStep,
-    WorldOutcome,
-)
+from .outcome import AnswerContent, Decision, Failure, GoalResult, WalkStep, WorldOutcome
 from .perception import percept_as_observation
 from .primitives import PrimitiveExecutor, PrimitiveTask
 from .request import PATIENT, Argument, Arguments, Request, named, review_arguments
@@ -112,11 +104,8 @@ class TreeExecutor:
         self._norms = NormGuard(
             context.norms, context.actions, request, context.done, lambda: context.holding
         )
-        self._primitives = (
-            PrimitiveExecutor(context.motion, context, request.action)
-            if context.motion and is_able
-            else None
-        )
+        motion = context.motion if is_able else None
+        self._primitives = PrimitiveExecutor(motion, context, request.action) if motion else None
         self.decision: Decision | None = None
         self._steps: list[WalkStep] = []
         self._setbacks: list[AnswerContent] = []
@@ -153,10 +142,8 @@ class TreeExecutor:
         goal = self._goal(arguments)
         features = self._context.affordances.features(node, goal)
         percepts = self._search(node, features, arguments)
-        point = self._context.affordances.settings.detection == "point"
-        observations = [
-            percept_as_observation(percept, features, point=point) for percept in percepts
-        ]
+        is_point = self._context.affordances.settings.detection == "point"
+        observations = [percept_as_observation(p, features, point=is_point) for p in percepts]
         try:
             inference = self._context.affordances.infer(node, goal, observations)
         except ConflictError as error:
@@ -225,15 +212,11 @@ class TreeExecutor:
             return self._walk_tree(node, self._context.actions.trees[action], arguments)
         if self._primitives is None:
             return None
-        things = {
-            parameter: self._found[value].percept
-            for parameter, value in arguments.items()
-            if value in self._found
-        }
-        bound = Constraint.from_inference(inference)
-        return self._primitives.perform(
-            PrimitiveTask(action, arguments, percept, part, bound, things, acting_for(node))
-        )
+        known = ((parameter, self._found.get(value)) for parameter, value in arguments.items())
+        things = {parameter: each.percept for parameter, each in known if each}
+        bound, goal = self._steps[-1].constraint, acting_for(node)
+        task = PrimitiveTask(action, arguments, percept, part, bound, things, goal)
+        return self._primitives.perform(task)
 
     # --- Trees: steps, loops, conditions and branches ----------------------------------------
 
@@ -279,11 +262,11 @@ class TreeExecutor:
         if failure.cause in {outcome_answer.INTERRUPTED, outcome_answer.FORBIDDEN}:
             return None
         for index, branch in enumerate(tree.otherwise):
-            is_possible = bool(branch.steps) or tries[index] > 0
+            is_possible = branch.is_end or bool(branch.steps) or tries[index] > 0
             if branch.next:
                 is_possible = bool(self._others(arguments[branch.next]))
             if is_possible and branch.handles(failure.cause):
-                return index
+                return None if branch.is_end else index
         return None
 
     def _others(self, argument: Argument) -> list[Candidate]:
@@ -408,9 +391,9 @@ class TreeExecutor:
         part, failure = self._obliged_part(target, percept, inference), None
         if part is None:
             part, failure = self._choose_part(percept, inference)
-        return (
-            (part, failure) if failure else self._permitted_part(target, percept, part, inference)
-        )
+        if failure:
+            return part, failure
+        return self._permitted_part(target, percept, part, inference)
 
     def _obliged_part(self, target: Target, percept: Percept, inference: Inference) -> str | None:
         wanted = self._norms.obliged_parts(inference.node, target, percept)
@@ -453,9 +436,8 @@ class TreeExecutor:
             return allowed, None if allowed else self._no_part("no_part_allowed", percept)
         unsure = [each for each in inference.candidates if each.verdict == "unsure"]
         if unsure:
-            return None, outcome_answer.not_sure_how(
-                self._request.action, percept.object, unsure[0]
-            )
+            goal = self._request.action
+            return None, outcome_answer.not_sure_how(goal, percept.object, unsure[0])
         is_tool = self._patient is not None
         return self._context.grips.get(percept.object) if is_tool else None, None
 

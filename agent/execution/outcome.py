@@ -56,11 +56,9 @@ class Constraint:
         if best is None:
             return None
         interval, argument = best.interval, best.argument
-        is_part = argument is not None and argument.kind == "part"
-        part, other = (argument, None) if is_part else (None, argument)
-        return cls(
-            best.object, part and part.name, interval.lower, interval.upper, other and str(other)
-        )
+        part = argument.name if argument and argument.kind == "part" else None
+        other = str(argument) if argument and not part else None
+        return cls(best.object, part, interval.lower, interval.upper, other)
 
     def as_json(self) -> Json:
         """As a step of `hilt do --json` shows it."""

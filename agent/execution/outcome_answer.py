@@ -22,6 +22,11 @@ _DONE = {  # action -> the answer without a part, with one, and with one that wa
     "grasp": ("grasped_somewhere", "grasped", "grasped"),
     "use": ("picked_up", "picked_up_by", "picked_up_as_told"),
 }
+_UNMET = {  # kind of precondition -> the answer where it is not met, and where its negation is not
+    "property": ("required", "required_not"),
+    "sees": ("nothing_seen", "see_one"),
+    "holds": ("not_held", "grasped_somewhere"),
+}
 _DONE_OTHERWISE = ("did", "did_by", "did_by")
 _EMPTIED = {"letGo": "released", "placeObject": "put_down", "returnObject": "put_back"}
 _MOTION = {  # reason of a motion report -> the answer with a part, and without
@@ -103,9 +108,8 @@ def not_sure_how(action: str, object_name: str, best: Candidate) -> AnswerConten
     """Return the question about the best part for a grasp: it is not accepted, or a guess."""
     part = best.argument.name if best.argument else "part"
     slots = {"goal": action, "object": object_name, "part": part}
-    return AnswerContent(
-        "guess_how" if is_guess(best) else "not_sure_how", slots, "asked", "not_sure"
-    )
+    key = "guess_how" if is_guess(best) else "not_sure_how"
+    return AnswerContent(key, slots, "asked", "not_sure")
 
 
 def doubted(doubt: Doubt, speaker: str) -> AnswerContent:
@@ -123,9 +127,8 @@ def ask_about(doubt: Doubt) -> AnswerContent:
         return AnswerContent("ask_all_the_same", {}, "asked", "doubted")
     counts = doubt.counts_instead
     slots = {"instead": doubt.instead, "held": str(counts.held), "tried": str(counts.trials)}
-    return AnswerContent(
-        "ask_instead" if counts.trials else "ask_to_try", slots, "asked", "doubted"
-    )
+    key = "ask_instead" if counts.trials else "ask_to_try"
+    return AnswerContent(key, slots, "asked", "doubted")
 
 
 def motion_failed(reason: str, object_name: str, part: str | None) -> AnswerContent:
@@ -161,14 +164,9 @@ def hand_emptied(primitive: str, held: str, reason: str = "") -> AnswerContent:
 
 def required(condition: Precondition, name: str) -> AnswerContent:
     """Return the answer when a precondition about an object of this name is not met."""
-    if condition.property:
-        key = "required_not" if condition.negated else "required"
-        slots = {"object": name, "property": condition.property}
-        return AnswerContent(key, slots, "failed", "required")
-    keys = {"sees": ("nothing_seen", "see_one"), "holds": ("not_held", "grasped_somewhere")}
-    return AnswerContent(
-        keys[condition.kind][condition.negated], {"object": name}, "failed", "required"
-    )
+    slots = {"object": name} | ({"property": condition.property} if condition.property else {})
+    key = _UNMET["property" if condition.property else condition.kind][condition.negated]
+    return AnswerContent(key, slots, "failed", "required")
 
 
 def taught_done(action: str, objects: tuple[str, ...], *, is_done: bool) -> AnswerContent:
@@ -179,17 +177,15 @@ def taught_done(action: str, objects: tuple[str, ...], *, is_done: bool) -> Answ
 
 def unable(action: str, primitive: str, decision: Decision) -> AnswerContent:
     """Return the answer when the robot lacks the primitive of a step of the tree."""
+    slots = _chosen(action, decision) | {"ability": primitive}
     key = "not_able_with" if decision.patient else "not_able"
-    return AnswerContent(
-        key, _chosen(action, decision) | {"ability": primitive}, "failed", "unable"
-    )
+    return AnswerContent(key, slots, "failed", "unable")
 
 
 def _no_candidate(target: Target, inference: Inference) -> AnswerContent:
     if target.not_used_for:
-        return _not_found(
-            "nothing_not_used_for", affordance=use_slot(target.not_used_for, target.material)
-        )
+        use = use_slot(target.not_used_for, target.material)
+        return _not_found("nothing_not_used_for", affordance=use)
     wanted = _wanted(target)
     if wanted is None or target.object:
         return _not_found("nothing_seen", object=_description(target))

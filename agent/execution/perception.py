@@ -31,11 +31,7 @@ def percept_as_observation(
 
 
 def _shows(percept: Percept, feature: Atom) -> bool:
-    shown = {
-        "object": (percept.object,),
-        "part": tuple(percept.parts),
-        "property": percept.properties,
-    }
+    shown = {"object": {percept.object}, "part": percept.parts, "property": percept.properties}
     return feature.name in shown.get(feature.kind, ())
 
 

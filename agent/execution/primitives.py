@@ -211,9 +211,8 @@ class PrimitiveExecutor:
     def _struck(self, report: MotionReport) -> Failure:
         self.grasps.follow(report)
         depth_mm = report.depth_m * MM
-        self.world = replace(
-            self.world, nail_depth_mm=depth_mm, driven_mm=depth_mm - self._depth_before_mm
-        )
+        driven_mm = depth_mm - self._depth_before_mm
+        self.world = replace(self.world, nail_depth_mm=depth_mm, driven_mm=driven_mm)
         if report.driven:
             self.sensed.add(DRIVEN)
             return None  # driven in: another failure of the last blow does not matter

@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterable, Sequence
 from itertools import islice
+from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
 from rich.console import Console, ConsoleOptions, Group, RenderableType, RenderResult
@@ -36,10 +37,9 @@ if TYPE_CHECKING:
     from ...kb.diff import BaseDifference, UtteranceChanges
     from ...kb.episodes import Episode
     from ...kb.history import Utterance
-    from ...kb.learned_words import LearnedPhrase, LearnedWord
+    from ...kb.learned import LearnedPhrase, LearnedWord, TaughtAction
     from ...kb.rule import Rule
     from ...kb.sparql.named_queries import NamedQuery
-    from ...kb.taught_actions import TaughtAction
     from ...nlu.parsing.understanding import Understanding
     from ..dialogue.reply import Reply
     from ..execution.outcome import Decision, GoalResult, WalkStep, WorldOutcome
@@ -224,9 +224,8 @@ def reasons(made: Decision, quote: Quote) -> Table:
 
 
 def _told_by(candidate: Candidate, quote: Quote) -> list[str]:
-    return [
-        f'{_source(rule)}: "{quote(rule.utterance)}"' for rule in candidate.rules if rule.utterance
-    ]
+    told = ((rule, rule.utterance) for rule in candidate.rules if rule.utterance)
+    return [f'{_source(rule)}: "{quote(utterance)}"' for rule, utterance in told]
 
 
 def _source(rule: Rule) -> str:
@@ -270,9 +269,8 @@ def explanation(
     for about, proof in reply.decision.explained() if reply.decision else ():
         parts += [Text(about, "bold"), Text("\n".join(proof))]
     if changes:
-        rows = (
-            (c.evidence.interval, c.after, c.evidence.about, c.chosen or "nothing") for c in changes
-        )
+        cells = attrgetter("evidence.interval", "after", "evidence.about", "chosen")
+        rows = ((*before, chosen or "nothing") for *before, chosen in map(cells, changes))
         columns = ("if instead of", "it were", "about", "I would choose")
         title = "What would change my mind"
         parts.append(table(columns, rows, title=title, title_justify="left"))
@@ -323,7 +321,7 @@ def words(found: Sequence[LearnedWord | LearnedPhrase]) -> Table:
 
 def actions(found: Sequence[TaughtAction]) -> Table:
     """Taught actions with what taught them and their teachers."""
-    rows = ((each.name, each.said, each.speaker, each.utterance) for each in found)
+    rows = map(attrgetter("name", "said", "speaker", "utterance"), found)
     return table(("action", "said as", "speaker", "utterance"), rows, "action", "actions")
 
 
@@ -411,11 +409,9 @@ def episodes(found: Sequence[Episode]) -> Table:
 
 def experience(found: Sequence[GraspRecord]) -> Table:
     """Return a table of what grasps came to, a row for each object, part, action and robot."""
-    rows = (
-        (one.object, one.part, one.context, one.robot, one.counts, one.counts.interval)
-        for one in found
-    )
-    return table(("object", "part", "to", "robot", "outcomes", "holds"), rows, "record")
+    cells = attrgetter("object", "part", "context", "robot", "counts", "counts.interval")
+    columns = ("object", "part", "to", "robot", "outcomes", "holds")
+    return table(columns, map(cells, found), "record")
 
 
 def teachers(found: Sequence[TeacherRecord]) -> Table:
@@ -445,27 +441,20 @@ def merge_result(report: MergeReport) -> RenderableType:
     done = "Would take over" if report.dry_run else "Took over"
     taken = f"{done} {counted(summary.new, 'rule')} ({summary.known} known already)"
     lines: list[RenderableType] = [Text(f"{taken} and {counted(summary.utterances, 'utterance')}.")]
-    lines += (
-        Text(f"Not taken: {counted(number, 'statement')} with {what}.")
-        for what, number in summary.not_taken.items()
-    )
+    left = ((counted(number, "statement"), what) for what, number in summary.not_taken.items())
+    lines += (Text(f"Not taken: {statements} with {what}.") for statements, what in left)
     if summary.untrusted:
         names = ", ".join(summary.untrusted)
         lines.append(Text(f"Nobody trusts {names}; their rules weigh nothing."))
     if report.conflicts:
         lines.append(conflicts(report.conflicts))
-    lines += (
-        Text(f"{rule_text(rule)}: {rule.status} in the other; stays as it is here.")
-        for rule in report.kept
-    )
-    return Group(*lines)
+    kept = (f"{rule_text(rule)}: {rule.status} in the other" for rule in report.kept)
+    return Group(*lines, *(Text(f"{each}; stays as it is here.") for each in kept))
 
 
 def _effect(said: Utterance) -> str:
-    counts = (
-        ("told", said.asserts), ("took back", said.retracts), ("replaced", said.supersedes),
-    )  # fmt: skip
-    done = ", ".join(f"{verb} {len(ids)}" for verb, ids in counts if ids)
+    counts = {"told": said.asserts, "took back": said.retracts, "replaced": said.supersedes}
+    done = ", ".join(f"{verb} {len(ids)}" for verb, ids in counts.items() if ids)
     return done or (said.kind if said.accepted else f"{said.kind}, not accepted")
 
 

@@ -13,7 +13,7 @@ from typing import NamedTuple
 from ...inference.proof import Proof
 from ...kb.rule import Rule
 from ...nlu.generation.templates import proper_name
-from ...nlu.parsing.derivation_views import DerivationStep
+from ...nlu.parsing.chart import DerivationStep
 from ...ontology.errors import extra_required
 
 MAX_TERM = 60  # characters of a lambda term

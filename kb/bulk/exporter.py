@@ -5,9 +5,7 @@ bounded memory. What any other store has is sorted first.
 """
 
 from collections.abc import Callable, Iterable, Iterator
-from functools import lru_cache
-from itertools import chain, groupby
-from operator import itemgetter
+from itertools import groupby
 from typing import BinaryIO, TypeAlias, TypeVar, cast
 
 from ...ontology.errors import ValidationError
@@ -16,10 +14,8 @@ from ...ontology.vocabulary import PREFIXES, Iri
 from ..history import HISTORY
 from ..rdf import rule_mapping
 from ..rdf.rule_mapping import BELIEFS
-from ..rdf.terms import DECIMAL, XSD, Term, as_sparql, literal
 from ..rule import Rule
 from ..stores.base import EmbeddedStore, EngineQuad, Store
-from .nquads_reader import MAX_KNOWN
 
 Thing = TypeVar("Thing")
 Progress: TypeAlias = Callable[[int], None]  # is called with how many are done so far
@@ -27,11 +23,6 @@ Progress: TypeAlias = Callable[[int], None]  # is called with how many are done 
 MAX_SORTED = 200_000  # statements; a store of more is written in its own order
 
 _STEP = 10_000  # statements or rules between two calls of the progress
-_RULES = f"<{PREFIXES['rule']}"
-_STATEMENTS = f"""SELECT ?node ?key ?value {{
-  GRAPH <{BELIEFS}> {{ ?node ?key ?value }}
-  FILTER(?key NOT IN (<{rule_mapping.TYPE}>, <{rule_mapping.LABEL}>, <{rule_mapping.RULE}>))
-}}"""
 _SOURCES = f"""SELECT DISTINCT ?utterance {{
   GRAPH <{BELIEFS}> {{ ?rule <{rule_mapping.DERIVED_FROM}> ?utterance }}
 }}"""
@@ -86,16 +77,19 @@ def statements(store: Store, *, rules_only: bool = False) -> Iterator[EngineQuad
 
 def scan_rules(store: Store) -> Iterator[Rule]:
     """Iterate over the rules of a store, of any status; ValidationError if one is malformed."""
-    read = lru_cache(MAX_KNOWN)(_read_row)
+    from ..stores.rdf_text import graph_statements
+    from ..stores.term_conversion import property_from_engine
+
     with store.writing(), paused_garbage_collection():
-        rows = (row.split("\t", 1) for row in _rows(store))
-        for node, some in groupby(rows, key=itemgetter(0)):
-            if not node.startswith(_RULES):
+        found = graph_statements(store, BELIEFS, is_sorted=not is_large(store))
+        for node, some in groupby(found, key=lambda quad: quad.subject.value):
+            if not node.startswith(PREFIXES["rule"]):
                 continue
             try:
-                yield rule_mapping.read_rule([read(rest) for _, rest in some])
+                properties = (property_from_engine(quad.predicate, quad.object) for quad in some)
+                yield rule_mapping.read_rule(properties)
             except ValidationError as error:
-                raise ValidationError([f"{node}: {one}" for one in error.findings]) from error
+                raise ValidationError([f"<{node}>: {one}" for one in error.findings]) from error
 
 
 def is_large(store: Store) -> bool:
@@ -113,21 +107,3 @@ def _graphs(store: Store) -> list[Iri]:
         some = f"GRAPH ?graph {{}} FILTER EXISTS {{ {some} }}"
     rows = store.select(f"SELECT DISTINCT ?graph {{ {some} }}")
     return sorted(graph for (graph,) in rows if isinstance(graph, Iri))
-
-
-def _rows(store: Store) -> Iterable[str]:
-    if not isinstance(store, EmbeddedStore):
-        found = store.quads(None, None, None, BELIEFS)
-        return sorted("\t".join(map(as_sparql, quad[:3])) for quad in found)
-    rows = chain.from_iterable(store.rows(_STATEMENTS))
-    return rows if is_large(store) else sorted(rows)
-
-
-def _read_row(row: str) -> tuple[Iri, Term]:
-    predicate, value = row.split("\t")
-    if value.startswith("<"):
-        return Iri(predicate[1:-1]), Iri(value[1:-1])
-    if not value.startswith('"'):  # engines write numbers without quotes
-        return Iri(predicate[1:-1]), literal(value, DECIMAL)
-    text, _, datatype = value[1:].partition('"^^<')
-    return Iri(predicate[1:-1]), literal(text, datatype[:-1] or f"{XSD}string")

@@ -17,51 +17,30 @@ from array import array
 from collections import Counter, defaultdict, deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cache, partial
 from itertools import chain
 from typing import BinaryIO, Protocol, cast
 
 from ...ontology.errors import DataError, ValidationError
 from ...ontology.garbage_collection import paused_garbage_collection
-from ...ontology.vocabulary import ATOM_KINDS, PREFIXES, Iri, is_ontology, shortened, split, term
+from ...ontology.vocabulary import NAMED_KINDS, PREFIXES, Iri, is_ontology, shortened, split
+from .. import validation
 from ..history import ASSERTS, HISTORY, SEQUENCE, Utterance, import_utterance, utterance_iri
+from ..invariants import check_invariants
 from ..knowledge_base import KnowledgeBase
 from ..rdf import rule_mapping
 from ..rdf.annotated_turtle import ReifyingTriple
-from ..rdf.rule_mapping import (
-    BELIEFS,
-    DERIVED,
-    DERIVED_FROM,
-    GENERATED_AT,
-    LABEL,
-    RULE,
-    STATUS,
-    TYPE,
-)
-from ..rdf.terms import Quad, Term
-from ..reader import BASE_GRAPH, BASE_NODE, RuleReader
+from ..rdf.rule_mapping import BELIEFS, DERIVED, LABEL
+from ..rdf.terms import BASE_GRAPH, BASE_NODE, Properties, Quad, Term
+from ..reader import RuleReader
 from ..rule import Rule
 from ..stores.base import EmbeddedStore, Store, batched
-from ..validation import (
-    ValidationFinding,
-    check_graph,
-    check_invariants,
-    findings,
-    raise_findings,
-    stage,
-)
+from ..validation import ValidationFinding, raise_findings
 from ..writer import to_milliseconds
+from . import reconciliation
 from .exporter import write_statements
 from .nquads_reader import RuleBlock, StatementGroup, Statements, read_groups, read_quads
-from .reconciliation import (
-    AncillaryWrites,
-    BelievedRules,
-    ImportConflict,
-    ImportSummary,
-    conflicts_of,
-    plan_history,
-    plan_rest,
-    plan_trust,
-)
+from .reconciliation import AncillaryWrites, ImportConflict, ImportSummary
 from .rule_nquads import FastRuleReader, NQuadsWriter
 
 MAX_LISTED = 20  # conflicts that a summary names
@@ -69,8 +48,7 @@ MAX_REST = 3_000_000  # statements that belong to no rule and are held in memory
 PER_UTTERANCE = 1000  # rules that one utterance of the history stands for
 _MAX_SPOOLED = 2**24  # bytes of another base; more of it is written to a temporary file
 _MAX_APPLIED = 2**21  # bytes of lines that are written as an ordinary unit
-_DERIVED = frozenset((TYPE, LABEL, RULE, term("usedFor"), term("graspedBy"), term("affords")))
-_LABELLED = frozenset((*ATOM_KINDS, "node", "functor"))
+_WRITTEN_AGAIN = frozenset((rule_mapping.TYPE, LABEL, rule_mapping.RULE, *rule_mapping.PLAIN_EDGES))
 
 _RULES = PREFIXES["rule"]
 _ASSERTED = re.compile(f"{re.escape(_RULES)}([0-9a-f]{{16}})")
@@ -94,7 +72,7 @@ def import_statements(
     *,
     source: str,
     dry_run: bool = False,
-    check: Callable[[Store], Iterable[ValidationFinding]] = findings,
+    check: Callable[[Store], Iterable[ValidationFinding]] = validation.findings,
     observer: ImportObserver | None = None,
 ) -> ImportSummary:
     """Import the statements of an RDF text: whole or not at all, and twice is once.
@@ -159,10 +137,8 @@ class _Import:
     asserted: dict[int, array[int]] = field(  # ids of rules by the number of an utterance
         default_factory=lambda: defaultdict(lambda: array("Q"))
     )
-    ids: array[int] = field(default_factory=lambda: array("Q"))  # of new rules
-    utterances: array[int] = field(default_factory=lambda: array("Q"))  # of each; 0 where none
+    new: dict[int, int] = field(default_factory=dict[int, int])  # rule -> utterance; 0 where none
     timeless: set[int] = field(default_factory=set[int])  # ids of new rules without a time
-    seen: set[int] = field(default_factory=set[int])
     known: int = 0
     conflicting: int = 0
     conflicts: list[ImportConflict] = field(default_factory=list[ImportConflict])
@@ -181,7 +157,7 @@ class _Import:
             else:
                 _write(store, lines, plan, self.source)
         return ImportSummary(
-            len(self.ids),
+            len(self.new),
             self.known,
             self.conflicting,
             self.utterances_added,
@@ -217,7 +193,8 @@ class _Import:
         node, graph, pairs = group
         kind, name = split(node)
         # Edges and labels are written again with the rules.
-        derived = _DERIVED if graph == BELIEFS and kind in _LABELLED else frozenset[Iri]()
+        is_named = graph == BELIEFS and kind in NAMED_KINDS
+        derived = _WRITTEN_AGAIN if is_named else frozenset[Iri]()
         # Formats without graphs have utterances among the beliefs.
         is_utterance = kind == "utterance" and name.isdecimal() and graph in {HISTORY, BELIEFS}
         for key, value in pairs:
@@ -233,14 +210,14 @@ class _Import:
         for rule in self._new_rules(rules):
             writer.write_rule(rule)
             yield from writer.taken()
-        staging = stage(self.rest, source=self.source)
+        staging = validation.stage(self.rest, source=self.source)
         self.rest.clear()
         try:
             raise_findings(self.check(staging))
             other = RuleReader(staging)
-            plan_trust(plan, self.base, other)
-            plan_history(plan, self.base, self._utterances(other))
-            plan_rest(plan, self.base, other)
+            reconciliation.plan_trust(plan, self.base, other)
+            reconciliation.plan_history(plan, self.base, self._utterances(other))
+            reconciliation.plan_rest(plan, self.base, other)
             for _ in self._write_sources(plan, writer):
                 yield from writer.taken()
             self.utterances_added = len({each for each in plan.numbers.values() if each > before})
@@ -250,7 +227,7 @@ class _Import:
         yield from writer.taken(0)
 
     def _new_rules(self, rules: Iterable[Rule]) -> Iterator[Rule]:
-        believed, observer = BelievedRules(self.base), self.observer
+        believed, observer = cache(partial(reconciliation.believed_rules, self.base)), self.observer
         there = _statuses(self.base.store) if self.base.sequence else dict[int, Term]()
         for rule in rules:
             number = _number(rule.id)
@@ -259,18 +236,16 @@ class _Import:
                 if observer and there[number] != rule_mapping.status_iri(rule.status):
                     observer.add_different(rule)
                 continue
-            if number in self.seen:
+            if number in self.new:
                 continue
-            self.seen.add(number)
-            self.ids.append(number)
-            self.utterances.append(rule.utterance or 0)
+            self.new[number] = rule.utterance or 0
             self.speakers.add(rule.speaker)
             if rule.time is None:
                 self.timeless.add(number)
             same: Sequence[Rule] = ()
             if there and rule.status == "active":
-                same = believed.with_conclusion_of(rule)
-                found = conflicts_of(rule, same)
+                same = believed(rule.node).get(reconciliation.claim(rule), ())
+                found = reconciliation.conflicts_of(rule, same)
                 self.conflicting += len(found)
                 self.conflicts += found[: MAX_LISTED - len(self.conflicts)]
             if observer:
@@ -278,14 +253,12 @@ class _Import:
             yield rule
 
     def _utterances(self, other: RuleReader) -> Iterator[Utterance]:
-        told: dict[int, set[int]] = defaultdict(set)
-        for number, source in zip(self.ids, self.utterances, strict=True):
-            told[source].add(number)
+        told = self._by_utterance()
         for quad in other.store.quads(None, SEQUENCE, None, HISTORY):
             if isinstance(quad.object, int):
                 utterance = other.utterance(quad.object)
                 numbers = {*self.asserted.get(quad.object, ()), *map(_number, utterance.asserts)}
-                for unsaid in told[quad.object] - numbers:
+                for unsaid in set(told[quad.object]) - numbers:
                     problem = f"does not assert the rule:{unsaid:016x} that comes from it."
                     raise ValidationError([f"utterance:{quad.object}: It {problem}"])
                 ids = tuple(f"rule/{number:016x}" for number in sorted(numbers))
@@ -298,38 +271,35 @@ class _Import:
             plan.numbers[-plan.last] = plan.last  # it is the number of no imported utterance
             plan.add(import_utterance(self.source, plan.last, time, some=which))
             writer.write_assertions(plan.last, numbers)
-            writer.write_property(numbers, DERIVED_FROM, utterance_iri(plan.last))
+            writer.write_property(numbers, rule_mapping.DERIVED_FROM, utterance_iri(plan.last))
             yield
         for utterance, ids in plan.assertions:
             writer.write_assertions(utterance, map(_number, ids))
             yield
-        told: dict[int, array[int]] = defaultdict(lambda: array("Q"))
-        for number, utterance in zip(self.ids, self.utterances, strict=True):
-            told[utterance].append(number)
+        told = self._by_utterance()
         for utterance in told.keys() & plan.numbers.keys():
             node = utterance_iri(plan.numbers[utterance])
-            writer.write_property(told[utterance], DERIVED_FROM, node)
+            writer.write_property(told[utterance], rule_mapping.DERIVED_FROM, node)
             yield
         for numbers in batched(self.timeless, PER_UTTERANCE):
-            writer.write_property(numbers, GENERATED_AT, time)
+            writer.write_property(numbers, rule_mapping.GENERATED_AT, time)
             yield
         if plan.last:
             plan.insert.append(Quad(BASE_NODE, SEQUENCE, plan.last, BASE_GRAPH))
         writer.write_quads(plan.insert)
 
+    def _by_utterance(self) -> dict[int, array[int]]:
+        found: dict[int, array[int]] = defaultdict(lambda: array("Q"))
+        for number, utterance in self.new.items():
+            found[utterance].append(number)
+        return found
+
     def _without_utterance(self, plan: AncillaryWrites) -> Iterator[tuple[list[int], str]]:
-        numbers = [
-            number
-            for number, utterance in zip(self.ids, self.utterances, strict=True)
-            if utterance not in plan.numbers
-        ]
-        start = 1
+        numbers = [one for one, utterance in self.new.items() if utterance not in plan.numbers]
+        end = 0
         for some in batched(numbers, PER_UTTERANCE):
-            which = (
-                f", rules {start} to {start + len(some) - 1}" if len(numbers) > len(some) else ""
-            )
-            yield some, which
-            start += len(some)
+            start, end = end + 1, end + len(some)
+            yield some, f", rules {start} to {end}" if len(numbers) > len(some) else ""
 
 
 def _checked(group: StatementGroup | ReifyingTriple, source: str) -> StatementGroup:
@@ -338,11 +308,11 @@ def _checked(group: StatementGroup | ReifyingTriple, source: str) -> StatementGr
             "annotated edges (RDF 1.2) are read from small files only; take N-Quads or CSV.",
             source=source,
         )
-    check_graph(group.graph, source=source)
+    validation.check_graph(group.graph, source=source)
     return group
 
 
-def _read_rule(node: Iri, properties: list[tuple[Iri, Term]]) -> Rule:
+def _read_rule(node: Iri, properties: Properties) -> Rule:
     try:
         rule = rule_mapping.read_rule(properties)
         known = Counter(quad.predicate for quad in rule_mapping.property_quads(rule))
@@ -355,6 +325,7 @@ def _read_rule(node: Iri, properties: list[tuple[Iri, Term]]) -> Rule:
 
 
 def _write(store: Store, lines: Iterator[bytes], plan: AncillaryWrites, source: str) -> None:
+    # The old sequence number never counts beside the new one, which is higher.
     before = set(store.quads(BASE_NODE, SEQUENCE, None, BASE_GRAPH))
     first, size = list[bytes](), 0
     for chunk in lines:
@@ -362,9 +333,7 @@ def _write(store: Store, lines: Iterator[bytes], plan: AncillaryWrites, source: 
         size += len(chunk)
         if size > _MAX_APPLIED and isinstance(store, EmbeddedStore):
             store.load(chain(first, lines))
-            # The old sequence number never counts beside the new one, which is higher.
-            store.apply(delete={*plan.delete, *before} - {*plan.insert})
-            return
+            first.clear()
     text = io.BytesIO(b"".join(first))
     read = read_quads(read_groups(text, format="nquads", source=source, default=BELIEFS))
     insert = [one for one in read if isinstance(one, Quad)]
@@ -375,7 +344,7 @@ def _statuses(store: Store) -> dict[int, Term]:
     known: dict[Term, Term] = {}  # one object for all rules
     return {
         int(split(quad.subject)[1], 16): known.setdefault(quad.object, quad.object)
-        for quad in store.quads(None, STATUS, None, BELIEFS)
+        for quad in store.quads(None, rule_mapping.STATUS, None, BELIEFS)
     }
 
 

@@ -15,7 +15,7 @@ from typing import Any, BinaryIO, NamedTuple, TypeAlias
 from ...ontology.vocabulary import PREFIXES, Iri
 from ..rdf.annotated_turtle import ReifyingTriple
 from ..rdf.rule_mapping import BELIEFS
-from ..rdf.terms import Quad, Term
+from ..rdf.terms import Properties, Quad
 
 # What an RDF text is read into.
 Statements: TypeAlias = "StatementGroup | RuleBlock | ReifyingTriple"
@@ -46,7 +46,7 @@ class StatementGroup(NamedTuple):
 
     node: Iri
     graph: Iri
-    pairs: list[tuple[Iri, Term]]
+    pairs: Properties
 
     def quads(self) -> Iterator[Quad]:
         """Iterate over the statements."""

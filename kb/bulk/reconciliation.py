@@ -10,24 +10,16 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from ...ontology.vocabulary import iri, is_ontology, shortened
+from .. import history
 from ..episodes import EPISODES
-from ..history import (
-    HISTORY,
-    SEQUENCE,
-    TEXT,
-    TRUST_LOWER,
-    Utterance,
-    utterance_iri,
-    utterance_quads,
-)
+from ..history import HISTORY, Utterance, utterance_iri
 from ..knowledge_base import KnowledgeBase, derived_quads
-from ..learned_words import LEXICON
+from ..learned import ACTIONS, LEXICON
 from ..rdf.domain import DOMAIN, DOMAIN_HASH
 from ..rdf.rule_mapping import BELIEFS
-from ..rdf.terms import Quad, Term
-from ..reader import BASE_GRAPH, BASE_NODE, RuleReader
+from ..rdf.terms import BASE_GRAPH, BASE_NODE, Quad, Term
+from ..reader import RuleReader
 from ..rule import Rule
-from ..taught_actions import ACTIONS
 from ..writer import speaker_quads, trust_quads
 
 
@@ -102,7 +94,7 @@ class AncillaryWrites:
     def add(self, utterance: Utterance) -> None:
         """Add an utterance under the number that it has."""
         self.assertions.append((utterance.sequence, utterance.asserts))
-        self.insert += utterance_quads(replace(utterance, asserts=()))
+        self.insert += history.utterance_quads(replace(utterance, asserts=()))
         self.insert += speaker_quads(utterance.speaker, HISTORY)
 
     def leave_out(self, quads: Iterable[Quad]) -> None:
@@ -112,21 +104,17 @@ class AncillaryWrites:
         )
 
 
-class BelievedRules:
-    """The active rules of a base by premises and conclusion, read node by node as needed."""
+def believed_rules(base: KnowledgeBase, node: str) -> Mapping[object, Sequence[Rule]]:
+    """The active rules at a node of an action tree, by their premises and conclusion (`claim`)."""
+    found: dict[object, list[Rule]] = defaultdict(list)
+    for rule in base.rules_at_nodes([node]):
+        found[claim(rule)].append(rule)
+    return found
 
-    def __init__(self, base: KnowledgeBase) -> None:
-        self._base = base
-        self._nodes: set[str] = set()
-        self._rules: dict[object, list[Rule]] = defaultdict(list)
 
-    def with_conclusion_of(self, rule: Rule) -> Sequence[Rule]:
-        """The rules of the same premises and conclusion as a rule."""
-        if rule.node not in self._nodes:
-            self._nodes.add(rule.node)
-            for one in self._base.rules_at_nodes([rule.node]):
-                self._rules[_claim(one)].append(one)
-        return self._rules.get(_claim(rule), ())
+def claim(rule: Rule) -> tuple[object, ...]:
+    """What a rule says, whatever its interval: its premises and its conclusion."""
+    return (rule.features | rule.contexts, rule.functor, rule.argument)
 
 
 def conflicts_of(rule: Rule, believed: Iterable[Rule]) -> list[ImportConflict]:
@@ -149,7 +137,9 @@ def plan_trust(plan: AncillaryWrites, base: KnowledgeBase, other: RuleReader) ->
             plan.delete += base.store.quads(iri("speaker", speaker), None, None, BELIEFS)
             plan.insert += trust_quads(speaker, theirs)
         elif theirs != own:
-            plan.leave_out(other.store.quads(iri("speaker", speaker), TRUST_LOWER, None, BELIEFS))
+            plan.leave_out(
+                other.store.quads(iri("speaker", speaker), history.TRUST_LOWER, None, BELIEFS)
+            )
 
 
 def plan_history(
@@ -189,13 +179,9 @@ def plan_rest(plan: AncillaryWrites, base: KnowledgeBase, other: RuleReader) -> 
         plan.leave_out(domain.difference(base.store.quads(None, None, None, DOMAIN)))
 
 
-def _claim(rule: Rule) -> tuple[object, ...]:
-    return (rule.features | rule.contexts, rule.functor, rule.argument)
-
-
 def _same_utterance(base: KnowledgeBase, utterance: Utterance) -> int | None:
-    for quad in base.store.quads(None, TEXT, utterance.text, HISTORY):
-        for number in base.store.quads(quad.subject, SEQUENCE, None, HISTORY):
+    for quad in base.store.quads(None, history.TEXT, utterance.text, HISTORY):
+        for number in base.store.quads(quad.subject, history.SEQUENCE, None, HISTORY):
             if isinstance(number.object, int):
                 there = base.utterance(number.object)
                 if replace(there, sequence=utterance.sequence) == utterance:

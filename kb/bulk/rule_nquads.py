@@ -21,16 +21,7 @@ from ...ontology.vocabulary import PREFIXES, Iri, split
 from ..history import ASSERTS, HISTORY
 from ..interval import DIGITS, Interval
 from ..rdf import rule_mapping
-from ..rdf.rule_mapping import (
-    BELIEFS,
-    DERIVED,
-    DERIVED_FROM,
-    FEATURE,
-    GENERATED_AT,
-    LOWER,
-    RULE,
-    UPPER,
-)
+from ..rdf.rule_mapping import BELIEFS, DERIVED, DERIVED_FROM, FEATURE, GENERATED_AT, LOWER, UPPER
 from ..rdf.terms import DECIMAL, Quad, Term, as_sparql
 from ..rule import Atom, Rule, Status
 from .nquads_reader import MAX_KNOWN, RuleBlock, make_room, remember
@@ -44,7 +35,7 @@ _END, _HISTORY_END, _DERIVED_END = (
     f" {as_sparql(graph)} .\n" for graph in (BELIEFS, HISTORY, DERIVED)
 )
 _LOWER, _UPPER, _TIME, _RULE, _ASSERTS = (
-    f" {as_sparql(key)} " for key in (LOWER, UPPER, GENERATED_AT, RULE, ASSERTS)
+    f" {as_sparql(key)} " for key in (LOWER, UPPER, GENERATED_AT, rule_mapping.RULE, ASSERTS)
 )
 _BOUND_END = f'"^^<{DECIMAL}>{_END}'
 _BOUND = re.compile(
@@ -163,8 +154,8 @@ class NQuadsWriter:
     """Writes rules and other statements as N-Quads; edges and labels come at least once."""
 
     def __init__(self) -> None:
-        self._edges: set[tuple[frozenset[Atom], tuple[str, ...]]] = set()
-        self._labelled: set[str] = set()
+        self._edges: set[object] = set()  # features, with lines of edges
+        self._labelled: set[object] = set()  # lines
         self._name = lru_cache(MAX_KNOWN)(as_sparql)
         self._shared_lines = lru_cache(MAX_KNOWN)(_shared_lines)
         self._feature_lines = lru_cache(MAX_KNOWN)(_feature_lines)
@@ -188,11 +179,12 @@ class NQuadsWriter:
             lines += f"{node}{_TIME}{self._name(rule.time)}{_END}"
         if rule.status == "active":
             lines += f"{shared.node}{_RULE}{node}{_DERIVED_END}"
-            if shared.edges and rule.asserts and self._is_first(rule.features, shared.edges):
-                lines += _edge_lines(rule, shared, features)
-        if rule.asserts:
-            lines += self._once(_relation_lines(rule, shared))
-        self._write(lines + self._once(features.labels) + self._once(shared.labels))
+            if shared.edges and rule.asserts:
+                is_first = _is_first((rule.features, shared.edges), self._edges)
+                lines += _edge_lines(rule, shared, features) if is_first else ""
+        relation = _relation_lines(rule, shared) if rule.asserts else ""
+        named = (relation, features.labels, shared.labels)
+        self._write(lines + "".join([some for some in named if _is_first(some, self._labelled)]))
 
     def write_property(self, numbers: Iterable[int], key: Iri, value: Term) -> None:
         """Write a property that rules have in common, given the numbers of the rules."""
@@ -219,23 +211,17 @@ class NQuadsWriter:
             self._held.clear()
             self._size = 0
 
-    def _is_first(self, features: frozenset[Atom], edges: tuple[str, ...]) -> bool:
-        if (features, edges) in self._edges:
-            return False
-        make_room(self._edges)
-        self._edges.add((features, edges))
-        return True
-
-    def _once(self, lines: str) -> str:
-        if lines in self._labelled:
-            return ""
-        make_room(self._labelled)
-        self._labelled.add(lines)
-        return lines
-
     def _write(self, text: str) -> None:
         self._held.append(text)
         self._size += len(text)
+
+
+def _is_first(thing: object, known: set[object]) -> bool:
+    if thing in known:
+        return False
+    make_room(known)
+    known.add(thing)
+    return True
 
 
 def _edge_lines(rule: Rule, shared: SharedLines, features: FeatureLines) -> str:

@@ -15,11 +15,8 @@ from ..bulk.nquads_reader import remember
 from ..rdf.terms import write_time
 from ..rule import ARGUMENT_KINDS, Atom, Rule
 from . import value_notation
+from .value_notation import COLUMNS
 
-COLUMNS = (
-    *("features", "contexts", "functor", "argument", "lower", "upper"),
-    *("speaker", "status", "time"),
-)
 REQUIRED = ("features", "functor", "lower")
 
 

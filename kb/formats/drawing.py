@@ -11,10 +11,10 @@ from __future__ import annotations
 import io
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
-from dataclasses import astuple, dataclass
-from typing import TYPE_CHECKING, Any
+from statistics import fmean
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from ...ontology.errors import MissingExtraError
+from ...ontology.errors import extra_required
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -39,8 +39,7 @@ _STYLES: dict[str, Any] = {
 }  # fmt: skip
 
 
-@dataclass(frozen=True)
-class _Arrow:
+class _Arrow(NamedTuple):
     start: str
     end: str
     label: str
@@ -53,17 +52,18 @@ def draw_graph(graph: MultiDiGraph[str], form: str) -> bytes:
 
     The form is "svg" or "png". MissingExtraError if matplotlib is not installed.
     """
-    try:
+    with extra_required("report", "matplotlib"):
         import matplotlib as mpl
         from matplotlib.figure import Figure
-    except ImportError as error:
-        raise MissingExtraError("report", "matplotlib") from error
 
-    arrows = sorted((_arrow(*edge) for edge in graph.edges(data=True)), key=astuple)
-    columns = _ordered_columns(graph, arrows)
-    starts, ends = _arrows_by_node(columns, arrows)
-    rows = {node: max(len(starts[node]), len(ends[node]), 1) for node in graph}
-    boxes, width, height = _placed(columns, arrows, rows)
+    arrows = sorted(_arrow(*edge) for edge in graph.edges(data=True))
+    columns = _ordered_columns(graph)
+    order = {node: i for column in columns for i, node in enumerate(column)}
+    ends = _grouped(sorted(arrows, key=lambda one: (order[one.start], one.start, one.label)), "end")
+    starts = _grouped(sorted(arrows, key=lambda one: (order[one.end], one.end, one.label)), "start")
+    most = {node: max(len(starts[node]), len(ends[node]), 1) for node in graph}
+    heights = {node: rows * _ROW + _ROW / 2 for node, rows in most.items()}
+    boxes, width, height = _placed(columns, arrows, heights)
     colours = _colours(arrows)
     kinds = sorted({_kind(node) for node in graph})
     below = _LEGEND_ROW * max(len(colours), len(_STYLES), len(kinds)) + _MARGIN if arrows else 0
@@ -111,7 +111,7 @@ def _kind(node: str) -> str:
     return node.partition(":")[0]
 
 
-def _ordered_columns(graph: MultiDiGraph[str], arrows: Sequence[_Arrow]) -> list[list[str]]:
+def _ordered_columns(graph: MultiDiGraph[str]) -> list[list[str]]:
     import networkx as nx
 
     columns: list[list[str]] = [[], [], []]
@@ -119,60 +119,44 @@ def _ordered_columns(graph: MultiDiGraph[str], arrows: Sequence[_Arrow]) -> list
         has_in, has_out = graph.in_degree(node) > 0, graph.out_degree(node) > 0
         columns[0 if not has_in else 1 if has_out else 2].append(node)
     columns = [column for column in columns if column]
-    neighbours: dict[str, list[str]] = defaultdict(list)
-    for arrow in arrows:
-        neighbours[arrow.start].append(arrow.end)
-        neighbours[arrow.end].append(arrow.start)
+    edges = graph.to_undirected(as_view=True).edges
     components = sorted(nx.weakly_connected_components(graph), key=min)
     component = {node: number for number, nodes in enumerate(components) for node in nodes}
     for _ in range(_SWEEPS):
         for column in columns:
             height = {node: i / len(one) for one in columns for i, node in enumerate(one)}
-            mean = {
-                node: sum(height[other] for other in neighbours[node]) / len(neighbours[node])
-                for node in column
-            }
+            mean = {node: fmean(height[other] for _, other in edges(node)) for node in column}
             column.sort(key=lambda node: (component[node], mean[node], node))
     return columns
 
 
-def _arrows_by_node(
-    columns: Sequence[Sequence[str]], arrows: Sequence[_Arrow]
-) -> tuple[dict[str, list[_Arrow]], dict[str, list[_Arrow]]]:
-    order = {node: i for column in columns for i, node in enumerate(column)}
-    starts: dict[str, list[_Arrow]] = defaultdict(list)
-    ends: dict[str, list[_Arrow]] = defaultdict(list)
-    for arrow in sorted(arrows, key=lambda one: (order[one.end], one.end, one.label)):
-        starts[arrow.start].append(arrow)
-    for arrow in sorted(arrows, key=lambda one: (order[one.start], one.start, one.label)):
-        ends[arrow.end].append(arrow)
-    return starts, ends
+def _grouped(arrows: Sequence[_Arrow], by: str) -> dict[str, list[_Arrow]]:
+    found: dict[str, list[_Arrow]] = defaultdict(list)
+    for arrow in arrows:
+        found[getattr(arrow, by)].append(arrow)
+    return found
 
 
 def _placed(
-    columns: Sequence[Sequence[str]], arrows: Sequence[_Arrow], rows: Mapping[str, int]
+    columns: Sequence[Sequence[str]], arrows: Sequence[_Arrow], heights: Mapping[str, float]
 ) -> tuple[dict[str, Bbox], float, float]:
     from matplotlib.transforms import Bbox
 
-    heights = [sum(_height(rows[node]) + _GAP for node in column) - _GAP for column in columns]
-    height = max(heights, default=0) + 2 * _MARGIN
+    totals = [sum(heights[node] + _GAP for node in column) - _GAP for column in columns]
+    height = max(totals, default=0) + 2 * _MARGIN
     labels = _LETTER * max((len(arrow.label) for arrow in arrows), default=0)
     channel = labels + _CURVE + min(height, 3000) / 10
     boxes: dict[str, Bbox] = {}
     x = float(_MARGIN)
-    for column, own in zip(columns, heights, strict=True):
+    for column, own in zip(columns, totals, strict=True):
         width = _LETTER * max(len(_name(node)) for node in column) + 2 * _MARGIN
         y = (height + own) / 2
         for node in column:
-            y -= _height(rows[node])
-            boxes[node] = Bbox.from_bounds(x, y, width, _height(rows[node]))
+            y -= heights[node]
+            boxes[node] = Bbox.from_bounds(x, y, width, heights[node])
             y -= _GAP
         x += width + channel
     return boxes, (x - channel + _MARGIN if columns else 2 * _MARGIN), height
-
-
-def _height(rows: int) -> float:
-    return rows * _ROW + _ROW / 2
 
 
 def _port(box: Bbox, arrows: Sequence[_Arrow], arrow: _Arrow) -> float:

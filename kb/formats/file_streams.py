@@ -12,7 +12,7 @@ import sys
 import tempfile
 import zlib
 from collections.abc import Callable, Generator, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager, nullcontext, suppress
 from pathlib import Path
 from typing import BinaryIO, cast
 
@@ -133,21 +133,15 @@ def open_input(
     `progress` is called with how many bytes of the file have been read. DataError if it cannot be
     read.
     """
-    if file == STREAM:
-        plain = sys.stdin.buffer
-    else:
-        try:
-            plain = Path(file).open("rb")  # noqa: SIM115 - closed below
-        except OSError as error:
-            raise DataError(f"cannot be read: {error.strerror}.", source=file) from error
     try:
+        opened = nullcontext(sys.stdin.buffer) if file == STREAM else Path(file).open("rb")  # noqa: SIM115
+    except OSError as error:
+        raise DataError(f"cannot be read: {error.strerror}.", source=file) from error
+    with opened as plain:
         stream = plain if plain.seekable() else io.BufferedReader(cast(io.RawIOBase, plain))
         position = plain.tell if plain.seekable() else None
         unpacked = _unpacked(stream, file)
         yield CheckedStream(unpacked, file, chosen, progress=progress, position=position)
-    finally:
-        if file != STREAM:
-            plain.close()
 
 
 @contextmanager

@@ -20,8 +20,7 @@ from . import value_notation
 if TYPE_CHECKING:
     from networkx import MultiDiGraph
 
-_NEEDED = ("features", "contexts", "functor", "argument", "lower", "upper")
-_OPTIONAL = ("speaker", "status", "time")
+_OPTIONAL = frozenset({"speaker", "status", "time"})
 
 
 def graph_of(rules: Iterable[Rule]) -> MultiDiGraph[str]:
@@ -105,5 +104,6 @@ def _attributes(rule: Rule) -> dict[str, str | float]:
 
 
 def _rule(found: Mapping[str, Any]) -> Rule:
-    needed = [str(found[key]) for key in _NEEDED]
-    return value_notation.read_rule([*needed, *(found.get(key) or "" for key in _OPTIONAL)])
+    given = {key: value for key, value in found.items() if value is not None}
+    given = {**dict.fromkeys(_OPTIONAL, ""), **given}
+    return value_notation.read_rule([str(given[key]) for key in value_notation.COLUMNS])

@@ -21,7 +21,7 @@ from ..rdf.annotated_turtle import REIFIES, ReifyingTriple, expand_annotations, 
 from ..rdf.rule_mapping import BELIEFS
 from ..rule import Rule
 from ..stores.base import Store
-from ..validation import MAX_BY_HAND, findings, raise_findings, stage, stage_rules
+from ..validation import MAX_SHACL, findings, raise_findings, stage, stage_rules
 from .file_streams import CheckedStream, Progress, open_input, open_output
 from .registry import FORMATS, RULE_FORMATS, FileFormat, format_of
 
@@ -152,7 +152,7 @@ def _import(
         size += _size(item)
         if size > MAX_STAGED:
             break
-    if size > MAX_STAGED or (size > MAX_BY_HAND and _is_in_order(first)):
+    if size > MAX_STAGED or (size > MAX_SHACL and _is_in_order(first)):
         return import_statements(base, chain(first, items), source=name, dry_run=dry_run)
     staging = _staged(first, name)
     try:

@@ -15,13 +15,13 @@ from pathlib import Path
 from typing import Any, BinaryIO, cast
 from urllib.parse import quote
 
-from ...ontology.errors import DataError
+from ...ontology.errors import DataError, extra_required
 from ...ontology.vocabulary import INDIVIDUALS, Iri, external, ontology_graph, prefixed
 from ..bulk.nquads_reader import read_groups, read_quads
 from ..history import import_utterance
 from ..knowledge_base import KnowledgeBase
 from ..rdf.rule_mapping import LABEL, TYPE
-from ..rdf.terms import BLANK, Literal, Quad, Term
+from ..rdf.terms import Literal, Quad, Term, is_blank
 from ..writer import to_milliseconds
 from .file_streams import open_input
 from .registry import FileFormat, format_of
@@ -107,11 +107,8 @@ def _read(file: str, given: str | None, graph: Iri) -> Iterator[Quad]:
 
 
 def _as_rdfxml(data: bytes, form: str, source: str) -> bytes:
-    try:
+    with extra_required("owl", "py-horned-owl"):
         library = import_module("pyhornedowl")
-    except ImportError as error:
-        problem = "is OWL in another syntax than RDF; to read it: pip install py-horned-owl"
-        raise DataError(problem, source=source) from error
     try:
         return library.open_ontology_from_string(data.decode(), form).save_to_string("owl").encode()
     except (ValueError, UnicodeDecodeError) as error:
@@ -123,7 +120,7 @@ def _named(quads: Iterable[Quad], graph: Iri) -> Iterator[Quad]:
     start = f"{INDIVIDUALS}.well-known/genid/{graph.rpartition('/')[2]}/"
 
     def named(value: Any) -> Any:
-        if isinstance(value, Iri) and value.startswith(BLANK):
+        if is_blank(value):
             return names.setdefault(str(value), Iri(f"{start}{len(names) + 1}"))
         return value
 

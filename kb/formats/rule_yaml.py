@@ -32,7 +32,7 @@ _KEYS = (
 def read_sheet(text: str, *, source: str) -> Iterator[Rule]:
     """Iterate over the rules of a sheet, in its order; a DataError lists the first mistakes."""
     sheet = parse_yaml(text, source=source).entries(required=["rules"], optional=["speaker"])
-    speaker = sheet["speaker"].text() if "speaker" in sheet else None
+    speaker = _optional(sheet, "speaker")
     yield from value_notation.read_all(sheet["rules"].items(), lambda entry: _rule(entry, speaker))
 
 
@@ -47,20 +47,14 @@ def write_sheet(target: TextIO, rules: Iterable[Rule]) -> None:
     target.write(end)
 
 
-def _rule(entry: YamlNode, speaker: str | None) -> Rule:
+def _rule(entry: YamlNode, speaker: str) -> Rule:
     found = entry.entries(required=["interval"], optional=_KEYS)
     try:
         functor, argument = _conclusion(entry, found)
-        return value_notation.make_rule(
-            _features(found),
-            _contexts(found),
-            functor,
-            argument,
-            _interval(found["interval"]),
-            speaker=found["speaker"].text() if "speaker" in found else speaker,
-            status=_optional(found, "status"),
-            time=_optional(found, "time"),
-        )
+        said = [_optional(found, key) for key in ("speaker", "status", "time")]
+        source = value_notation.read_source(said[0] or speaker, *said[1:])
+        features, contexts = _features(found), _contexts(found)
+        return Rule(features, contexts, functor, argument, _interval(found["interval"]), **source)
     except DataError:
         raise
     except HiltError as error:
@@ -81,8 +75,7 @@ def _contexts(found: Mapping[str, YamlNode]) -> frozenset[Atom]:
 def _atoms(field: YamlNode | None, kind: str) -> frozenset[Atom]:
     if field is None:
         return frozenset()
-    fields = field.items() if isinstance(field.value, tuple) else (field,)
-    return frozenset().union(*(_placed(one, kind) for one in fields))
+    return frozenset().union(*(_placed(one, kind) for one in field.listed()))
 
 
 def _placed(field: YamlNode, kind: str) -> frozenset[Atom]:
@@ -107,7 +100,7 @@ def _conclusion(entry: YamlNode, found: Mapping[str, YamlNode]) -> tuple[str, At
     for functor, key in _ARGUMENTS.items():
         if given == [key]:
             return functor, value_notation.read_atom(name, ARGUMENT_KINDS[functor])
-    return name, value_notation.read_argument(_optional(found, "argument") or "", name)
+    return name, value_notation.read_argument(_optional(found, "argument"), name)
 
 
 def _interval(field: YamlNode) -> Interval:
@@ -119,8 +112,8 @@ def _interval(field: YamlNode) -> Interval:
     return Interval(lower, upper)
 
 
-def _optional(found: Mapping[str, YamlNode], key: str) -> str | None:
-    return found[key].text() if key in found else None
+def _optional(found: Mapping[str, YamlNode], key: str) -> str:
+    return found[key].text() if key in found else ""
 
 
 @lru_cache(maxsize=2**16)

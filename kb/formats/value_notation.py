@@ -5,15 +5,18 @@ object, a bare context an action, and what something is used for is an affordanc
 """
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from datetime import datetime
 from functools import lru_cache
-from typing import TypeVar, cast, get_args
+from typing import Any, TypeVar, get_args
 
 from ...ontology.errors import DataError, ValidationError
 from ..interval import DIGITS, Interval
 from ..rdf.terms import read_time
 from ..rule import ARGUMENT_KINDS, DEFAULT_SPEAKER, Atom, Rule, Status
 
+COLUMNS = (  # of a rule as texts
+    *("features", "contexts", "functor", "argument", "lower", "upper"),
+    *("speaker", "status", "time"),
+)
 ANY = "*"  # any object
 BETWEEN = "; "  # two atoms
 FEATURE_KIND, CONTEXT_KIND = "object", "action"
@@ -80,62 +83,33 @@ def read_argument(text: str, functor: str) -> Atom | None:
     return read_atom(text, ARGUMENT_KINDS.get(functor)) if text.strip() else None
 
 
-def read_status(text: str) -> Status:
-    """Return a status; ValidationError if none has that name."""
-    if text not in STATUSES:
-        raise ValidationError([f'"{text[:60]}" is no status; expected {", ".join(STATUSES)}.'])
-    return cast(Status, text)
+def read_source(speaker: str, status: str, time: str) -> dict[str, Any]:
+    """Return who said a rule and when, and its status; empty texts are for the defaults.
 
-
-def read_moment(text: str) -> datetime:
-    """Return a time with its zone; ValidationError if it is none."""
+    ValidationError if no status has that name, or the text is no time with its zone.
+    """
+    if status and status not in STATUSES:
+        raise ValidationError([f'"{status[:60]}" is no status; expected {", ".join(STATUSES)}.'])
     try:
-        return read_time(text.strip().replace(" ", "T"))
+        moment = read_time(time.strip().replace(" ", "T")) if time else None
     except ValueError as error:
         raise ValidationError(
-            [f'"{text[:60]}" is no time with its zone, as 2026-11-21T09:00:00Z.']
+            [f'"{time[:60]}" is no time with its zone, as 2026-11-21T09:00:00Z.']
         ) from error
-
-
-def make_rule(
-    features: frozenset[Atom],
-    contexts: frozenset[Atom],
-    functor: str,
-    argument: Atom | None,
-    interval: Interval,
-    *,
-    speaker: str | None,
-    status: str | None,
-    time: str | None,
-) -> Rule:
-    """Return a rule; a missing speaker or status is the default one."""
-    return Rule(
-        features,
-        contexts,
-        functor,
-        argument,
-        interval,
-        speaker or DEFAULT_SPEAKER,
-        None,
-        read_moment(time) if time else None,
-        read_status(status) if status else "active",
-    )
+    source = {"speaker": speaker or DEFAULT_SPEAKER, "status": status or "active"}
+    return {**source, "time": moment}
 
 
 def read_rule(cells: Sequence[str]) -> Rule:
-    """Return the rule of texts, one for each column; HiltError if one is malformed."""
-    features, contexts, functor, argument, lower, upper, speaker, status, time = map(
-        str.strip, cells
-    )
-    return make_rule(
+    """Return the rule of texts, one for each of `COLUMNS`; HiltError if one is malformed."""
+    features, contexts, functor, argument, lower, upper, *source = map(str.strip, cells)
+    return Rule(
         split_atoms(features, FEATURE_KIND),
         split_atoms(contexts, CONTEXT_KIND),
         functor,
         read_argument(argument, functor),
         read_interval(lower, upper),
-        speaker=speaker,
-        status=status,
-        time=time,
+        **read_source(*source),
     )
 
 

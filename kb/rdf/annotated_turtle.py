@@ -18,7 +18,7 @@ from ...ontology.vocabulary import PREFIXES, Iri, external, iri, prefixed, short
 from ..rule import DEFAULT_SPEAKER, GRASP_OBJECT, USED_FOR
 from . import rule_mapping
 from .rule_mapping import BELIEFS
-from .terms import BLANK, Quad, Term, as_sparql
+from .terms import Properties, Quad, Term, as_sparql, is_blank
 
 REIFIES = external("rdf:reifies")
 _FUNCTORS = {term("usedFor"): USED_FOR, term("graspedBy"): GRASP_OBJECT}
@@ -49,20 +49,18 @@ def expand_annotations(statements: Iterable[Quad | ReifyingTriple], *, source: s
     DataError if a blank node is not the annotation of a rule, or something else is annotated.
     """
     plain, edges = _split_edges(statements, source)
-    about: dict[Iri, list[tuple[Iri, Term]]] = defaultdict(list)
+    about: dict[Iri, Properties] = defaultdict(list)
     for quad in plain:
         if quad.subject in edges:
             about[quad.subject].append((quad.predicate, quad.object))
     annotated = {edge for several in edges.values() for edge in several}
     kept = [q for q in plain if q.subject not in edges and AnnotatedEdge(*q[:3]) not in annotated]
     for number, (node, several) in enumerate(edges.items()):
-        name = iri("rule", f"annotation-{number}") if node.startswith(BLANK) else node
+        name = iri("rule", f"annotation-{number}") if is_blank(node) else node
         kept += (Quad(name, key, value, BELIEFS) for key, value in _completed(about[node], several))
-    for quad in kept:
-        for end in (quad.subject, quad.object):
-            if isinstance(end, Iri) and end.startswith(BLANK):
-                problem = f"A base has no blank nodes; give {end} a name, as rule:1."
-                raise DataError(problem, source=source)
+    for end in filter(is_blank, (end for quad in kept for end in (quad.subject, quad.object))):
+        problem = f"A base has no blank nodes; give {end} a name, as rule:1."
+        raise DataError(problem, source=source)
     return kept
 
 
@@ -74,11 +72,8 @@ def write_annotated(quads: Iterable[Quad]) -> Iterator[str]:
         edges = _edges(node, found)
         if edges:
             yield from _annotation(node, found, edges)
-        elif plain := [one for one in found if one[0] not in _PLAIN_EDGES]:
+        elif plain := [one for one in found if one[0] not in rule_mapping.PLAIN_EDGES]:
             yield f"{_short(node)} {_pairs(plain)} .\n"
-
-
-_PLAIN_EDGES = frozenset((*_FUNCTORS, term("affords")))
 
 
 def _split_edges(
@@ -97,9 +92,7 @@ def _split_edges(
     return plain, edges
 
 
-def _completed(
-    found: list[tuple[Iri, Term]], edges: Sequence[AnnotatedEdge]
-) -> Iterator[tuple[Iri, Term]]:
+def _completed(found: Properties, edges: Sequence[AnnotatedEdge]) -> Iterator[tuple[Iri, Term]]:
     yield from found
     there = {key for key, _ in found}
     first = edges[0]
@@ -127,15 +120,13 @@ def _argument(value: Term) -> tuple[Iri, str]:
     return rule_mapping.argument_property(kind), kind
 
 
-def _edges(node: Iri, found: Sequence[tuple[Iri, Term]]) -> list[Quad]:
+def _edges(node: Iri, found: Properties) -> list[Quad]:
     active = (rule_mapping.STATUS, rule_mapping.status_iri("active"))
     is_active = split(node)[0] == "rule" and active in found
     return rule_mapping.plain_edges(rule_mapping.read_rule(found)) if is_active else []
 
 
-def _annotation(
-    node: Iri, found: Sequence[tuple[Iri, Term]], edges: Sequence[Quad]
-) -> Iterator[str]:
+def _annotation(node: Iri, found: Properties, edges: Sequence[Quad]) -> Iterator[str]:
     name = _short(node)
     said = _pairs(sorted(found, key=lambda one: one[0] not in _BOUNDS))
     first, *others = [f"{' '.join(map(_short, edge[:3]))} ~ {name}" for edge in edges]

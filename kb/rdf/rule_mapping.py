@@ -48,6 +48,7 @@ _EDGES = {USED_FOR: term("usedFor"), GRASP_OBJECT: term("graspedBy")}
 _STATUSES: tuple[str, ...] = get_args(Status)
 _EDGE_OF = {**_EDGES, KIND_OF: external("rdfs:subClassOf")}
 _OTHER_EDGE = term("affords")
+PLAIN_EDGES = frozenset((*_EDGES.values(), _OTHER_EDGE))
 _KINDS_OF_THINGS = frozenset({"object", "part", "material", "action"})
 _OWL_CLASS, _SUBPROPERTY = external("owl:Class"), external("rdfs:subPropertyOf")
 _WORD_START = re.compile("(?<=[a-z])(?=[A-Z])")  # pickUp is pick up

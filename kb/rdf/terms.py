@@ -54,6 +54,15 @@ class Quad(NamedTuple):
     graph: Iri | None = None
 
 
+# The properties of a node, with their values.
+Properties: TypeAlias = "list[tuple[Iri, Term]]"
+
+
+def is_blank(term: "Term | None") -> bool:
+    """Whether a term is a blank node."""
+    return isinstance(term, Iri) and term.startswith(BLANK)
+
+
 def literal(lexical: str, datatype: str, language: str = "") -> Term:
     """The term of an RDF literal."""
     if language:

@@ -117,11 +117,6 @@ def query_names() -> tuple[str, ...]:
     return tuple(sorted(path.stem for path in QUERIES_FOLDER.glob("*.rq")))
 
 
-def node_iri(node: str) -> Iri:
-    """The IRI of an action-tree node, from its key ("pass.graspObject")."""
-    return iri("node", node)
-
-
 def _individual(kind: str, local: str) -> Iri:
     return iri(kind, unquote(local.replace("_", " ")))
 

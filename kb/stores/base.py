@@ -12,12 +12,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from contextlib import AbstractContextManager
-from itertools import islice
+from itertools import groupby, islice
+from operator import attrgetter
 from pathlib import Path
-from typing import Any, Protocol, TypeAlias, TypeVar, runtime_checkable
+from typing import Any, Protocol, TypeAlias, TypeVar, cast, runtime_checkable
 
-from ...ontology.vocabulary import Iri
-from ..rdf.terms import Quad, Term
+from ...ontology.vocabulary import Iri, term
+from ..rdf.terms import BASE_GRAPH, BASE_NODE, Properties, Quad, Term
 from ..sparql.results import QueryLimits, QueryResult, SelectResult
 
 MEMORY = "memory:"
@@ -38,7 +39,7 @@ class ReadableStore(Protocol):
         """All statements that match, in any order; None matches everything."""
         ...
 
-    def properties(self, subject: Iri, graph: Iri) -> list[tuple[Iri, Term]]:
+    def properties(self, subject: Iri, graph: Iri) -> Properties:
         """The properties of a node in a graph, as (predicate, object)."""
         ...
 
@@ -106,10 +107,6 @@ class EmbeddedStore(Protocol):
         """The statements of a graph as the engine has them, to be serialized (`rdf_text`)."""
         ...
 
-    def rows(self, query: str) -> Iterator[list[str]]:
-        """Iterate over the rows of a SELECT query, tab-separated values, many at a time."""
-        ...
-
     def check_tables(self) -> None:
         """Read every statement in every way it is stored; StoreError where one is damaged."""
         ...
@@ -117,6 +114,21 @@ class EmbeddedStore(Protocol):
     def load(self, lines: Iterable[bytes]) -> None:
         """Add the statements of lines of N-Quads as one unit, while they are made."""
         ...
+
+
+def described_nodes(store: ReadableStore, graph: Iri) -> Iterator[tuple[Iri, Properties]]:
+    """Iterate over the nodes of a graph with their properties; in memory where not sorted."""
+    found = store.quads(None, None, None, graph)
+    if not (isinstance(store, EmbeddedStore) and store.is_sorted):
+        found = iter(sorted(found, key=attrgetter("subject")))
+    for node, some in groupby(found, key=attrgetter("subject")):
+        yield node, [(quad.predicate, quad.object) for quad in some]
+
+
+def last_utterance(store: ReadableStore) -> int:
+    """Return the number of the last utterance of the base in a store; 0 before the first."""
+    numbers = store.quads(BASE_NODE, term("sequence"), None, BASE_GRAPH)
+    return max((cast(int, quad.object) for quad in numbers), default=0)
 
 
 def batched(things: Iterable[T], size: int) -> Iterator[list[T]]:

@@ -13,7 +13,6 @@ from __future__ import annotations
 import contextlib
 import os
 import shutil
-import tempfile
 import threading
 from collections import deque
 from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
@@ -25,12 +24,12 @@ import pyoxigraph as engine
 
 from ...ontology.errors import QueryError, StoreError
 from ...ontology.logs import timed
-from ...ontology.vocabulary import PREFIXES, Iri, term
-from ..rdf.terms import BASE_GRAPH, BASE_NODE, Quad, Term
+from ...ontology.vocabulary import PREFIXES, Iri
+from ..rdf.terms import Properties, Quad, Term
 from ..sparql import results
 from ..sparql.query_text import delete_insert, keywords
 from . import directory
-from .base import MEMORY
+from .base import MEMORY, last_utterance
 from .directory import WriteAheadLogSync
 from .errors import open_error, translated_errors
 from .mark import check_files, check_number
@@ -38,11 +37,9 @@ from .query_subprocess import WorkerProcess
 from .term_conversion import from_engine, named_node, quad_from_engine, quad_to_engine, to_engine
 
 _PREFIXES = dict(PREFIXES)
-_SEQUENCE = term("sequence")
 # The places in a statement that choose each of the engine's indexes, but for the one by which it
 # goes through all statements.
 _INDEXES = ((0,), (1,), (1, 3), (2,), (2, 3))
-_BUFFER = 2**18  # bytes that are split into rows at once
 
 
 class OxigraphStore:
@@ -158,7 +155,7 @@ class OxigraphStore:
             finally:  # only this thread may free it, also where not all was read
                 del found
 
-    def properties(self, subject: Iri, graph: Iri) -> list[tuple[Iri, Term]]:
+    def properties(self, subject: Iri, graph: Iri) -> Properties:
         """The properties of a node."""
         # The most frequent read: only predicates and objects are converted.
         with translated_errors(self.location):
@@ -229,32 +226,16 @@ class OxigraphStore:
                         "Restore it from a backup or an export."
                     )
 
-    def rows(self, query: str) -> Iterator[list[str]]:
-        """Iterate over the rows of a SELECT query, tab-separated values, many at a time."""
-        with tempfile.TemporaryDirectory(prefix="hilt-") as folder:
-            file = Path(folder) / "rows.tsv"
-            with translated_errors(self.location, query):
-                found = cast("engine.QuerySolutions", self._run(query))
-                found.serialize(str(file), format=engine.QueryResultsFormat.TSV)
-            with file.open("rb") as lines:
-                lines.readline()  # the names of the variables
-                while text := lines.read(_BUFFER) + lines.readline():
-                    yield text.decode().removesuffix("\n").split("\n")
-
     def checked(self, number: int) -> OxigraphStore:
         """The store, marked as acknowledged; StoreError if it ends before this utterance."""
         try:
-            check_number(self._last_number(), number, self.location)
+            check_number(last_utterance(self), number, self.location)
             if self._log:
-                self._log.reset(self._last_number())
+                self._log.reset(last_utterance(self))
         except BaseException:
             self.close()
             raise
         return self
-
-    def _last_number(self) -> int:
-        numbers = self.quads(BASE_NODE, _SEQUENCE, None, BASE_GRAPH)
-        return max((cast(int, quad.object) for quad in numbers), default=0)
 
     def writing(self) -> AbstractContextManager[object]:
         """The lock round every write; the same thread may take it again."""
@@ -275,7 +256,7 @@ class OxigraphStore:
             store = self._engine()
             if self._folder:
                 store.backup(target)
-                WriteAheadLogSync(target).reset(self._last_number())
+                WriteAheadLogSync(target).reset(last_utterance(self))
             elif self._snapshot:
                 shutil.copytree(self._snapshot.path, target)
             else:
@@ -294,7 +275,7 @@ class OxigraphStore:
     def _write_tables(self, store: engine.Store) -> None:
         store.flush()
         if self._log:
-            self._log.reset(self._last_number())
+            self._log.reset(last_utterance(self))
 
     def _run(self, query: str, *, is_union: bool = True, **options: Any) -> object:
         with timed(__name__, "query %s", query), translated_errors(self.location, query):
@@ -323,7 +304,7 @@ class OxigraphStore:
                 raise StoreError(f'The knowledge base "{self.location}" is open for reading only.')
             self._snapshot = None
             yield store
-            if self._log and not self._log.sync(self._last_number()):
+            if self._log and not self._log.sync(last_utterance(self)):
                 self._write_tables(store)
         for watcher in self.watchers:
             watcher()

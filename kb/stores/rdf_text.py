@@ -25,7 +25,6 @@ RDF_FORMATS = {
     "jsonld": engine.RdfFormat.JSON_LD,
     "rdfxml": engine.RdfFormat.RDF_XML,
 }
-_WITH_PREFIXES = frozenset({"turtle", "trig"})
 _LINE_FORMATS = frozenset({"nquads", "ntriples"})  # one statement a line
 _MAX_LINE = 2**20  # bytes of a line that an error message looks at
 _CHUNK = 2**18  # bytes that are read at once
@@ -117,20 +116,12 @@ def write_rdf_to(
 
     DataError if a text has a character that XML cannot hold.
     """
-    chosen, declared = RDF_FORMATS[format], dict(prefixes)
+    chosen = RDF_FORMATS[format]
     if chosen == engine.RdfFormat.RDF_XML:
         statements = map(_checked_for_xml, statements)
     if not chosen.supports_datasets:
         statements = (quad.triple for quad in statements)
-    if format not in _WITH_PREFIXES:
-        engine.serialize(statements, stream, format=chosen, prefixes=declared)
-        return
-    # pyoxigraph writes the prefixes in a random order.
-    head = "".join(f"@prefix {name}: <{space}> .\n" for name, space in prefixes.items()).encode()
-    stream.write(head)
-    for some in batched(statements, _BATCH):
-        written = cast(bytes, engine.serialize(some, format=chosen, prefixes=declared))
-        stream.write(written[len(head) :])
+    engine.serialize(statements, stream, format=chosen, prefixes=dict(prefixes))
 
 
 def _statement(quad: engine.Quad, default: Iri) -> Quad | ReifyingTriple:

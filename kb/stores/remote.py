@@ -20,7 +20,7 @@ from typing import cast
 from urllib.parse import urlencode, urljoin
 
 from ...ontology.errors import QueryError, StoreError
-from ...ontology.vocabulary import GRAPH_NAMES, Iri, iri
+from ...ontology.vocabulary import GRAPH_NAMES, Iri, iri, is_ontology
 from ..rdf.terms import Quad, Term, as_sparql
 from ..sparql import query_text
 from ..sparql.results import (
@@ -43,6 +43,7 @@ CALL = QueryLimits(seconds=60, megabytes=MAX_MEGABYTES)
 LONG_CALL = QueryLimits(seconds=3_600, megabytes=MAX_MEGABYTES)  # makes visible what is prepared
 ROWS, TRIPLES = "application/sparql-results+json", "application/n-triples, text/plain;q=0.2"
 PAGE = 1_000  # solutions of a page where the endpoint does not say how many it sends
+_ONTOLOGIES = "SELECT ?graph { GRAPH ?graph { ?graph a owl:Ontology } }"
 VIRTUOSO, VIRTUOSO_UPDATES = "Virtuoso", "sparql-auth"
 
 
@@ -58,9 +59,8 @@ class RemoteStore:
         self._address = transport.address
         self._lock = threading.RLock()
         self._lease = WriteLease(self.location, self._claims, self._write, self._write_all)
-        self._graphs = [iri("graph", name) for name in GRAPH_NAMES]
-        names = [str(graph) for graph in self._graphs]
-        self._dataset = {"default-graph-uri": names, "named-graph-uri": names}
+        self._graphs = {iri("graph", name) for name in GRAPH_NAMES}
+        self._dataset = dict[str, Sequence[str]]()
         self._server = ""
         self._is_open, self._is_sure = True, True  # that the right to write was not lost
 
@@ -73,6 +73,7 @@ class RemoteStore:
             self._server = self._read("ASK {}", ROWS, CALL).server
         except QueryError as error:
             raise StoreError(f'"{self.location}" is not a SPARQL endpoint: {error}') from error
+        self._extend_dataset(cast(Iri, graph) for (graph,) in self.select(_ONTOLOGIES))
         self._complete()
 
     def select(self, query: str, limits: QueryLimits = CALL) -> SelectResult:
@@ -126,6 +127,7 @@ class RemoteStore:
         with self.writing():
             old, new = [q for quad in delete for q in _number_variants(quad)], list(insert)
             if len(old) + len(new) <= BATCH:
+                self._extend_dataset(cast(Iri, quad.graph) for quad in new)
                 self._write(self._lease.fenced(old, new))
                 self._is_sure = False
             else:
@@ -135,7 +137,7 @@ class RemoteStore:
         """Delete everything, then insert statements, as one unit."""
         self._check_writable()
         with self.writing():
-            self._write_large({"new": quads}, self._graphs)
+            self._write_large({"new": quads}, sorted(self._graphs))
 
     def update(self, update: str) -> None:
         """Run a SPARQL update, once."""
@@ -182,6 +184,11 @@ class RemoteStore:
                 ) from error
             finally:
                 self._lease.release()
+
+    def _extend_dataset(self, graphs: Iterable[Iri]) -> None:
+        self._graphs.update(filter(is_ontology, graphs))
+        names = sorted(map(str, self._graphs))
+        self._dataset = {"default-graph-uri": names, "named-graph-uri": names}
 
     def _read_pages(
         self, query: str, first: SelectResult, size: int, limits: QueryLimits
@@ -264,6 +271,7 @@ class RemoteStore:
                     if graph not in marked:
                         self._lease.mark((CHANGES, graph))
                         marked.add(graph)
+                    self._extend_dataset([graph])
                     inside = [quad for quad in some if quad.graph == graph]
                     self._insert(prepared(claim, kind, graph), inside)
 

@@ -34,6 +34,12 @@ def quad_from_engine(quad: engine.Quad) -> Quad:
     )
 
 
+@lru_cache(maxsize=2**16)
+def property_from_engine(predicate: engine.NamedNode, value: Any) -> tuple[Iri, Term]:
+    """The property that a pyoxigraph predicate and object are; errors as for `from_engine`."""
+    return Iri(predicate.value), from_engine(value)
+
+
 def to_engine(term: Term) -> engine.NamedNode | engine.Literal:
     """The pyoxigraph term of a term; ValueError if it is no valid IRI or literal."""
     if isinstance(term, Iri):

@@ -3,16 +3,17 @@ r"""Categories of combinatory categorial grammar: what a word is, by what it com
 `NP` is complete. `S/NP` gives an `S` when an `NP` follows it, `S\NP` when one goes before it;
 slashes group to the left. A plain slash only applies, which is the safe default: a slash with a
 `^` may also compose harmonically (`X/^Y Y/^Z` gives `X/^Z`). Nothing crosses and nothing is raised
-(Steedman 2000; modalities after Baldridge 2002).
+(Steedman 2000; modalities after Baldridge 2002). Every category has a simple type: e, what a name
+stands for; t, what is so or is to be done; d, a degree of confidence; and functions between them.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from .types import FunctionType, Type
+from .terms import BoundVariable, Constant, Lambda, Term, show, spine
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,3 +57,83 @@ def type_of(category: Category, atoms: Mapping[str, Type]) -> Type:
 
 def _bracketed(category: Category) -> str:
     return f"({category})" if isinstance(category, Functor) else str(category)
+
+
+@dataclass(frozen=True, slots=True)
+class BasicType:
+    """A type that is not a function: `e`, `t` or `d`."""
+
+    name: str
+
+    def __str__(self) -> str:
+        return self.name
+
+
+@dataclass(frozen=True, slots=True)
+class FunctionType:
+    """The type of functions from `source` to `target`."""
+
+    source: Type
+    target: Type
+
+    def __str__(self) -> str:
+        source = f"({self.source})" if isinstance(self.source, FunctionType) else str(self.source)
+        return f"{source} -> {self.target}"
+
+
+Type: TypeAlias = BasicType | FunctionType
+Signature: TypeAlias = Mapping[str, Sequence[Type]]
+
+
+class TypeMismatchError(TypeError):
+    """A term does not have the type that is expected of it; the message is one clause."""
+
+
+def check_type(
+    term: Term, expected: Type, signature: Signature, context: tuple[Type, ...] = ()
+) -> None:
+    """Check that a term has a type; `context` has those of its free variables, innermost first.
+
+    It raises `TypeMismatchError`, also for a constant that the signature does not know.
+    """
+    if isinstance(term, Lambda):
+        if not isinstance(expected, FunctionType):
+            raise TypeMismatchError(f"expected {expected}, found the function {show(term)}")
+        check_type(term.body, expected.target, signature, (expected.source, *context))
+        return
+    head, arguments = spine(term)
+    failures: list[TypeMismatchError] = []
+    for candidate in _types_of(head, signature, context):
+        found = candidate
+        try:
+            for argument in arguments:
+                if not isinstance(found, FunctionType):
+                    raise TypeMismatchError(
+                        f"{_shown(head)} takes fewer arguments than it is given"
+                    )
+                check_type(argument, found.source, signature, context)
+                found = found.target
+        except TypeMismatchError as error:
+            failures.append(error)
+            continue
+        if found == expected:
+            return
+        problem = f"expected {expected}, but {_shown(head)} gives {found}"
+        failures.append(TypeMismatchError(problem))
+    raise failures[0]
+
+
+def _types_of(head: Term, signature: Signature, context: tuple[Type, ...]) -> Sequence[Type]:
+    match head:
+        case BoundVariable(index) if index < len(context):
+            return (context[index],)
+        case Constant(name) if name in signature:
+            return signature[name]
+        case Constant(name):
+            raise TypeMismatchError(f'the name "{name}" is neither bound nor declared')
+        case _:
+            raise TypeMismatchError(f"{show(head)} cannot stand before arguments")
+
+
+def _shown(head: Term) -> str:
+    return f'"{head.name}"' if isinstance(head, Constant) else "a variable"

@@ -12,11 +12,21 @@ from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 from ...ontology.yaml_reader import YamlNode, read_yaml
-from .categories import AtomicCategory, Category, Functor, type_of
+from .categories import (
+    AtomicCategory,
+    BasicType,
+    Category,
+    FunctionType,
+    Functor,
+    Signature,
+    Type,
+    TypeMismatchError,
+    check_type,
+    type_of,
+)
 from .constructions import ConstructionGap
 from .notation_reader import read_entry, read_type, read_unary
 from .terms import Term, Value, evaluate
-from .types import BasicType, FunctionType, Signature, Type, TypeMismatchError, check_type
 from .word_patterns import compile_pattern, expand
 
 PREDICATES_FILE = Path(__file__).parents[2] / "ontology" / "predicates.yaml"

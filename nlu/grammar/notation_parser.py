@@ -11,9 +11,8 @@ from lark import Lark, Transformer, UnexpectedInput, UnexpectedToken, v_args
 
 from ...ontology.errors import DataError
 from ...ontology.yaml_reader import YamlNode
-from .categories import AtomicCategory, Category, Functor
+from .categories import AtomicCategory, BasicType, Category, FunctionType, Functor, Type
 from .terms import Application, Constant, Term, bind
-from .types import BasicType, FunctionType, Type
 
 Entry: TypeAlias = tuple[Category, Term, float]
 UnaryRule: TypeAlias = tuple[Category, Category, Term]

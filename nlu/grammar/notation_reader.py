@@ -17,16 +17,15 @@ from typing import TYPE_CHECKING, Any, cast
 
 from ...ontology.disk_cache import cache_folder, content_key, write_atomically
 from ...ontology.yaml_reader import YamlNode
-from .categories import AtomicCategory, Functor
+from .categories import AtomicCategory, BasicType, FunctionType, Functor, Type
 from .terms import Application, BoundVariable, Constant, Lambda, Term
-from .types import BasicType, FunctionType, Type
 
 if TYPE_CHECKING:
     from .notation_parser import Entry, Start, TermPair, UnaryRule, Value
 
 MAX_CHARACTERS = 400  # a longer line is rejected, so that none can nest too deeply to be used
 
-_MODULES = ("notation_reader", "notation_parser", "categories", "terms", "types")
+_MODULES = ("notation_reader", "notation_parser", "categories", "terms")
 _CATEGORIES, _TERMS = (AtomicCategory, Functor), (Application, BoundVariable, Constant, Lambda)
 _CLASSES: dict[str, Any] = {
     each.__name__: each for each in (*_CATEGORIES, *_TERMS, BasicType, FunctionType)

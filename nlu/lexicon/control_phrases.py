@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from ..grammar.word_lists import WordLists, load_word_lists
+from ..grammar.word_patterns import WordLists, load_word_lists
 from .tokenizer import BREAK
 
 Named = Callable[[int, int], str | None]

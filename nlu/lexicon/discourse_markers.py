@@ -12,8 +12,7 @@ from functools import cached_property
 from itertools import chain
 
 from ...ontology.yaml_reader import YamlNode
-from ..grammar.word_lists import Phrase
-from ..grammar.word_patterns import Steps, match_pattern, read_patterns, read_phrases
+from ..grammar.word_patterns import Phrase, Steps, match_pattern, read_patterns, read_phrases
 from .tokenizer import BREAK, Token, Tokens
 
 

@@ -27,7 +27,7 @@ from .lexicon import Entry, LazyEntry, Lexicon
 from .tokenizer import Tokens
 from .vocabulary import ROLES, Vocabulary
 
-NOUN_TEMPLATES = {"object": "object", "part": "part", "property": "property", "person": "person"}
+NOUN_TEMPLATES = {role: role for role in ("object", "part", "property", "person", "place")}
 
 _NOTHING = Constant("something")
 _WITH = Functor(AtomicCategory("WITH"), AtomicCategory("NP"), forward=True)

@@ -8,7 +8,7 @@ takes more for a slip than that: letters in an order that no known word has, or 
 
 import re
 from collections.abc import Callable, Collection, Iterator
-from itertools import chain
+from itertools import chain, product
 from string import ascii_lowercase
 
 MIN_LETTERS = 4  # words shorter than this are too close to too many others
@@ -64,8 +64,8 @@ def _slips_of_words(word: str) -> Iterator[str]:
 
 
 def _swapped(word: str) -> Iterator[str]:
-    for place in range(len(word) - 1):
-        yield word[:place] + word[place + 1] + word[place] + word[place + 2 :]
+    pairs = range(len(word) - 1)
+    return (word[:n] + word[n + 1] + word[n] + word[n + 2 :] for n in pairs)
 
 
 def _doubled(word: str) -> Iterator[str]:
@@ -79,20 +79,17 @@ def _doubled(word: str) -> Iterator[str]:
 
 
 def _longer(word: str) -> Iterator[str]:
-    for place in range(1, len(word) + 1):
-        for letter in ascii_lowercase:
-            yield word[:place] + letter + word[place:]
+    places = product(range(1, len(word) + 1), ascii_lowercase)
+    return (word[:n] + letter + word[n:] for n, letter in places)
 
 
 def _shorter(word: str) -> Iterator[str]:
-    for place in range(1, len(word)):
-        yield word[:place] + word[place + 1 :]
+    return (word[:n] + word[n + 1 :] for n in range(1, len(word)))
 
 
 def _changed(word: str) -> Iterator[str]:
-    for place in range(1, len(word)):
-        for letter in ascii_lowercase.replace(word[place], ""):
-            yield word[:place] + letter + word[place + 1 :]
+    places = product(range(1, len(word)), ascii_lowercase)
+    return (word[:n] + letter + word[n + 1 :] for n, letter in places if letter != word[n])
 
 
 def _is_derived(word: str, other: str) -> bool:

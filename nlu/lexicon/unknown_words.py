@@ -22,6 +22,7 @@ MIN_LETTERS = 3
 MAX_LETTERS = 30
 
 NOUNS = frozenset({"N", "NS", "P", "MS"})  # the categories of names of things
+PLACES = frozenset({"LOC"})
 
 _ACTS = frozenset({"CP/NP", "(CP/UP)/NP"})
 
@@ -39,6 +40,7 @@ _COMPOUNDED = (
     ("object", "object", ("N", "NS")),
     ("part", "part", ("P",)),
     ("human", RECIPIENT, ("HN",)),
+    ("place", "place", PLACES),
 )
 """The templates and roles of names of two words, with the categories of their second word."""
 
@@ -49,6 +51,7 @@ _NAMED_BY = {
     "part": frozenset({"P"}),
     "affordance": frozenset({"K", "KB"}),
     "context": frozenset({"CP/NP", "CG/NP", "C/NP"}),
+    "place": PLACES,
 }
 
 
@@ -168,7 +171,7 @@ class KnownWords:
     def _open_roles(self, word: str) -> frozenset[str]:
         kinds = self.lexicon.name_categories(word)
         taken = {"object": {"N", "NS"}, "part": NOUNS, "affordance": {"K", "KB"}}
-        taken["context"] = kinds - NOUNS
+        taken |= {"context": kinds - NOUNS, "place": PLACES}
         return frozenset(role for role, categories in taken.items() if not categories & kinds)
 
     def _may_be_clause(self, tokens: Tokens, place: int) -> bool:
@@ -196,6 +199,8 @@ class KnownWords:
         return is_open and _has_letters(word)
 
     def _may_end(self, first: str, second: str, role: str, kinds: Iterable[str]) -> bool:
+        if role == "place" and self.lexicon.is_in_name(second, PLACES):
+            return True  # "boiler room", as "living room"
         if self.lexicon.is_name(second, kinds):
             return role != "part" or not self.lexicon.is_name(first, kinds)
         if second in self.builder.homographs:

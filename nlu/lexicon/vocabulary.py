@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from ...ontology.objects import ObjectType
 
-ROLES = ("object", "part", "affordance", "context", "property", "person")
+ROLES = ("object", "part", "affordance", "context", "property", "person", "place")
 
 
 @dataclass(frozen=True)
@@ -27,6 +27,7 @@ class Vocabulary:
         contexts: bare verbs of acts on an object ("throw").
         properties: what can be seen of an object ("sharp").
         people: names of speakers, lower case.
+        places: where Hilt may be ("kitchen"), besides those of the language.
     """
 
     objects: tuple[str, ...] = ()
@@ -35,6 +36,7 @@ class Vocabulary:
     contexts: tuple[str, ...] = ()
     properties: tuple[str, ...] = ()
     people: tuple[str, ...] = ()
+    places: tuple[str, ...] = ()
 
     def names(self, role: str) -> tuple[str, ...]:
         """The names that have a role, one of `ROLES`, which are in the order of the fields."""
@@ -47,7 +49,7 @@ class NewWord:
 
     Attributes:
         word: its dictionary form: singular, bare verb for a context, gerund for an affordance.
-        role: `object`, `part`, `affordance` or `context`; `person` for somebody known.
+        role: `object`, `part`, `affordance`, `context` or `place`; `person` for somebody known.
         said: the word as it was said.
     """
 

@@ -1,10 +1,12 @@
 """Candidates: the meanings that the names of an utterance allow, in every shape that fits them."""
 
-from collections.abc import Iterable, Iterator, Mapping
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
-from itertools import islice, permutations, product
+from functools import cache, cached_property, partial
+from itertools import islice, pairwise, permutations, product
 
+from ..lexicon.tokenizer import BREAK
 from ..semantics.meaning import Json
 from .meaning_shapes import MeaningShape
 from .mentions import Mention, Mentions, Span
@@ -95,3 +97,101 @@ def _fillings(shape: MeaningShape, mentions: Mentions) -> Iterator[dict[str, str
 def _apart(used: Mapping[str, tuple[Mention, ...]]) -> bool:
     spans = [[(each.start, each.end) for each in mentions] for mentions in used.values()]
     return any(len(set(chosen)) == len(spans) for chosen in product(*spans))
+
+
+NONE = "none"  # the trait of the choice that no candidate was meant
+
+_START, _END = "^", "$"
+
+
+@dataclass(frozen=True)
+class Ranker:
+    """The weights by what an utterance or a filling has, and then by the trait of the meaning."""
+
+    weights: Mapping[str, Mapping[str, float]]
+
+    def probabilities(
+        self, mentions: Mentions, candidates: Sequence[CandidateMeaning]
+    ) -> tuple[float, ...]:
+        """Return the probability of each candidate, in [0, 1]; the rest is that of "none"."""
+        said = cache(partial(self._said, mentions))
+
+        @cache
+        def of_shape(shape: MeaningShape, asides: Asides) -> float:
+            return sum(said(asides).get(trait, 0.0) for trait in shape.traits)
+
+        scores = [said(mentions.asides(mentions.known)).get(NONE, 0.0)]
+        for each in candidates:
+            of_traits = of_shape(each.shape, each.asides(mentions))
+            found = filling_features(each, mentions)
+            of_names = sum(self.weights.get(one, {}).get(trait, 0.0) for one, trait in found)
+            scores.append(of_traits + of_names)
+        greatest = max(scores)
+        powers = [math.exp(score - greatest) for score in scores]
+        total = sum(powers)
+        return tuple(power / total for power in powers[1:])
+
+    def _said(self, mentions: Mentions, asides: Asides) -> dict[str, float]:
+        said: dict[str, float] = {}
+        for feature in utterance_features(mentions, asides):
+            for trait, weight in self.weights.get(feature, {}).items():
+                said[trait] = said.get(trait, 0.0) + weight
+        return said
+
+
+def utterance_features(mentions: Mentions, asides: Asides) -> Iterator[str]:
+    """What an utterance has: its words and labels, and pairs of neighbours; `~` is said aside."""
+    labels = list(mentions.labels)
+    beside = [label for start, end in asides for label in labels[start:end]]
+    for start, end in asides:
+        labels[start:end] = [""] * (end - start)
+    kept = [label for label in labels if label and label != BREAK]
+    yield ""
+    yield from dict.fromkeys(kept)
+    yield from dict.fromkeys(f"{one} {other}" for one, other in pairwise((_START, *kept, _END)))
+    yield from dict.fromkeys(f"~{label}" for label in beside if label)
+    yield from (f"!{each}" for each in sorted(mentions.features))
+    if mentions.tokens.asks:
+        yield "?"
+    if mentions.last is not None:
+        yield "last"
+
+
+def filling_features(candidate: CandidateMeaning, mentions: Mentions) -> Iterator[tuple[str, str]]:
+    """How the names fill the slots: pairs of a feature and the trait it goes with."""
+    kind = candidate.shape.traits[1]
+    labels = (*mentions.labels, _END)
+    order: list[tuple[int, str]] = []
+    for slot, used in candidate.used.items():
+        first = used[0]
+        order.append((first.start, slot))
+        before = labels[first.start - 1] if first.start else _START
+        yield f"{before} _", slot
+        yield f"_ {labels[first.end]}", slot
+        yield f"{before} _", kind + slot
+        if first.is_new:
+            yield "new", slot
+            yield labels[first.start], kind + slot
+    yield " ".join(slot for _, slot in sorted(order)), kind
+    asides = candidate.asides(mentions)
+    for role, places in left_over(candidate, mentions).items():
+        yield f"left {role}", kind
+        yield f"left {role} {min(len(places), 3)}", ""
+        if role in {"new", "person"}:
+            for place in places:
+                aside = any(start <= place < end for start, end in asides)
+                yield ("left aside", "") if aside else (f"left {labels[place - 1]} _", kind)
+
+
+def left_over(candidate: CandidateMeaning, mentions: Mentions) -> Mapping[str, frozenset[int]]:
+    """Return the places of unused names by role; `new` are unknown words, `known` may be names."""
+    spans = {n for used in candidate.used.values() for m in used for n in range(m.start, m.end)}
+    names = {str(value) for value in candidate.values.values()}
+    left: dict[str, set[int]] = {}
+    for each in mentions.names:
+        if each.start not in spans and each.name not in names and each.role != "act":
+            new = "new" if each.is_unknown else "known"
+            left.setdefault(new if each.is_new else each.role, set()).add(each.start)
+    if mentions.degrees and "?degree" not in candidate.shape.slots:
+        left["degree"] = {place for place, _, _ in mentions.degrees}
+    return {role: frozenset(places) for role, places in left.items()}

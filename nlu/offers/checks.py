@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
 
-from ..grammar.word_lists import Phrase, load_word_lists, places_of
+from ..grammar.word_patterns import Phrase, load_word_lists, places_of
 from ..lexicon.tokenizer import BREAK
 from ..lexicon.vocabulary import NewWord
 from ..parsing.clause_spans import features_of_names
@@ -38,7 +38,7 @@ _SIGNS = (*OPERATORS, "by", "before_part")
 _WORD_LISTS = (
     *_SIGNS,
     *("unfinished", "recipient", "doer", "hearer", "asked", "at_end", "gripping", "joining"),
-    *("opening", "complement", "concession", "turning", "because"),
+    *("opening", "complement", "concession", "turning", "because", "placed"),
 )
 _QUOTES = frozenset('"“”„«»')
 _HEARER = frozenset({"addressee"})
@@ -198,6 +198,9 @@ class OfferChecks:
 
     def _keeps_condition(self, meaning: Meaning, mentions: Mentions) -> bool:
         if self.spoken("exception", mentions) or self.spoken("doubtful", mentions):
+            return False
+        is_lasting = isinstance(meaning, Statement) or getattr(meaning, "negated", False)
+        if is_lasting and self.spoken("placed", mentions):
             return False
         if isinstance(meaning, (Command, ToolCommand)):
             return all(self._asks(meaning, n, mentions) for n in self.spoken("condition", mentions))

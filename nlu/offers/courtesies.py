@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from itertools import takewhile
 from pathlib import Path
 
-from ..grammar.word_lists import Phrase, WordLists, load_word_lists
+from ..grammar.word_patterns import Phrase, WordLists, load_word_lists
 from ..lexicon.tokenizer import Token, Tokens
 from ..lexicon.unknown_words import KnownWords
 from ..semantics.discourse import Discourse
@@ -26,7 +26,7 @@ _LONGEST_COMPLEMENT = 6  # words of "for all your help this morning"
 _FORMAL = frozenset({"greeting", "thanks", "farewell"})
 _PEOPLE = ("RN", "HN")
 _PATTERNS = ("chatter", "openers", "introducing")
-_LISTS = ("before", "denying", "stating", "verbs", "pronouns", "linking")
+_LISTS = ("before", "denying", "limiting", "stating", "verbs", "pronouns", "linking")
 
 _REPLIES = {"thanks": "welcome", "praise": "praised", "apology": "no_problem", "blame": "regrets"}
 """The answers to acknowledgements that are not called like them."""
@@ -143,7 +143,8 @@ class CourtesyPhrases:
                 continue
             return None if is_denied and kind in _VALUED else kind
         unknown = known.unknown(part)
-        is_address = len(words) <= _LONGEST_ADDRESS and unknown
+        is_limiting = lists.has("limiting", words[0])
+        is_address = len(words) <= _LONGEST_ADDRESS and unknown and not is_limiting
         is_denied |= any(token.word.endswith("ing") for token in unknown)  # it may be a new use
         is_chatter = not is_denied and (is_address or lists.end("chatter", words) > 0)
         return "" if is_chatter else None

@@ -167,7 +167,7 @@ def find_mentions(
     found = dict.fromkeys((*_known(tokens.words, known.lexicon), *_new(tokens, known)))
     found |= dict.fromkeys(_as_acts(found, known.lexicon))
     names = _without_places(_without_parts(found), tokens.words)
-    it = discourse.object.name.replace("_", " ").rstrip() if discourse.object else None
+    it = discourse.object.said if discourse.object else None
     return Mentions(
         tokens,
         tuple(sorted(names, key=lambda each: (each.start, each.end))),

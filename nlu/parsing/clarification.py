@@ -17,10 +17,16 @@ from ..lexicon.tokenizer import MAX_CHARACTERS, MAX_TOKENS, Token, Tokens
 from ..lexicon.unknown_words import MAX_NEW_WORDS, KnownWords, is_word, new_recipients
 from ..lexicon.vocabulary import NewWord
 from ..semantics.licence_table import ACCEPT
-from ..semantics.meaning import AskBack, Meaning, Misunderstanding, Statement, with_rules
-from ..semantics.predicates import UninterpretableError, UnlearnableError
-from .chart import Chart
-from .derivation_views import lexical_entries
+from ..semantics.meaning import (
+    AskBack,
+    Meaning,
+    Misunderstanding,
+    NormStatement,
+    Statement,
+    with_rules,
+)
+from ..semantics.predicates import UninterpretableError
+from .chart import Chart, lexical_entries
 from .parser import SentenceParser
 from .understanding import Reading
 
@@ -55,10 +61,6 @@ class Clarifier:
         if len({token.word for token in unknown}) <= MAX_NEW_WORDS:
             return None
         return self.of_unknown_words(tokens, unknown)
-
-    def of_recognition(self, text: str) -> AskBack:
-        """The question whether a text that was not recognised well is what was said."""
-        return AskBack(self.answers.say("heard_badly", text=text), (text,))
 
     def of_new_words(
         self, readings: Iterable[Reading], tokens: Tokens, accepted: Collection[str]
@@ -131,10 +133,6 @@ class Clarifier:
         rest = [token.word for token in tokens.items if token not in unknown]
         return Misunderstanding(message, nearest=self._nearest_examples(rest))
 
-    def of_unlearnable(self, tokens: Tokens, refusal: UnlearnableError) -> Misunderstanding:
-        """The answer that a whole sentence was understood, but is nothing that Hilt learns."""
-        return Misunderstanding(self.answers.say(refusal.key), where=tokens.text)
-
     def of_ambiguity(self, readings: Sequence[Reading]) -> AskBack:
         """The question which one of several meanings was meant."""
         choices = tuple(self._choice(reading.meaning) for reading in readings)
@@ -181,6 +179,8 @@ class Clarifier:
     def _choice(self, meaning: Meaning) -> str:
         if isinstance(meaning, Statement):
             return self.answers.join([self.answers.rule_phrase(rule) for rule in meaning.rules])
+        if isinstance(meaning, NormStatement):
+            return self.answers.join([self.answers.norm_phrase(norm) for norm in meaning.norms])
         try:
             return f'"{self.realizer.realize(meaning)}"'
         except UnknownNameError:

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from ..grammar.categories import AtomicCategory
-from ..grammar.word_lists import places_of
+from ..grammar.word_patterns import places_of
 from ..lexicon.lexicon import Entry
 from ..lexicon.tokenizer import Tokens
 from ..lexicon.unknown_words import new_recipients
@@ -21,11 +21,11 @@ from ..semantics.meaning import (
     FunctionalRule,
     KindStatement,
     Meaning,
+    NormStatement,
     Statement,
     ToolCommand,
 )
-from .chart import Derivation
-from .derivation_views import lexical_entries
+from .chart import Derivation, lexical_entries
 from .understanding import Reading
 
 
@@ -90,6 +90,9 @@ def features_of_names(
         uses = (rule for rule in meaning.rules if isinstance(rule, FunctionalRule))
         if any(rule.material and rule.affordance in reader.words["acts"] for rule in uses):
             yield "use", frozenset({"act"})
+    elif isinstance(meaning, NormStatement):
+        if "place" in new and not reader.is_place(new["place"].word):
+            yield "place", frozenset({"new"})
     elif isinstance(meaning, (Command, ToolCommand)) and "object" in new:
         said = new["object"]
         before = _before(words, said.said, 3)

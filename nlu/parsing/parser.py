@@ -7,7 +7,7 @@ act, then an intention, then a meaning.
 
 import contextlib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from ..grammar.categories import Functor
 from ..grammar.combinators import CombinationTable
@@ -26,8 +26,7 @@ from ..semantics.meaning import Answer, Confidence, Meaning, NormStatement
 from ..semantics.norm_interpretation import meaning_of
 from ..semantics.pragmatics import CERTAIN, Intention, Pragmatics
 from ..semantics.predicates import PredicateForm, UninterpretableError, form_of, load_predicates
-from .chart import Chart, Derivation
-from .derivation_views import lexical_entries, subderivations
+from .chart import Chart, Derivation, lexical_entries, subderivations
 from .understanding import Reading, UtteranceContext
 
 MAX_EXPECTED = 5
@@ -87,7 +86,7 @@ class SentenceParser:
             while form.name == "having":
                 form = form.arguments[0]
             if not form.arguments and form not in PRONOUNS and form.name not in SOMETHING:
-                return form.name.replace("_", " ").rstrip()
+                return form.said
         return None
 
     def control(self, tokens: Tokens, controls: ControlPhrases) -> tuple[str, str | None] | None:
@@ -139,11 +138,14 @@ class SentenceParser:
         self, act: str, derivation: Derivation, tokens: Tokens, context: UtteranceContext
     ) -> Reading:
         form = _fill_persons(form_of(derivation.value), context)
-        form = resolve(form, context.discourse)
+        is_for_now = self._is_for_now(derivation)
+        discourse = replace(context.discourse, rule=None) if is_for_now else context.discourse
+        form = resolve(form, discourse)
         entries = lexical_entries(derivation)
         words = new_words(entries)
         if tokens.asks and (act == "FRAGMENT" or form.name in load_predicates().fragments):
             act, form = "FRAGMENT", PredicateForm("asked", (form,))
+        act = "CORRECT" if form.name == "correctPart" else act
         act = _act_with_question_mark(act, form, tokens)
         if act == "QUESTION" and form.name in _STATED:
             form = PredicateForm("isTrue", (form,))
@@ -153,7 +155,7 @@ class SentenceParser:
         intention = self._intention(speech_act, context.recognition)
         interpreter = self.interpreter.with_words(words)
         meaning = meaning_of(intention.form, interpreter, context.discourse)
-        if isinstance(meaning, NormStatement) and self._is_for_now(derivation):
+        if isinstance(meaning, NormStatement) and is_for_now:
             raise UninterpretableError("not_a_rule")
         cost = derivation.cost + _WORD_COST * len(entries)
         meant = (intention.form, intention.interval, meaning)

@@ -16,7 +16,7 @@ from functools import cache
 from itertools import chain, pairwise
 from pathlib import Path
 
-from ..grammar.word_lists import WordLists, load_word_lists
+from ..grammar.word_patterns import WordLists, load_word_lists
 from ..lexicon.control_phrases import ControlPhrases
 from ..lexicon.tokenizer import BREAK, Token, Tokens
 from ..lexicon.unknown_words import KnownWords, is_word
@@ -52,7 +52,7 @@ _ANYTHING = "anythingNamed"  # the object of an action that is taught for any
 _TOOL = "tool"  # the kind of whatever has a use
 _OPENING = ("order", "only_if", "unless", "if")  # what a clause begins with
 _PATTERNS = (
-    *(*_OPENING, "behind", "heads", "asked", "tails", "again", "times", "another"),
+    *(*_OPENING, "behind", "heads", "asked", "tails", "again", "times", "another", "stopping"),
     *("how", "forget"),
 )
 _GROUPS, _LISTS = ("states", "failures"), ("links", "particles")
@@ -95,7 +95,7 @@ class ActionHead:
     def discourse(self) -> Discourse:
         """The discourse state of the body: "it" is the object of the action."""
         kinds = (_ANYTHING if kind == ANY_OBJECT else kind for kind in self.parameters)
-        named = [PredicateForm(kind.replace(" ", "_")) for kind in kinds]
+        named = [PredicateForm.named(kind) for kind in kinds]
         return Discourse().naming(*named) if named else Discourse()
 
 
@@ -344,9 +344,11 @@ class _Clauses:
         return None
 
     def _act(self, tokens: Tokens, state: ClauseState) -> tuple[Act, ClauseState] | None:
-        control = self._reader.parser.control(tokens, self._reader.controls)
+        control = self._control_of(tokens)
         if control:
-            return self._control(*control, state)
+            pieces = (tokens.part(*span) for span in pairwise(sorted(tokens.edges)))
+            is_one = sum(map(bool, map(self._control_of, pieces))) < 2  # not "wait, put it down"
+            return self._control(*control, state) if is_one else None
         taught = self._taught(tokens)
         if taught:
             return taught, state
@@ -364,6 +366,9 @@ class _Clauses:
         if isinstance(act, ToolCommand) or act.goal in _TAKING:
             held = act.tool if isinstance(act, ToolCommand) else act.target
         return act, ClauseState(found.discourse, held)
+
+    def _control_of(self, tokens: Tokens) -> tuple[str, str | None] | None:
+        return self._reader.parser.control(tokens, self._reader.controls)
 
     def _control(
         self, control: str, name: str | None, state: ClauseState
@@ -425,13 +430,22 @@ class _Clauses:
 
     def _reaction(self, tokens: Tokens, state: ClauseState) -> FailureReaction | None:
         count = len(tokens.items)
-        for start in (0, *range(2, count)):
-            for end, slots in self._words.matches("if", tokens.words, start):
-                causes = self._causes(tokens.part(*slots["FAILURE"]), state)
-                if causes and (end == count) == (start > 0):
-                    rest = tokens.part(0, start) if start else tokens.part(end, count)
-                    return self._response(rest, causes, state)
+        for start in range(count):
+            end, causes = self._failure(tokens, start, state)
+            # "Put it down. Stop if it fails": the condition is one of the last sentence.
+            is_apart = BREAK in tokens.words[:start]
+            if causes and (end == count) == (start > 0) and not is_apart:
+                rest = tokens.part(0, start) if start else tokens.part(end, count)
+                return self._response(rest, causes, state)
         return None
+
+    def _failure(
+        self, tokens: Tokens, start: int, state: ClauseState
+    ) -> tuple[int, tuple[str, ...]]:
+        found = self._words.matches("if", tokens.words, start)
+        ends = ((end, self._causes(tokens.part(*slots["FAILURE"]), state)) for end, slots in found)
+        # The longest one: "if you can't reach it" and not "if you can't".
+        return max((each for each in ends if each[1]), default=(start, ()))
 
     def _causes(self, tokens: Tokens, state: ClauseState) -> tuple[str, ...]:
         for names, places in self._words.wholes("failures", tokens.words):
@@ -451,6 +465,8 @@ class _Clauses:
                 return FailureReaction(causes, again=number)
         if self._words.is_all("another", tokens.words):
             return FailureReaction(causes, other=True)
+        if self._words.is_all("stopping", tokens.words):
+            return FailureReaction(causes, stop=True)
         bare = replace(tokens, items=tokens.items[: count - (tokens.words[-1] == "instead")])
         found = self.read(bare, state)
         steps = tuple(each for each, _ in found or () if isinstance(each, Act))
@@ -485,7 +501,7 @@ def _starts(words: WordLists, tokens: Tokens) -> list[int]:
 
 
 def _is_of_same(one: Act, other: Act) -> bool:
-    """Whether a command says more of the one before: "hold the mug, by the barrel"."""
+    # "Hold the mug, by the barrel" says more of one command.
     if isinstance(one, Command) and isinstance(other, ToolCommand) and one.goal in _USING:
         return other.tool.object == one.target.object
     if isinstance(one, Command) and isinstance(other, Command):

@@ -18,6 +18,7 @@ from ..semantics.meaning import (
     FunctionalRule,
     KindStatement,
     Meaning,
+    Norm,
     NormStatement,
     Question,
     Rule,
@@ -25,7 +26,7 @@ from ..semantics.meaning import (
     ToolCommand,
     TopicStatement,
 )
-from .derivation_views import lexical_entries
+from .chart import lexical_entries
 from .understanding import Reading
 
 MAX_NEW_NAMES = 2
@@ -71,16 +72,30 @@ class ReadingFilter:
             return not any(self._may_be_no_material(rule, words, tokens) for rule in meaning.rules)
         if isinstance(meaning, KindStatement):
             return self._may_introduce_kinds(reading)
-        if isinstance(meaning, (TopicStatement, NormStatement)):
-            is_thing = not any(self.features.is_abstract(word.said, word.word) for word in words)
-            norms = meaning.norms if isinstance(meaning, NormStatement) else ()
-            # "You can't cut bread with a saw" is a rule on saws.
-            is_of_use = any(isinstance(norm.act, ToolCommand) for norm in norms)
-            is_strict = bool(norms) and all(norm.norm != "permitted" for norm in norms)
-            others = [w.role for w in words if not (is_strict and self._is_part(w, w.word))]
-            most = 2 if norms and norms[0].before else 1
-            return is_thing and not is_of_use and {*others} <= {"object"} and len(others) <= most
+        if isinstance(meaning, TopicStatement):
+            return self._are_things(words)
+        if isinstance(meaning, NormStatement):
+            return self._may_introduce_in_norms(meaning.norms, words)
         return len(words) <= MAX_NEW_NAMES and self._may_name_words(meaning, words, tokens)
+
+    def _are_things(self, words: Sequence[NewWord], most: int = 1) -> bool:
+        is_abstract = self.features.is_abstract
+        kinds = (word.role == "object" and not is_abstract(word.said, word.word) for word in words)
+        return len(words) <= most and all(kinds)
+
+    def _may_introduce_in_norms(self, norms: Sequence[Norm], words: Sequence[NewWord]) -> bool:
+        if any(isinstance(norm.act, ToolCommand) for norm in norms):
+            return False  # "you can't cut bread with a saw" is a rule on saws
+        parts = [word for word in words if self._is_part(word, word.word)]
+        places = [word for word in words if word.role == "place"]
+        things = [word for word in words if word not in (*parts, *places)]
+        if parts and things and any(norm.norm == "permitted" for norm in norms):
+            return False  # "you can lift a pot by the lid" may say how it is done
+        if not all(self.known_words.is_surely_name(word.said) for word in things):
+            return False  # "an empty bottle"
+        is_abstract, is_part = self.features.is_abstract, self.features.is_part
+        are_places = not any(is_abstract(w.said, w.word) or is_part(w.word) for w in places)
+        return are_places and self._are_things(things, most=2 if norms[0].before else 1)
 
     def _is_part(self, word: NewWord, *names: str) -> bool:
         return word.role == "part" and self.features.is_part(word.said, *names)
@@ -96,7 +111,7 @@ class ReadingFilter:
 
     def _may_introduce_kinds(self, reading: Reading) -> bool:
         above = {
-            part.arguments[1].name.replace("_", " ")
+            part.arguments[1].said
             for part in reading.speech_act
             if part.name == "isA" and not part.arguments[0].name.endswith(part.arguments[1].name)
         }

@@ -79,7 +79,8 @@ class UtteranceParser:
         sure = found.reading.interval if found.reading else context.recognition
         if self.parser.pragmatics.is_enough(sure):
             return found
-        return Understanding.of(tokens, context, self.clarification.of_recognition(found.text))
+        question = self.clarification.answers.say("heard_badly", text=found.text)
+        return Understanding.of(tokens, context, AskBack(question, (found.text,)))
 
     def answers(self, text: str, context: UtteranceContext) -> list[Answer]:
         """Return the short answers that a text may be to a question of Hilt, likeliest first."""
@@ -306,7 +307,7 @@ class _Attempt:
             answer = clarify.of_new_words(accepted, tokens, self._accepted)
             answer = answer or clarify.of_ambiguity(accepted)
         elif isinstance(refusal, UnlearnableError):
-            answer = clarify.of_unlearnable(tokens, refusal)
+            answer = Misunderstanding(clarify.answers.say(refusal.key), where=tokens.text)
         elif readings:
             answer = clarify.of_new_words(readings[:1], tokens, self._accepted)
         else:

@@ -15,8 +15,7 @@ from ..semantics.discourse import Discourse, update_discourse
 from ..semantics.meaning import TEACHING, Confidence, Json, Meaning
 from ..semantics.pragmatics import CERTAIN
 from ..semantics.predicates import PredicateForm
-from .chart import Derivation
-from .derivation_views import DerivationStep, derivation_step
+from .chart import Derivation, DerivationStep, derivation_step
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from functools import cached_property
 from itertools import pairwise
 from pathlib import Path
 
-from ..grammar.word_lists import Phrase, WordLists, load_word_lists
+from ..grammar.word_patterns import Phrase, WordLists, load_word_lists
 from ..lexicon.discourse_markers import DiscourseMarkers
 from ..lexicon.tokenizer import BREAK, Tokens
 from ..lexicon.unknown_words import KnownWords

@@ -9,11 +9,12 @@ belong to the condition. The words and their features are data (`features.yaml`)
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import chain, combinations, islice
 from pathlib import Path
 from typing import TypeAlias
 
 from ...ontology.yaml_reader import YamlNode, read_yaml
-from ..grammar.word_patterns import spellings
+from ..grammar.word_patterns import Phrase, compile_pattern, expand, spellings
 
 Values: TypeAlias = Mapping[str, frozenset[str]]  # the values of each feature that a clause has
 HIDING = "nothing"  # the feature of phrases that hide the features of their words
@@ -25,10 +26,12 @@ NAMED: Values = {
     "thing": frozenset({"new", "own", "abstract", "bare"}),
     "use": frozenset({"act"}),
     "recipient": frozenset({"place"}),
+    "place": frozenset({"new"}),
 }
 """The features of what is named.
 
-A part that is `new`, `unsure` or a person's own; a thing; a use; a recipient that is a place.
+A part that is `new`, `unsure` or a person's own; a thing; a use; a recipient that is a place; a
+place that is `new`.
 """
 
 
@@ -70,7 +73,7 @@ class FeatureReader:
         defaults: the value of a feature that no words show, where it has one.
         categories: the names of the categories of conditions, of people and things, and of goals.
         words: lists of words, by the keys of `features.yaml`, which says what they show.
-        endings: those of abstract nouns, and of words that hardly ever name a person.
+        endings: those of abstract nouns, of words that hardly ever name a person, and of places.
     """
 
     phrases: Mapping[str, Sequence[tuple[tuple[str, ...], Values]]]
@@ -120,6 +123,10 @@ class FeatureReader:
         """Whether one of some nouns names what is no part of an object: places, people, clothes."""
         return not self.nouns["elsewhere"].isdisjoint(words)
 
+    def is_place(self, word: str) -> bool:
+        """Whether a noun names a place by how it ends: "hallway", "boiler room"."""
+        return word.endswith(self.endings["place"])
+
     def is_abstract(self, *words: str) -> bool:
         """Whether one of some nouns names nothing that can be taken."""
         return not self.nouns["abstract"].isdisjoint(words) or words[0].endswith(
@@ -167,7 +174,7 @@ def load_features(path: Path) -> FeatureReader:
         by_first.setdefault(phrase[0], []).append((phrase, each))
     nouns = parts["nouns"].entries(required=("part", "elsewhere", "abstract"), optional=())
     categories = parts["categories"].entries(required=("condition", "name", "goal"), optional=())
-    endings = parts["endings"].entries(required=("abstract", "nameless"), optional=())
+    endings = parts["endings"].entries(required=("abstract", "nameless", "place"), optional=())
     return FeatureReader(
         by_first,
         {**values, **NAMED},
@@ -200,3 +207,46 @@ def _joined(found: Iterable[Values]) -> Values:
 
 def _plain(values: Values) -> dict[str, object]:
     return {feature: sorted(value) for feature, value in sorted(values.items())}
+
+
+MAX_COMPARED = 20_000  # spellings of one pattern that are compared
+
+
+def check_spellings(path: Path, reader: FeatureReader) -> None:
+    """Check that no pattern mixes two values of a feature; `DataError` says which, and where."""
+    parts = read_yaml(path).entries()
+    varying = parts["varies"].texts(choices=reader.values) if "varies" in parts else ()
+    for pattern in _patterns(parts):
+        for feature, found in _features(pattern, reader).items():
+            pairs = combinations(found.items(), 2) if feature not in varying else ()
+            for (other, other_spelling), (one, spelling) in pairs:
+                if one - other and other - one:
+                    raise pattern.fail(
+                        f'"{pattern.text()}" mixes two values of {feature}: {_shown(one - other)} '
+                        f'in "{" ".join(spelling)}" and {_shown(other - one)} in '
+                        f'"{" ".join(other_spelling)}". Write a pattern for each.'
+                    )
+
+
+def _patterns(parts: Mapping[str, YamlNode]) -> Iterator[YamlNode]:
+    for key in ("words", "constructions"):
+        for item in parts[key].items() if key in parts else ():
+            yield from item.entries(required=("says",))["says"].listed()
+    for key in ("classes", "discourse_markers"):
+        groups = parts[key].entries().values() if key in parts else ()
+        yield from chain.from_iterable(group.listed() for group in groups)
+
+
+def _features(pattern: YamlNode, reader: FeatureReader) -> dict[str, dict[frozenset[str], Phrase]]:
+    found: dict[str, dict[frozenset[str], Phrase]] = {}
+    spellings = list(islice(expand(compile_pattern(pattern.text())), MAX_COMPARED + 1))
+    if len(spellings) > MAX_COMPARED:
+        raise pattern.fail(f"stands for more than {MAX_COMPARED} spellings.")
+    for words in spellings:
+        for feature, values in reader.of_words(words).items():
+            found.setdefault(feature, {}).setdefault(values, words)
+    return found
+
+
+def _shown(values: frozenset[str]) -> str:
+    return " and ".join(sorted(values))

@@ -57,11 +57,11 @@ class Discourse:
 
     def about(self, name: str) -> Discourse:
         """Return this state after an object of this name was mentioned."""
-        return self.naming(PredicateForm(name.replace(" ", "_")))
+        return self.naming(PredicateForm.named(name))
 
     def with_person(self, name: str) -> Discourse:
         """Return this state after a person of this name was mentioned."""
-        return replace(self, person=PredicateForm(name.replace(" ", "_")), has_failed=False)
+        return replace(self, person=PredicateForm.named(name), has_failed=False)
 
     def naming(self, *named: PredicateForm, last: PredicateForm | None = None) -> Discourse:
         """Return this state after a turn that named these objects; `last` is that of "it"."""
@@ -85,7 +85,7 @@ def update_discourse(meaning: Meaning, content: PredicateForm, discourse: Discou
         case Acknowledgement() | AskBack() | Misunderstanding():
             return discourse
         case Command(recipient=str(name)) | Statement(source=str(name)):
-            person = PredicateForm(name.replace(" ", "_"))
+            person = PredicateForm.named(name)
         case Question(ask="why", part=part, object=thing):
             asks_why = part is not None or thing is None
         case _:
@@ -141,12 +141,12 @@ def _named_objects(meaning: Meaning) -> Iterator[PredicateForm]:
             pass
     for name, props in named:
         if name and name != ANY_OBJECT:
-            yield _with_props(PredicateForm(name.replace(" ", "_")), props)
+            yield _with_props(PredicateForm.named(name), props)
 
 
 def _with_props(form: PredicateForm, props: tuple[str, ...]) -> PredicateForm:
     for prop in props:
-        form = PredicateForm("having", (form, PredicateForm(prop.replace(" ", "_"))))
+        form = PredicateForm("having", (form, PredicateForm.named(prop)))
     return form
 
 
@@ -169,7 +169,7 @@ def _mentioned_object(form: PredicateForm) -> PredicateForm | None:
 
 def use_form(use: str, material: str | None) -> PredicateForm:
     """Return the form of a use, on a material where there is one."""
-    act = PredicateForm(use.replace(" ", "_"))
+    act = PredicateForm.named(use)
     if not material:
         return act
-    return PredicateForm("of", (act, PredicateForm(material.replace(" ", "_"))))
+    return PredicateForm("of", (act, PredicateForm.named(material)))

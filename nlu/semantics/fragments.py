@@ -22,7 +22,7 @@ from .meaning import (
     Statement,
     ToolCommand,
 )
-from .predicates import PredicateForm, UninterpretableError
+from .predicates import UninterpretableError
 
 _OF_OBJECTS = {"objects_for", "best_for"}
 _OF_USES = {"uses_of", "about", "how", "see"}
@@ -101,11 +101,7 @@ def _other_of_pair(discourse: Discourse) -> str | None:
     pair, last = discourse.pair, discourse.object
     others = [each for each in pair if each != last and not each.arguments]
     known = len(pair) == 2 and len(others) == 1
-    return _name(others[0]) if known else None
-
-
-def _name(form: PredicateForm) -> str:
-    return form.name.replace("_", " ").rstrip()
+    return others[0].said if known else None
 
 
 def _how_explained(fragment: FragmentValues, discourse: Discourse) -> Question | None:
@@ -261,7 +257,7 @@ def _as_command(
         fragment.mode in {"also", "other"}
         and _is_other(fragment)
         and other
-        and command.target.object in {_name(each) for each in discourse.pair}
+        and command.target.object in {each.said for each in discourse.pair}
     ):
         named = replace(command, target=ObjectReference(other), part=None, negated=False)
         return AskBack(choices=(named,))

@@ -224,7 +224,7 @@ class Interpreter:
         if target == ObjectReference(ANY_OBJECT, other=True):
             raise UninterpretableError("which_thing", asks=True)
         recipient = name_of(form.arguments[2]) if len(form.arguments) > 2 else None
-        return Command(act_name(form.name), target, recipient=recipient)
+        return Command(form.said, target, recipient=recipient)
 
     def has_act(self, name: str) -> bool:
         """Return whether an act is known: on an object, or with a tool."""
@@ -232,7 +232,7 @@ class Interpreter:
 
     def is_act_on_object(self, name: str) -> bool:
         """Return whether a name is that of an act on one object."""
-        said = act_name(name)
+        said = name.replace("_", " ")
         return name in GOALS or said in self.acts or said in self.new_acts
 
     def _reference(self, form: PredicateForm) -> ObjectReference:
@@ -261,7 +261,9 @@ class Interpreter:
     def _command_with_part(self, form: PredicateForm) -> Command:
         command = self._command(form.arguments[0])
         part, owner = part_and_owner(form.arguments[1])
-        if not isinstance(command, Command) or (owner and self._reference(owner) != command.target):
+        if not isinstance(command, Command) or command.part is not None:
+            raise UninterpretableError("one_thing_at_a_time")
+        if owner and self._reference(owner) != command.target:
             raise UninterpretableError("one_thing_at_a_time")
         return replace(command, part=part)
 
@@ -309,7 +311,7 @@ class Interpreter:
             # It is the tool that is held, not what it is used on.
             raise UninterpretableError("not_a_rule")
         confidence = self.intervals[degree.name]
-        return ActionRule(name, act_name(context.name), name_of(part), confidence, props)
+        return ActionRule(name, context.said, name_of(part), confidence, props)
 
     def _question(self, form: PredicateForm) -> Question:  # noqa: PLR0911, PLR0912 - a case per question
         table = load_predicates()
@@ -376,9 +378,9 @@ class Interpreter:
             return Question(ask, object=_kind(place.arguments[1]), part=part_and_owner(place)[0])
         if act.name in self.tool_acts:
             # The last argument is the tool, or what it is used on where no tool is named.
-            return Question(ask, _kind(act.arguments[-1]), context=act_name(act.name), part=part)
+            return Question(ask, _kind(act.arguments[-1]), context=act.said, part=part)
         target = self._reference(act.arguments[1])
-        return replace(_question_on_target(ask, target), context=act_name(act.name), part=part)
+        return replace(_question_on_target(ask, target), context=act.said, part=part)
 
     def _question_on_reason(
         self, ask: str, form: PredicateForm | None = None, *_: PredicateForm
@@ -445,11 +447,6 @@ def _kind(form: PredicateForm) -> str:
     return kind
 
 
-def act_name(name: str) -> str:
-    """Return the name of an act in a form as people spell it: "show off" for `show_off`."""
-    return name.replace("_", " ")
-
-
 def kind_and_properties(form: PredicateForm) -> tuple[str, tuple[str, ...]]:
     """Return the kind of object that a form names, or `ANY_OBJECT`, and its properties.
 
@@ -468,7 +465,7 @@ def name_of(form: PredicateForm) -> str:
     """Return the name in a form as people spell it; `UninterpretableError` where it has none."""
     if form.arguments or form.name in _NAMELESS or form.name in SOMETHING:
         raise UninterpretableError("one_thing_at_a_time")
-    return form.name.replace("_", " ").rstrip()
+    return form.said
 
 
 def part_and_owner(place: PredicateForm) -> tuple[str, PredicateForm | None]:

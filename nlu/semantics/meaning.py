@@ -331,19 +331,21 @@ class ActionCondition(_Record):
 
 @dataclass(frozen=True)
 class FailureReaction(_Record):
-    """What to do when a step of an action fails: exactly one of the last three is set.
+    """What to do when a step of an action fails: exactly one of the last four is set.
 
     Attributes:
         after: the failures, of those that branches of action trees handle, or `any`.
         again: how often to try again.
         other: whether to take another object.
         steps: what to do instead.
+        stop: whether the action ends there, as failed.
     """
 
     after: tuple[str, ...]
     again: int = 0
     other: bool = False
     steps: tuple[Act, ...] = ()
+    stop: bool = False
 
 
 @dataclass(frozen=True)

@@ -26,6 +26,16 @@ class PredicateForm:
     name: str
     arguments: tuple[PredicateForm, ...] = ()
 
+    @classmethod
+    def named(cls, name: str) -> PredicateForm:
+        """Return the form of a name as people spell it: `wine_glass` for "wine glass"."""
+        return cls(name.replace(" ", "_"))
+
+    @property
+    def said(self) -> str:
+        """The name as people spell it."""
+        return self.name.replace("_", " ").rstrip()
+
     def __str__(self) -> str:
         if not self.arguments:
             return self.name

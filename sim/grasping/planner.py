@@ -1,12 +1,15 @@
-"""Grasp planning for one part of an object: sample candidates, score, refine, and rank them.
+"""Grasp planning for one part of an object: sample candidates, score, refine, rank, and select.
 
 The part constraint is a filter: both contact bands must lie wholly on the part. When no grasp is
-left, `RankedGrasps.reason` says why.
+left, `RankedGrasps.reason` says why. The grasp to execute is the best one that can be reached and
+has not failed before.
 """
+
+from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -14,8 +17,9 @@ from .. import poses
 from ..poses import Array
 from ..robot.grasp_poses import Grasp
 from ..robot.models import Gripper
+from ..robot.path_planner import GraspPath, PathPlanner
 from . import scoring
-from .context import LabelledPointCloud
+from .context import GraspContext, LabelledPointCloud
 from .sampling import sample_grasps
 from .scoring import GraspScores
 
@@ -33,10 +37,16 @@ REFINED = 24  # of the scored ones, the best are turned and moved, and scored ag
 TURNS_DEG = (-7.0, -3.5, 3.5, 7.0)  # about the approach direction
 MAX_CORRECTION = 0.03  # [m] towards the middle of a round part
 DEEPER = (0.004, 0.008, 0.012)  # [m], the best ones are also tried deeper
+MAX_GRASPS = 40
 SHOWN = 24  # rejected poses that are kept for display
 MIN_POINTS = 12  # of a part
 APART = 0.012  # [m], nearer grasps of similar orientation are one
 APART_ANGLE = 0.35  # [rad]
+MAX_ATTEMPTS = 3  # closings of the gripper for one object
+SAME_PLACE = 0.015  # [m], a grasp so near to a failed one is not tried again
+# Efforts of planning, and the scores from which the next one is not needed: where little effort
+# finds no reachable grasp, or a poor one, more may find a better one.
+EFFORTS = {1: 0.5, 2: 0.3, 4: 0.3, 8: 0.0}
 _REASONS = {"too_wide": "too_wide", "part": "blocked", "neighbour": "blocked"}
 
 
@@ -69,15 +79,70 @@ class RankedGrasps:
         return reason if 2 * count > counts.total() else "no_grasp"
 
 
-def plan_grasps(
-    cloud: LabelledPointCloud,
-    gripper: Gripper,
+@dataclass(frozen=True)
+class GraspAttempts:
+    """An object to be grasped, and the attempts so far.
+
+    The name is empty for no task; a part of None is any. The gripper has closed on the grasps
+    `tried`; `failures` are the reasons why these failed, in order.
+    """
+
+    name: str
+    part: str | None
+    tried: tuple[Grasp, ...] = ()
+    failures: tuple[str, ...] = ()
+
+    @property
+    def is_given_up(self) -> bool:
+        """Whether no attempt is left."""
+        return len(self.tried) >= MAX_ATTEMPTS
+
+    def with_failure(self, reason: str) -> GraspAttempts:
+        """The task after an attempt has failed."""
+        return replace(self, failures=(*self.failures, reason))
+
+    def has_tried(self, grasp: Grasp) -> bool:
+        """Whether the gripper has closed at this place before."""
+        at = grasp.world_from_grip[:3, 3]
+        return any(
+            float(np.linalg.norm(at - other.world_from_grip[:3, 3])) < SAME_PLACE
+            for other in self.tried
+        )
+
+
+def select_grasp(
+    task: GraspAttempts,
+    context: GraspContext,
+    planner: PathPlanner,
     *,
+    lift: float,
     rng: np.random.Generator,
-    count: int = 40,
-    effort: int = 1,
+) -> tuple[RankedGrasps, GraspPath | None, str]:
+    """Select the best grasp that can be reached, lifted by `lift` [m], and was not tried before.
+
+    Returns the last grasp plan, and the path to the selected grasp; without a reachable one None,
+    and the reason.
+    """
+    plan, reason, best = RankedGrasps((), {}), "", None
+    cloud = context.labelled_cloud(planner.table)
+    for effort, enough in EFFORTS.items():
+        plan = plan_grasps(cloud, planner.robot.gripper, rng=rng, effort=effort)
+        fresh = [grasp for grasp in plan.grasps if not task.has_tried(grasp)]
+        path = next(planner.grasp_paths(fresh, lift=lift), None)
+        if best is None or (path and path.grasp.score > best.grasp.score):
+            best = path
+        reason = "unreachable" if plan.grasps else plan.reason or "no_grasp"
+        if best is not None and best.grasp.score >= enough:
+            break
+    if best is None and not planner.can_reach(context.target):
+        reason = "unreachable"
+    return plan, best, "" if best else reason
+
+
+def plan_grasps(
+    cloud: LabelledPointCloud, gripper: Gripper, *, rng: np.random.Generator, effort: int = 1
 ) -> RankedGrasps:
-    """Plan at most `count` grasps of the target of a cloud.
+    """Plan at most `MAX_GRASPS` grasps of the target of a cloud.
 
     `effort` multiplies the number of candidates; above 1 other orientations are tried. Samples are
     drawn by `rng`.
@@ -97,7 +162,7 @@ def plan_grasps(
     rejected.update(scoring.REJECTIONS[index] for index in scores.rejection if index)
     examples = scores[np.flatnonzero(scores.score <= 0)[:SHOWN]]
     scores = _refine(scores, fine, gripper)
-    best = scores[_distinct(scores, count)]
+    best = scores[_distinct(scores, MAX_GRASPS)]
     return RankedGrasps(_as_grasps(best), rejected, _as_grasps(examples))
 
 

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
+import shapely
 
 from .. import poses
 from ..grasping.context import GraspContext
@@ -221,14 +222,11 @@ class HandMotion:
         axes = (np.arange(low, high, PLACE_STEP) for low, high in PLACES)
         places = np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, 2)
         far = np.linalg.norm(places - self.robot.world_from_grip[:2, 3], axis=1)
-        cloud = held.context.percept.cloud
-        cloud = cloud[voxel_downsample(cloud, HELD_CELL), :2]
-        others = held.planner.obstacles
-        others = others[voxel_downsample(others, HELD_CELL), :2]
-        for place in places[np.argsort(far, kind="stable")]:
-            shift = place - start
-            gaps = np.linalg.norm((cloud + shift)[:, None] - others[None], axis=-1)
-            if gaps.min(initial=np.inf) > PLACE_GAP:
+        clouds = (held.context.percept.cloud, held.planner.obstacles)
+        cloud, others = (each[voxel_downsample(each, HELD_CELL), :2] for each in clouds)
+        taken = shapely.MultiPoint(others)
+        for shift in places[np.argsort(far, kind="stable")] - start:
+            if not shapely.dwithin(taken, shapely.MultiPoint(cloud + shift), PLACE_GAP):
                 yield np.array([*shift, 0.0])
 
     def _hand_over_postures(self, held: HeldObject) -> Iterator[Array]:

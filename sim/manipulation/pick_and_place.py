@@ -13,12 +13,11 @@ import numpy as np
 from ...ontology.errors import MotionInterruptedError
 from .. import poses
 from ..grasping.context import GraspContext
-from ..grasping.planner import RankedGrasps
-from ..grasping.selection import GraspAttempts, select_grasp
+from ..grasping.planner import GraspAttempts, RankedGrasps, select_grasp
 from ..poses import Array
 from ..robot.grasp_poses import Grasp
 from ..robot.path_planner import GraspPath, PathPlanner
-from ..robot.robot import FingerContacts, Robot
+from ..robot.robot import Robot
 from ..scene.world import SleepManager, World
 from ..vision.object_detector import ObjectDetector
 from ..vision.percept import Percept
@@ -128,16 +127,14 @@ class PickAndPlace:
             self._is_interrupted = True
             return self._report(action, "interrupted")
 
-    def _report(
-        self, action: str, reason: str, *, held_s: float = 0.0, touched: tuple[str, ...] = ()
-    ) -> MotionReport:
+    def _report(self, action: str, reason: str, *, held_s: float = 0.0) -> MotionReport:
         held = self.in_hand
         slip_m, slip_rad = self._motion.slip(held) if held else (0.0, 0.0)
         return MotionReport(
             action,
             ok=not reason,
             reason=reason,
-            touched=touched or (self.robot.finger_contacts().parts(held.name) if held else ()),
+            touched=self.robot.finger_contacts().parts(held.name) if held else (),
             lifted_m=self._motion.height_gained(held) if held else 0.0,
             held_s=held_s,
             attempts=len(self._task.tried),
@@ -180,7 +177,8 @@ class PickAndPlace:
         context = self._observe(percept.name, None)
         if context is None:
             return MotionReport("point_at", ok=False, reason="nothing_seen")
-        reason = self._motion.point_at(context.percept.cloud, self._path_planner(context))
+        planner = PathPlanner(self.robot, context.scene, context.obstacles)
+        reason = self._motion.point_at(context.percept.cloud, planner)
         return MotionReport("point_at", ok=not reason, reason=reason)
 
     def _drop(self, held: HeldObject) -> MotionReport:
@@ -203,38 +201,29 @@ class PickAndPlace:
             return None
         return GraspContext(percept, self.world.kinds[name], part, self._vision.obstacles(name))
 
-    def _path_planner(self, context: GraspContext) -> PathPlanner:
-        return PathPlanner(self.robot, context.scene, context.obstacles)
-
     def _grasp(self) -> MotionReport:
         reason = "nothing_seen"
         while not self._task.is_given_up:
             context = self._observe(self._task.name, self._task.part)
             if context is None or not len(context.target):
                 break
-            planner = self._path_planner(context)
-            reason, path = self._select(context, planner)
+            planner = PathPlanner(self.robot, context.scene, context.obstacles)
+            plan, path, reason = select_grasp(
+                self._task, context, planner, lift=LIFT_HEIGHT, rng=self._rng
+            )
+            if self.on_plan:
+                self.on_plan(self._task.name, self._task.part, plan, path.grasp if path else None)
             if path is None:
                 break
-            reason, contacts = self._close_on(path, context, planner)
+            reason = self._close_on(path, context, planner)
             if not reason:
-                return self._report("grasp", "", touched=contacts.parts(self._task.name))
+                break
             self._task = self._task.with_failure(reason)
             self._motion.release(planner)
             self.in_hand = None
         return self._report("grasp", reason)
 
-    def _select(self, context: GraspContext, planner: PathPlanner) -> tuple[str, GraspPath | None]:
-        plan, path, reason = select_grasp(
-            self._task, context, planner, lift=LIFT_HEIGHT, rng=self._rng
-        )
-        if self.on_plan:
-            self.on_plan(self._task.name, self._task.part, plan, path.grasp if path else None)
-        return reason, path
-
-    def _close_on(
-        self, path: GraspPath, context: GraspContext, planner: PathPlanner
-    ) -> tuple[str, FingerContacts]:
+    def _close_on(self, path: GraspPath, context: GraspContext, planner: PathPlanner) -> str:
         name = self._task.name
         before = self.world.pose(name)
         try:
@@ -246,11 +235,11 @@ class PickAndPlace:
         self._task = replace(self._task, tried=(*self._task.tried, path.grasp))
         allowed = {(name, part) for part in context.allowed_parts}
         if contacts.both - allowed:
-            return "wrong_part", contacts
+            return "wrong_part"
         if not contacts.holds(name):
-            return "missed", contacts
+            return "missed"
         self.in_hand = self._motion.held_object(context, planner, path, before)
-        return "", contacts
+        return ""
 
     def _retry(
         self,
@@ -302,9 +291,9 @@ class PickAndPlace:
         return replace(report, at=at) if report.ok else report
 
     def _bumped(self) -> tuple[str, ...]:
-        moved = {
-            name: float(np.linalg.norm(self.world.pose(name)[:3, 3] - before[:3, 3]))
+        return tuple(
+            name
             for name, before in self._before.items()
             if name != self._task.name
-        }
-        return tuple(name for name, distance in moved.items() if distance > BUMP)
+            and np.linalg.norm((self.world.pose(name) - before)[:3, 3]) > BUMP
+        )

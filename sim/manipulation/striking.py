@@ -16,9 +16,7 @@ import shapely
 
 from .. import poses
 from ..poses import Array
-from ..robot.collision import CollisionSpheres
 from ..robot.grasp_poses import hand_orientations
-from ..robot.kinematics import KinematicChain
 from ..robot.robot import NAME
 from ..vision.percept import Percept
 from ..vision.point_cloud_operations import voxel_downsample
@@ -72,7 +70,7 @@ class Striking(PickAndPlace):
         return self._act("lower", self._lower)
 
     def _move_above(self, held: HeldObject, percept: Percept) -> MotionReport:
-        if self.world.support(percept.name) is None:
+        if percept.name not in self.world.supports:
             return self._report("move_above", "nothing_to_strike")
         height = float(percept.cloud[:, 2].max())
         face = percept.cloud[percept.cloud[:, 2] > height - TOP]
@@ -101,11 +99,10 @@ class Striking(PickAndPlace):
         return replace(report, depth_m=depth, driven=driven)
 
     def _carry_above(self, held: HeldObject, start: Array) -> str:
-        for strike in self._strike_poses(held):
-            path = self._plan_strike(held, strike.world_from_grip(start))
-            if path is not None:
-                return self._motion.carry(held, path)
-        return "unreachable"
+        goals = (strike.world_from_grip(start) for strike in self._strike_poses(held))
+        paths = (self._plan_strike(held, goal) for goal in goals)
+        path = next((path for path in paths if path is not None), None)
+        return "unreachable" if path is None else self._motion.carry(held, path)
 
     def _raise(self, held: HeldObject, start: Array) -> str:
         now = self.robot.world_from_grip[:3, :3]
@@ -142,11 +139,12 @@ class Striking(PickAndPlace):
         return reason
 
     def _strike_poses(self, held: HeldObject) -> list[StrikePose]:
-        hand = hand_points(
-            self.robot.body_spheres(self.robot.opening),
-            self.robot.chain,
-            self.robot.gripper.hand_from_grip,
-        )
+        spheres = self.robot.body_spheres(self.robot.opening)
+        own = spheres.link == len(self.robot.chain.links) - 1
+        around = np.vstack([np.eye(3), -np.eye(3)]) * spheres.radius[own, None, None]
+        points = (spheres.centre[own, None] + around).reshape(-1, 3)
+        grip_from_hand = poses.inverse(self.robot.hand_from_grip)
+        hand = poses.transform(grip_from_hand, points)
         return find_strike_poses(self._points_in_grip(held), hand)
 
     def _present_pose(self, held: HeldObject) -> StrikePose:
@@ -212,14 +210,6 @@ def find_strike_poses(held: Array, hand: Array) -> list[StrikePose]:
     found = (_strike_pose(rotation, cloud, hand) for rotation in hand_orientations(TILTS_DEG))
     good = [strike for strike in found if strike is not None]
     return sorted(good, key=lambda strike: -strike.score)[:MAX_POSES]
-
-
-def hand_points(spheres: CollisionSpheres, chain: KinematicChain, hand_from_grip: Array) -> Array:
-    """Points (m, 3) round the spheres of the hand, in the grip frame [m]."""
-    own = spheres.link == len(chain.links) - 1
-    centres = poses.transform(poses.inverse(hand_from_grip), spheres.centre[own])
-    around = np.vstack([np.eye(3), -np.eye(3)])
-    return (centres[:, None] + spheres.radius[own, None, None] * around).reshape(-1, 3)
 
 
 def _strike_pose(rotation: Array, held: Array, hand: Array) -> StrikePose | None:

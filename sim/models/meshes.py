@@ -13,6 +13,7 @@ from math import radians
 from typing import Any
 
 import numpy as np
+import shapely
 import trimesh
 from numpy.typing import NDArray
 from scipy.optimize import linprog
@@ -36,10 +37,14 @@ def loft(rings: Sequence[Array], *, caps: Faces | None = None) -> Trimesh:
     end rings; fans when None, for convex rings.
     """
     count = len(rings[0])
-    faces = np.vstack([_band(i * count, count) for i in range(len(rings) - 1)])
-    first = _fan(count) if caps is None else caps
-    last = first + (len(rings) - 1) * count
-    mesh = Trimesh(np.vstack(rings), np.vstack([faces, first[:, ::-1], last]), process=False)
+    here = np.arange(len(rings) * count).reshape(-1, count)
+    after = np.roll(here, -1, axis=1)
+    quads = np.stack([here[:-1], after[:-1], after[1:], here[1:]], axis=-1).reshape(-1, 4)
+    fan = [(0, i, i + 1) for i in range(1, count - 1)]
+    first = np.array(fan) if caps is None else caps
+    last = first + here[-1, 0]
+    faces = [trimesh.geometry.triangulate_quads(quads), first[:, ::-1], last]
+    mesh = Trimesh(np.vstack(rings), np.vstack(faces), process=False)
     mesh.merge_vertices(digits_vertex=8)
     mesh.update_faces(mesh.area_faces > _TINY_AREA)
     if mesh.volume < 0:
@@ -47,42 +52,17 @@ def loft(rings: Sequence[Array], *, caps: Faces | None = None) -> Trimesh:
     return mesh
 
 
-def _band(start: int, count: int) -> Faces:
-    low = start + np.arange(count)
-    low_next = start + (np.arange(count) + 1) % count
-    high, high_next = low + count, low_next + count
-    return np.vstack([np.stack([low, low_next, high_next], 1), np.stack([low, high_next, high], 1)])
-
-
-def _fan(count: int) -> Faces:
-    rest = np.arange(1, count - 1)
-    return np.stack([np.zeros_like(rest), rest, rest + 1], 1)
-
-
 def triangulate(outline: Array) -> Faces:
     """Return triangles (k - 2, 3) that fill a simple polygon (k, 2), counter-clockwise."""
-    rest, faces = list(range(len(outline))), list[tuple[int, int, int]]()
+    rest, faces = np.arange(len(outline)), list[Faces]()
     while len(rest) > 3:
-        ear = next((i for i in range(len(rest)) if _is_ear(outline, rest, i)), 0)
-        faces.append((rest[ear - 1], rest[ear], rest[(ear + 1) % len(rest)]))
-        del rest[ear]
-    faces.append((rest[0], rest[1], rest[2]))
-    return np.array(faces)
-
-
-def _is_ear(outline: Array, rest: list[int], i: int) -> bool:
-    corners = (rest[i - 1], rest[i], rest[(i + 1) % len(rest)])
-    a, b, c = outline[list(corners)]
-    if _turn(a, b, c) <= 0:
-        return False
-    others = outline[[j for j in rest if j not in corners]]
-    inside = (_turn(a, b, others) >= 0) & (_turn(b, c, others) >= 0) & (_turn(c, a, others) >= 0)
-    return not inside.any()
-
-
-def _turn(a: Array, b: Array, points: Array) -> Array:
-    ahead, aside = b - a, points - a
-    return ahead[0] * aside[..., 1] - ahead[1] * aside[..., 0]
+        corners = np.column_stack([np.roll(rest, 1), rest, np.roll(rest, -1)])
+        triangles = shapely.polygons(outline[corners])
+        inside = shapely.covers(shapely.Polygon(outline[rest]), triangles)
+        ear = int(np.argmax(inside & (shapely.area(triangles) > 0)))
+        faces.append(corners[ear])
+        rest = np.delete(rest, ear)
+    return np.vstack([*faces, rest])
 
 
 def shaded_obj(mesh: Trimesh) -> str:

@@ -10,9 +10,10 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
+import shapely
 
 from ...ontology.disk_cache import cache_folder, cached, content_key
 from ...ontology.objects import ObjectType, PartType
@@ -22,16 +23,12 @@ from ..poses import Array
 from . import urdf
 
 if TYPE_CHECKING:
-    from trimesh import Trimesh
-
     from .solids import SolidGeometry
 
 _NUMBERS_FILE = "numbers.npz"
 _URDF_FILE, _MOUNTED_FILE = "model.urdf", "mounted.urdf"
 _ELEVATION = np.radians(40)  # of a camera above the table
 _DIRECTIONS = 8  # of equal distance round the object
-_CELL = 0.0015  # [m], small against any part
-_MAX_POINTS = 300_000  # enough for anything that fits into a hand
 _SOURCES = ("meshes.py", "object_models.py", "solids.py", "urdf.py", "../poses.py")
 
 
@@ -124,29 +121,22 @@ def _write_link(part: PartType, built: Sequence[SolidGeometry], stem: str, folde
 def _write_numbers(
     kind: ObjectType, built: Mapping[str, Sequence[SolidGeometry]], folder: Path
 ) -> None:
-    visuals = [each.visual for solids in built.values() for each in solids if each.visual]
     numbers = {
         f"part{i}": np.vstack([piece for each in solids for piece in each.collision])
         for i, solids in enumerate(built.values())
     }
+    visible = [each for solids in built.values() for each in solids if each.visual]
     turn = poses.rotation_from_rpy(*kind.rests[0].turn)
-    numbers["silhouette"] = np.array(_mean_silhouette(visuals, turn) if visuals else 0.0)
+    pieces = [piece @ turn.T for each in visible for piece in each.collision]
+    numbers["silhouette"] = np.array(_mean_silhouette(pieces))
     np.savez_compressed(folder / _NUMBERS_FILE, allow_pickle=False, **numbers)
 
 
-def _mean_silhouette(surfaces: Sequence[Trimesh], world_from_object: Array) -> float:
-    """Return the area that surfaces show, averaged over directions from above [m^2]."""
-    from trimesh import sample, util
-
-    surface: Any = util.concatenate(surfaces)
-    count = min(int(10 * surface.area / _CELL**2), _MAX_POINTS)  # about ten for each cell
-    points = sample.sample_surface(surface, count, seed=0)[0] @ world_from_object.T
+def _mean_silhouette(pieces: Sequence[Array]) -> float:
+    """Return the area that convex pieces (n, 3) show, averaged over directions from above [m^2]."""
     areas: list[float] = []
     for azimuth in np.arange(_DIRECTIONS) * 2 * np.pi / _DIRECTIONS:
         ahead = poses.rotation_from_rpy(0, _ELEVATION - np.pi / 2, azimuth)
-        cells = np.floor((points @ ahead)[:, :2] / _CELL).astype(np.int64)
-        cells -= cells.min(axis=0)
-        shown = np.zeros(cells.max(axis=0) + 1, dtype=bool)
-        shown[tuple(cells.T)] = True
-        areas.append(np.count_nonzero(shown) * _CELL**2)
+        shadows = [shapely.MultiPoint((piece @ ahead)[:, :2]).convex_hull for piece in pieces]
+        areas.append(shapely.union_all(shadows).area)
     return float(np.mean(areas))

@@ -3,10 +3,11 @@
 A body's frame is the frame of its URDF, not the centre of mass that PyBullet uses.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 
@@ -16,6 +17,7 @@ from ..poses import Array
 from .pybullet_client import PhysicsClient, quiet
 
 BASE = -1  # PyBullet's index of a body's first link
+_T = TypeVar("_T")
 
 
 @dataclass(frozen=True)
@@ -36,12 +38,16 @@ class _BodyRecord:
 
 
 class Bodies:
-    """The bodies in one simulator, their contacts, and PyBullet's numbers of them."""
+    """The bodies in one simulator, their contacts, and PyBullet's numbers of them.
+
+    Attributes:
+        links: the names of the body and the link that have these numbers.
+    """
 
     def __init__(self, client: PhysicsClient) -> None:
         self._client = client
         self._records: dict[str, _BodyRecord] = {}
-        self._names: dict[tuple[int, int], tuple[str, str]] = {}
+        self.links: dict[tuple[int, int], tuple[str, str]] = {}
 
     def load(
         self,
@@ -64,7 +70,7 @@ class Bodies:
         with quiet():
             number: int = self._client.call("loadURDF", str(urdf), useFixedBase=fixed, flags=flags)
         self._records[name] = record = self._read_record(number)
-        self._names |= {(number, index): (name, link) for link, index in record.links.items()}
+        self.links |= {(number, index): (name, link) for link, index in record.links.items()}
         self.place(name, np.eye(4) if world_from_base is None else world_from_base)
 
     def _read_record(self, number: int) -> _BodyRecord:
@@ -74,8 +80,12 @@ class Bodies:
         for index in range(self._client.call("getNumJoints", number)):
             info = self._client.call("getJointInfo", number, index)
             joints[info[1].decode()] = links[info[12].decode()] = index
-        base_from_com = poses.from_quaternion(inertial[3], inertial[4])
+        base_from_com = self._pose(inertial[3], inertial[4])
         return _BodyRecord(number, links, joints, poses.inverse(base_from_com))
+
+    def _pose(self, position: Sequence[float], quaternion: Sequence[float]) -> Array:
+        rotation = self._client.call("getMatrixFromQuaternion", quaternion)
+        return poses.pose(np.reshape(rotation, (3, 3)), position)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -88,7 +98,7 @@ class Bodies:
         if index == BASE:
             return self.centre_of_mass(body) @ self._record(body).com_from_base
         state = self._client.call("getLinkState", number, index, computeForwardKinematics=1)
-        return poses.from_quaternion(state[4], state[5])
+        return self._pose(state[4], state[5])
 
     def link_poses(self, body: str, links: Sequence[str]) -> Array:
         """Return x y z [m] and quaternion x y z w of links' URDF frames in the world (n, 7)."""
@@ -114,18 +124,16 @@ class Bodies:
         )
         self._client.call("resetBaseVelocity", record.number, (0, 0, 0), (0, 0, 0))
 
-    def bounds(self, body: str, link: str) -> tuple[Array, Array]:
-        """The lowest and the highest corner (3,) of a link's axis-aligned bounding box [m]."""
-        low, high = self._client.call("getAABB", *self.link_id(body, link))
-        return np.array(low), np.array(high)
+    def bounds(self, body: str, link: str) -> Array:
+        """The lowest and the highest corner (2, 3) of a link's axis-aligned bounding box [m]."""
+        return np.array(self._client.call("getAABB", *self.link_id(body, link)))
 
     def contacts(self, body: str, link: str | None = None) -> tuple[Contact, ...]:
         """A body's contacts in the last step: of one link, if it is given."""
-        options = {"bodyA": self.number(body)}
-        if link is not None:
-            options["linkIndexA"] = self.link_id(body, link)[1]
-        found = self._client.call("getContactPoints", **options)
-        return tuple(Contact(*self._names[raw[2], raw[4]], raw[9]) for raw in found)
+        number, index = self.link_id(body, link)
+        options = {} if link is None else {"linkIndexA": index}
+        found = self._client.call("getContactPoints", number, **options)
+        return tuple(Contact(*self.links[raw[2], raw[4]], raw[9]) for raw in found)
 
     def set_friction(self, body: str, link: str | None = None, **coefficients: float) -> None:
         """Set friction coefficients of a link, or of all links when `link` is None.
@@ -154,18 +162,11 @@ class Bodies:
             constant = self._client.constant(f"ACTIVATION_STATE_{state}")
             self._client.call("changeDynamics", *self.link_id(body), activationState=constant)
 
-    def number(self, body: str) -> int:
-        """PyBullet's number of a body."""
-        return self._record(body).number
-
     def link_id(self, body: str, link: str | None = None) -> tuple[int, int]:
         """PyBullet's numbers of a body and one of its links; the base when `link` is None."""
         record = self._record(body)
-        if link is None:
-            return record.number, BASE
-        if link not in record.links:
-            raise UnknownNameError(f"link of {body}", link, record.links)
-        return record.number, record.links[link]
+        found = BASE if link is None else _find(link, record.links, f"link of {body}")
+        return record.number, found
 
     def link_ids(self, body: str, link: str | None = None) -> Iterable[tuple[int, int]]:
         """PyBullet's numbers of a body and a link; of each of its links when `link` is None."""
@@ -177,21 +178,18 @@ class Bodies:
     def joint_ids(self, body: str, joints: Sequence[str]) -> tuple[int, list[int]]:
         """PyBullet's numbers of a body and of some of its joints."""
         record = self._record(body)
-        for joint in joints:
-            if joint not in record.joints:
-                raise UnknownNameError(f"joint of {body}", joint, record.joints)
-        return record.number, [record.joints[joint] for joint in joints]
-
-    def link_name(self, number: int, index: int) -> tuple[str, str]:
-        """The names of the body and the link that have these numbers."""
-        return self._names[number, index]
+        return record.number, [_find(each, record.joints, f"joint of {body}") for each in joints]
 
     def centre_of_mass(self, body: str) -> Array:
         """`world_from_com` of a body's base: PyBullet's own frame of it."""
         number = self._record(body).number
-        return poses.from_quaternion(*self._client.call("getBasePositionAndOrientation", number))
+        return self._pose(*self._client.call("getBasePositionAndOrientation", number))
 
     def _record(self, name: str) -> _BodyRecord:
-        if name not in self._records:
-            raise UnknownNameError("body", name, self._records)
-        return self._records[name]
+        return _find(name, self._records, "body")
+
+
+def _find(name: str, known: Mapping[str, _T], kind: str) -> _T:
+    if name not in known:
+        raise UnknownNameError(kind, name, known)
+    return known[name]

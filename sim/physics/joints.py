@@ -9,8 +9,6 @@ from ..poses import Array
 from .bodies import Bodies
 from .pybullet_client import PhysicsClient
 
-_SAME = np.eye(4)
-
 
 class Joints:
     """The joints of bodies, their motors, and joints between bodies."""
@@ -58,14 +56,13 @@ class Joints:
         corrected wholly. The target speeds are zero when None, otherwise in [rad/s] or [m/s].
         """
         count = len(joints)
-        target_speeds = np.zeros(count) if speeds is None else np.asarray(speeds, float)
         self._client.call(
             "setJointMotorControlArray",
             *self._bodies.joint_ids(body, joints),
             self._client.constant("POSITION_CONTROL"),
-            targetPositions=np.asarray(positions, float).tolist(),
-            targetVelocities=target_speeds.tolist(),
-            forces=np.asarray(forces, float).tolist(),
+            targetPositions=positions,
+            targetVelocities=[0.0] * count if speeds is None else speeds,
+            forces=forces,
             positionGains=[gain] * count,
             velocityGains=[1.0] * count,
         )
@@ -88,7 +85,7 @@ class Joints:
         """
         number, (index, other_index) = self._bodies.joint_ids(body, [joint, other])
         axis = self._client.call("getJointInfo", number, index)[13]
-        gear = self._join("GEAR", (number, index, number, other_index), axis=axis)
+        gear = self._join("GEAR", (number, index, number, other_index), axis, np.eye(4))
         self._client.call("changeConstraint", gear, gearRatio=ratio, erp=stiffness, maxForce=force)
 
     def fix_bodies(self, body: str, other: str, *, force: float) -> None:
@@ -96,16 +93,11 @@ class Joints:
         world_from_other = self._bodies.centre_of_mass(other)
         other_from_body = poses.inverse(world_from_other) @ self._bodies.centre_of_mass(body)
         bases = (*self._bodies.link_id(other), *self._bodies.link_id(body))
-        joint = self._join("FIXED", bases, parent_from_child=other_from_body)
+        joint = self._join("FIXED", bases, (0, 0, 0), other_from_body)
         self._client.call("changeConstraint", joint, maxForce=force)
 
     def _join(
-        self,
-        kind: str,
-        links: Sequence[int],
-        *,
-        axis: Sequence[float] = (0, 0, 0),
-        parent_from_child: Array = _SAME,
+        self, kind: str, links: Sequence[int], axis: Sequence[float], parent_from_child: Array
     ) -> int:
         return self._client.call(
             "createConstraint",

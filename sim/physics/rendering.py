@@ -93,9 +93,8 @@ class Rendering:
         depth = np.asarray(raw[3], dtype=np.float32).reshape(height, width)
         labels = np.asarray(raw[4], dtype=np.int32).reshape(height, width)
         names = {
-            number + ((index + 1) << LINK_SHIFT): self._bodies.link_name(number, index)
-            for body in self._bodies.names
-            for number, index in self._bodies.link_ids(body)
+            number + ((index + 1) << LINK_SHIFT): link
+            for (number, index), link in self._bodies.links.items()
         }
         return colour, depth, labels, names
 
@@ -138,17 +137,17 @@ class Rendering:
     def visible_links(self, body: str) -> tuple[str, ...]:
         """The links of a body that have a visual shape."""
         shapes = self._shapes(body)
-        return tuple(dict.fromkeys(self._bodies.link_name(*shape[:2])[1] for shape in shapes))
+        return tuple(dict.fromkeys(self._bodies.links[shape[:2]][1] for shape in shapes))
 
     def visual_shapes(self, body: str) -> Iterator[VisualShape]:
         """Iterate over the visual shapes of a body."""
         for raw in self._visual_data(body):
-            _, link = self._bodies.link_name(*raw[:2])
+            _, link = self._bodies.links[raw[:2]]
             at = poses.from_quaternion(raw[5], raw[6])
             yield VisualShape(link, _KINDS[raw[2]], raw[3], Path(raw[4].decode()), at, raw[7])
 
     def _visual_data(self, body: str) -> Sequence[Any]:
-        return self._client.call("getVisualShapeData", self._bodies.number(body))
+        return self._client.call("getVisualShapeData", self._bodies.link_id(body)[0])
 
     def _shapes(self, body: str) -> Iterator[_Shape]:
         count = Counter[int]()

@@ -71,15 +71,11 @@ class KinematicChain:
         """The factors (n, 4, 4) in `frames` of 1, the sine, 1 - cosine, and the joint value."""
         constant = self.parent_from_joint
         sine, cosine, value = (np.zeros_like(constant) for _ in range(3))
-        for index, axis, turns in zip(
-            np.flatnonzero(self.moves), self.axes, self.turns, strict=True
-        ):
-            if turns:
-                cross = poses.cross_matrix(axis)
-                sine[index, :3, :3] = constant[index, :3, :3] @ cross
-                cosine[index, :3, :3] = sine[index, :3, :3] @ cross
-            else:
-                value[index, :3, 3] = constant[index, :3, :3] @ axis
+        rotation = constant[self.moves, :3, :3]
+        cross = self.turns[..., None] * np.cross(np.eye(3), self.axes[:, None])
+        sine[self.moves, :3, :3] = rotation @ cross
+        cosine[self.moves, :3, :3] = rotation @ cross @ cross
+        value[self.moves, :3, 3] = np.einsum("kij,kj->ki", rotation, (1 - self.turns) * self.axes)
         return constant, sine, cosine, value
 
     def frames(self, joints: Array) -> Array:
@@ -101,11 +97,7 @@ class KinematicChain:
         """The Jacobian (m, 6, k) of tip position and rotation, from `frames`."""
         moving = frames[:, self.moves]
         axes = np.einsum("nkij,kj->nki", moving[..., :3, :3], self.axes)
-        x, y, z = np.moveaxis(axes, -1, 0)
-        arm_x, arm_y, arm_z = np.moveaxis(frames[:, -1:, :3, 3] - moving[..., :3, 3], -1, 0)
-        sweep = np.stack(
-            [y * arm_z - z * arm_y, z * arm_x - x * arm_z, x * arm_y - y * arm_x], axis=-1
-        )
+        sweep = np.cross(axes, frames[:, -1:, :3, 3] - moving[..., :3, 3])
         linear = self.turns * sweep + (1 - self.turns) * axes
         return np.swapaxes(np.concatenate([linear, self.turns * axes], axis=-1), 1, 2)
 
@@ -169,12 +161,10 @@ def read_chain(path: Path, tip: str) -> KinematicChain:
     """Read the chain of a URDF file from its root to the link `tip`; `DataError` without one."""
     root = read_urdf(path)
     above = {child_attribute(each, "child", "link"): each for each in root.findall("joint")}
-    elements: list[ElementTree.Element] = []
-    links: list[str] = []
-    while tip in above:
-        elements.insert(0, above[tip])
-        links.insert(0, tip)
-        tip = child_attribute(above[tip], "parent", "link")
+    elements, link = list[ElementTree.Element](), tip
+    while link in above:
+        elements.insert(0, above[link])
+        link = child_attribute(above[link], "parent", "link")
     if not elements:
         raise DataError(f'expected a joint that leads to a link "{tip}".', source=str(path))
     kinds = [each.get("type", "fixed") for each in elements]
@@ -184,7 +174,7 @@ def read_chain(path: Path, tip: str) -> KinematicChain:
     rotations = [poses.rotation_from_rpy(*turn) for turn in turns]
     low, high, speed = np.array([_limits(each) for each in moving]).T
     return KinematicChain(
-        links=tuple(links),
+        links=tuple(child_attribute(each, "child", "link") for each in elements),
         names=tuple(each.get("name", "") for each in moving),
         moves=np.array([kind != "fixed" for kind in kinds]),
         turns=np.array([[float(each.get("type") != "prismatic")] for each in moving]),

@@ -123,11 +123,8 @@ class Robot:
     @property
     def tip(self) -> float:
         """Z of the finger tips in the grip frame, or of the end of an arm without gripper [m]."""
-        if self.kind.gripper:
-            return self.kind.gripper.tip
-        return max(
-            (z + radius for *_, z, radius in self.kind.spheres.get(self.kind.hand, ())), default=0.0
-        )
+        ends = self.kind.spheres.get(self.kind.hand, np.zeros((1, 4)))
+        return self.kind.gripper.tip if self.kind.gripper else float(ends[:, 2:].sum(axis=1).max())
 
     def base_from_hand(self, world_from_grip: Array) -> Array:
         """`base_from_hand` for grip poses (..., 4, 4), as targets of inverse kinematics."""

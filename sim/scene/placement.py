@@ -25,6 +25,7 @@ REACH = 0.80  # [m] from the robot at the origin; a hand that points down can li
 LIMITS = ((0.24, 0.78), (-0.50, 0.50))  # [m], range of x and y of all its points
 MAX_TRIES = 60  # positions of one object
 MAX_ROUNDS = 60  # times that all are drawn again
+_ALLOWED = shapely.box(*np.transpose(LIMITS).ravel()) & shapely.Point(0, 0).buffer(REACH, 64)
 
 
 @dataclass(frozen=True)
@@ -107,7 +108,7 @@ def _find_spot(
     fixed = laid.placement.at is not None
     for _ in range(MAX_TRIES):
         spot = _draw_spot(laid, rng)
-        within = fixed or _is_within(shapely.get_coordinates(spot.footprint))
+        within = fixed or shapely.covers(_ALLOWED, spot.footprint)
         if within and all(shapely.distance(spot.footprint, o.footprint) >= gap for o in taken):
             return spot
         if fixed and laid.placement.yaw is not None:
@@ -130,9 +131,3 @@ def _draw_spot(laid: DropPose, rng: np.random.Generator) -> DropPose:
     world_from_object = poses.pose(about_vertical, (*at, 0)) @ laid.world_from_object
     filled = replace(placement, at=(float(at[0]), float(at[1])), yaw=yaw)
     return DropPose(filled, world_from_object, shapely.Polygon(corners + at))
-
-
-def _is_within(corners: Array) -> bool:
-    low, high = np.array(LIMITS).T
-    inside = bool((corners >= low).all() and (corners <= high).all())
-    return inside and float(np.linalg.norm(corners, axis=1).max()) <= REACH

@@ -16,7 +16,7 @@ Clutter adds other objects drawn from the seed; the more of them, the closer the
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain, count
 from math import radians
@@ -211,21 +211,23 @@ def _check_names(placements: Sequence[Placement], items: Sequence[YamlNode]) -> 
 
 
 def _with_unique_names(placements: Sequence[Placement]) -> tuple[Placement, ...]:
-    taken: Counter[str] = Counter(RESERVED)
-    result: list[Placement] = []
-    for placement in placements:
-        taken[placement.name] += 1
-        number = taken[placement.name]
-        name = placement.name if number == 1 else f"{placement.name} {number}"
-        result.append(replace(placement, name=name))
-    return tuple(result)
+    names = numbered((placement.name for placement in placements), taken=RESERVED)
+    return tuple(replace(each, name=name) for each, name in zip(placements, names, strict=True))
+
+
+def numbered(names: Iterable[str], *, taken: Iterable[str] = ()) -> Iterator[str]:
+    """Yield names with numbers where one comes again or is taken: knife, knife 2, ..."""
+    times = Counter(taken)
+    for name in names:
+        times[name] += 1
+        yield name if times[name] == 1 else f"{name} {times[name]}"
 
 
 def _mounted(
     placements: Sequence[Placement], objects: Mapping[str, ObjectType]
 ) -> tuple[Placement, ...]:
     result = list(placements)
-    for placement in placements:
+    for index, placement in enumerate(placements):
         mount = objects[placement.object].mount
         if mount is None or placement.rest is not None:
             continue
@@ -234,8 +236,8 @@ def _mounted(
         support = next(free, None)
         if support is None:
             names = {each.name for each in result}
-            numbered = (f"{mount.support} {number}" for number in count(2))
-            name = next(n for n in chain([mount.support], numbered) if n not in names)
+            others = (f"{mount.support} {number}" for number in count(2))
+            name = next(n for n in chain([mount.support], others) if n not in names)
             support = Placement(name, mount.support, placement.at, placement.yaw)
             result.append(support)
         elif placement.at is not None or placement.yaw is not None:
@@ -243,6 +245,5 @@ def _mounted(
                 f'"{placement.name}" stands in "{support.name}". Give the position of that.',
                 source="--scene",
             )
-        index = result.index(placement)
         result[index] = replace(placement, at=None, yaw=None, within=support.name)
     return tuple(result)

@@ -53,6 +53,7 @@ class World(AbstractContextManager["World"]):
         kinds: type of each object on the table, by the object's name.
         models: model of each type, by the type's name.
         watchers: are called after every step.
+        supports: name of the object that an object stands in; loose ones are not in it.
     """
 
     scene: Scene
@@ -61,7 +62,7 @@ class World(AbstractContextManager["World"]):
     kinds: Mapping[str, ObjectType]
     models: Mapping[str, ObjectModel]
     watchers: list[Callable[[], None]] = field(default_factory=list[Callable[[], None]])
-    _supports: dict[str, str] = field(default_factory=dict[str, str])
+    supports: dict[str, str] = field(default_factory=dict[str, str])
 
     @classmethod
     def build(cls, scene: Scene, objects: Mapping[str, ObjectType], *, gui: bool = False) -> World:
@@ -87,7 +88,7 @@ class World(AbstractContextManager["World"]):
         if mount is None or support is None:
             self.engine.bodies.load(name, model.urdf, spot.world_from_object)
         else:
-            self._supports[name] = support
+            self.supports[name] = support
             self.engine.bodies.load(name, model.mounted, spot.world_from_object)
             self.engine.bodies.enable_contacts(name, support, enabled=False)
             self.engine.joints.fix_bodies(name, support, force=MOUNT_FORCE)
@@ -146,19 +147,15 @@ class World(AbstractContextManager["World"]):
 
         UnknownNameError if it does not stand in anything.
         """
-        mount = self.kinds[name].mount if name in self._supports else None
+        mount = self.kinds[name].mount if name in self.supports else None
         if mount is None:
-            raise UnknownNameError("object that stands in another", name, self._supports)
+            raise UnknownNameError("object that stands in another", name, self.supports)
         return mount.depth + float(self.engine.joints.positions(name, [SOCKET_JOINT])[0])
-
-    def support(self, name: str) -> str | None:
-        """Return the name of the object that an object stands in; None when it is loose."""
-        return self._supports.get(name)
 
     @property
     def loose(self) -> tuple[str, ...]:
         """The objects that stand in no other one, and that nothing stands in."""
-        taken = {*self._supports, *self._supports.values()}
+        taken = {*self.supports, *self.supports.values()}
         return tuple(name for name in self.kinds if name not in taken)
 
     def points(self, name: str) -> Array:

@@ -67,16 +67,10 @@ class Camera:
     @cached_property
     def projection(self) -> Array:
         """The OpenGL projection matrix (4, 4)."""
-        focal = 1 / tan(self.field / 2)
-        depth, product = NEAR - FAR, NEAR * FAR
-        return np.array(
-            [
-                [focal * self.height / self.width, 0, 0, 0],
-                [0, focal, 0, 0],
-                [0, 0, (FAR + NEAR) / depth, 2 * product / depth],
-                [0, 0, -1, 0],
-            ]
-        )
+        result = np.diag([2 * self.focal / self.width, 2 * self.focal / self.height, 0, 0])
+        result[2, 2:] = np.array([FAR + NEAR, 2 * FAR * NEAR]) / (NEAR - FAR)
+        result[3, 2] = -1
+        return result
 
     @property
     def focal(self) -> float:

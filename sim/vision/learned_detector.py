@@ -13,7 +13,6 @@ the confidence beyond a distance that hardly any known input exceeds.
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cache
@@ -25,6 +24,7 @@ from numpy.typing import NDArray
 
 from ...ontology.errors import DataError
 from ..poses import Array
+from ..scene.scene import numbered
 from ..scene.world import World
 from .camera import CameraImage
 from .object_detector import ObjectDetector
@@ -220,12 +220,9 @@ class LearnedDetector(ObjectDetector):
         margin = TABLE_MARGIN + NOISE_MARGIN * self.noise.depth_m
         segments = segment_images(images, margin=margin)
         percepts = [percept for segment in segments for percept in self._percepts(segment)]
-        taken = Counter[str]()
-        for percept in sorted(percepts, key=lambda percept: -percept.confidence):
-            name = self._nearest_object(percept)
-            taken[name] += 1
-            number = taken[name]
-            yield replace(percept, name=name if number == 1 else f"{name} {number}")
+        percepts.sort(key=lambda percept: -percept.confidence)
+        names = numbered(map(self._nearest_object, percepts))
+        return (replace(each, name=name) for each, name in zip(percepts, names, strict=True))
 
     def _percepts(self, segment: Segment) -> Iterator[Percept]:
         objects = self.world.objects

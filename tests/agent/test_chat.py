@@ -4,22 +4,36 @@ import os
 import pty
 import sys
 import time
+from collections.abc import Generator
+from contextlib import contextmanager
 from io import StringIO
 from pathlib import Path
 
 import pytest
+from prompt_toolkit.application import create_app_session
+from prompt_toolkit.completion import CompleteEvent
+from prompt_toolkit.document import Document
+from prompt_toolkit.input import create_pipe_input
+from prompt_toolkit.output import DummyOutput
 from rich.console import Console
 
 from hilt.agent import Agent, AgentConfig
 from hilt.agent.chat import EXAMPLES, Chat, run
-from hilt.agent.typed_lines import completions, read_lines
+from hilt.agent.typed_lines import WordCompleter, read_lines
 from hilt.sim.robot.interruption import Interruption
 
 
-def test_words_are_completed_by_their_beginning():
+@pytest.mark.parametrize(
+    ("typed", "offered"),
+    [("the Ha", ["hammer", "handle"]), ("", []), ("the ", []), ("/sc", ["/scene"])],
+)
+def test_words_are_completed_by_their_beginning(typed: str, offered: list[str]):
     """Upper or lower case, sorted; nothing is offered for nothing."""
-    assert completions("Ha", {"handle", "hammer", "mug"}) == ["hammer", "handle"]
-    assert completions("", {"handle"}) == []
+    completer = WordCompleter(lambda: {"handle", "hammer", "mug", "/scene"})
+
+    found = completer.get_completions(Document(typed), CompleteEvent())
+
+    assert [each.text for each in found] == offered
 
 
 def conversation(keys: list[bytes], home: Path) -> str:
@@ -27,6 +41,7 @@ def conversation(keys: list[bytes], home: Path) -> str:
     child, terminal = pty.fork()
     if child == 0:  # the process behind the terminal
         os.environ |= {"XDG_STATE_HOME": str(home), "TERM": "xterm", "COLUMNS": "100"}
+        os.environ["PROMPT_TOOLKIT_NO_CPR"] = "1"  # this terminal does not say where its cursor is
         options = "'chat --no-sim --kb memory: --speaker sam'"
         code = f"from hilt.agent.cli import main; main({options}.split())"
         os.execv(sys.executable, [sys.executable, "-W", "ignore", "-c", code])
@@ -60,7 +75,7 @@ def test_who_watches_sees_that_something_is_done():
 def _until_prompt(terminal: int) -> bytes:
     shown = b""
     end = time.monotonic() + 30
-    while b"sam> " not in shown and time.monotonic() < end:
+    while b"sam>" not in shown and time.monotonic() < end:
         shown += os.read(terminal, 4096)
     return shown
 
@@ -77,20 +92,35 @@ def _rest(terminal: int) -> bytes:
         shown += more
 
 
+@contextmanager
+def keys_typed(keys: str) -> Generator[None]:
+    """These keys are typed on a terminal, whose prompt nobody sees."""
+    with create_pipe_input() as terminal, create_app_session(terminal, DummyOutput()):
+        terminal.send_text(keys)
+        yield
+
+
 def test_ctrl_c_drops_the_line_and_nothing_else(monkeypatch: pytest.MonkeyPatch, tmp_path: Path):
-    """The next line is heard; only the end of input ends it."""
-    typed = iter([KeyboardInterrupt(), "hello", EOFError()])
-
-    def answer(_: str) -> str:
-        key = next(typed)
-        if isinstance(key, BaseException):
-            raise key
-        return key
-
+    """What is done is interrupted, and the next line is heard; only the end of input ends it."""
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
-    monkeypatch.setattr("builtins.input", answer)
+    interrupted = list[str]()
 
-    assert list(read_lines(lambda: "> ", set)) == ["hello"]
+    with keys_typed("good\x03hello\r\x04"):
+        lines = list(read_lines(lambda: "> ", set, lambda: interrupted.append("once")))
+
+    assert lines == ["hello"]
+    assert interrupted == ["once"]
+
+
+def test_lines_are_read_where_no_history_can_be_kept(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+):
+    """The folder may be read-only."""
+    (tmp_path / "hilt").write_text("a file")
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
+
+    with keys_typed("hello\r\x04"):
+        assert list(read_lines(lambda: "> ", set)) == ["hello"]
 
 
 def test_terminal_completes_words_and_keeps_history(tmp_path: Path):
@@ -123,31 +153,22 @@ class Terminal(StringIO):
         return True
 
 
-def typed(agent: Agent, lines: list[str], monkeypatch: pytest.MonkeyPatch) -> str:
+def typed(agent: Agent, lines: list[str]) -> str:
     """What a terminal shows when these lines are typed, and then the input ends."""
-    keys, shown = iter(lines), StringIO()
-
-    def read(_: str = "") -> str:
-        line = next(keys, None)
-        if line is None:
-            raise EOFError
-        return line
-
-    monkeypatch.setattr("builtins.input", read)
-    run(agent, Console(file=shown, width=200), Terminal())
+    shown = StringIO()
+    with keys_typed("".join(f"{line}\r" for line in lines) + "\x04"):
+        run(agent, Console(file=shown, width=200), Terminal())
     return shown.getvalue()
 
 
 @pytest.mark.parametrize("answer", ["Tessa Ünal", "my name is Tessa Ünal", " Tessa Ünal "])
-def test_first_conversation_asks_for_the_name(
-    agent: Agent, answer: str, monkeypatch: pytest.MonkeyPatch
-):
+def test_first_conversation_asks_for_the_name(agent: Agent, answer: str):
     """Who answers is the owner from then on, is believed, and is not asked again."""
-    shown = typed(agent, [answer, "A knife is used for cutting"], monkeypatch)
+    shown = typed(agent, [answer, "A knife is used for cutting"])
 
     assert "Hello Tessa Ünal. I will believe what you tell me." in shown
     assert [rule.speaker for rule in agent.base.rules()] == ["Tessa Ünal"]
-    assert "What is your name?" not in typed(agent, ["A mug is used for containing"], monkeypatch)
+    assert "What is your name?" not in typed(agent, ["A mug is used for containing"])
     assert {rule.speaker for rule in agent.base.rules()} == {"Tessa Ünal"}
 
 
@@ -155,14 +176,14 @@ def test_account_names_who_only_presses_enter(agent: Agent, monkeypatch: pytest.
     """A name that nobody can have is asked for again."""
     monkeypatch.setenv("USER", "ada")
 
-    typed(agent, ["<>", "", "A knife is used for cutting"], monkeypatch)
+    typed(agent, ["<>", "", "A knife is used for cutting"])
 
     assert [rule.speaker for rule in agent.base.rules()] == ["Ada"]
 
 
-def test_nobody_owns_a_base_without_a_name(agent: Agent, monkeypatch: pytest.MonkeyPatch):
+def test_nobody_owns_a_base_without_a_name(agent: Agent):
     """Where the input ends at the question, the next one is asked."""
-    typed(agent, [], monkeypatch)
+    typed(agent, [])
 
     assert agent.dialogue.conversation.people.owner is None
     assert agent.base.speakers() == ("sam",)
@@ -254,7 +275,7 @@ def test_steps_and_files_are_told_while_the_arm_moves(
     monkeypatch.setattr("hilt.agent.chat.view", shown_to.append)
     with Agent.open("memory:", AgentConfig(scene="objects:knife")) as agent:
         lines = ["Tessa", "/picture", "/film", "point to the knife", "/picture"]
-        shown = typed(agent, lines, monkeypatch)
+        shown = typed(agent, lines)
         piped = said_to(agent, ["point to the knife"])
 
     folder = tmp_path / "out" / "chat"

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from hilt.kb.diff import compare_bases, find_rule, last_taught_rules, rule_changes
 from hilt.kb.interval import Interval
 from hilt.kb.knowledge_base import KnowledgeBase
-from hilt.kb.learned_words import LearnedWord
+from hilt.kb.learned import LearnedWord
 from hilt.kb.rule import Atom, Rule, functional
 from hilt.kb.stores.opening import open_store
 from hilt.ontology.errors import UnknownNameError, ValidationError

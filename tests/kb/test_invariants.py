@@ -11,7 +11,7 @@ from hilt.kb.episodes import EPISODES
 from hilt.kb.history import ASSERTS, HISTORY, SEQUENCE, TRUST_LOWER
 from hilt.kb.invariants import check_invariants
 from hilt.kb.knowledge_base import KnowledgeBase
-from hilt.kb.learned_words import LearnedWord
+from hilt.kb.learned import LearnedWord
 from hilt.kb.rdf import rule_mapping
 from hilt.kb.rdf.domain import DOMAIN
 from hilt.kb.rdf.rule_mapping import BELIEFS, DERIVED, DERIVED_FROM, TYPE

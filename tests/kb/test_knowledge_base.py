@@ -13,8 +13,7 @@ from hilt.kb.bulk.exporter import statements
 from hilt.kb.interval import Interval
 from hilt.kb.knowledge_base import KnowledgeBase
 from hilt.kb.rdf import rule_mapping
-from hilt.kb.rdf.terms import Quad
-from hilt.kb.reader import BASE_GRAPH, BASE_NODE
+from hilt.kb.rdf.terms import BASE_GRAPH, BASE_NODE, Quad
 from hilt.kb.rule import Atom, Rule, functional, grasping
 from hilt.kb.stores.opening import open_store
 from hilt.kb.validation import check_invariants

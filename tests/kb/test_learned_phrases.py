@@ -8,7 +8,7 @@ import pytest
 
 from hilt.kb import KnowledgeBase
 from hilt.kb.formats.import_export import export_file, import_file
-from hilt.kb.learned_words import LearnedPhrase
+from hilt.kb.learned import PHRASES, LearnedPhrase
 from hilt.kb.validation import check_invariants
 from hilt.ontology.errors import NotFoundError
 
@@ -44,12 +44,12 @@ def test_a_phrase_is_forgotten_by_its_pattern_or_what_was_said(name: str) -> Non
     """The history says so, and a second time it is not there."""
     with KnowledgeBase.open("memory:") as base:
         learn(base)
-        base.forget_phrase(name, "forget it", "sam")
+        base.forget(PHRASES, name, "forget it", "sam")
 
         assert base.phrases() == []
         assert [each.text for each in base.history()][-1] == "forget it"
         with pytest.raises(NotFoundError, match="learned phrase"):
-            base.forget_phrase(name, "forget it", "sam")
+            base.forget(PHRASES, name, "forget it", "sam")
 
 
 def test_a_phrase_goes_with_an_export(tmp_path: Path) -> None:

@@ -4,7 +4,7 @@ import pytest
 
 from hilt.kb.interval import Interval
 from hilt.kb.knowledge_base import KnowledgeBase
-from hilt.kb.learned_words import LEXICON, LearnedWord
+from hilt.kb.learned import LEXICON, WORDS, LearnedWord
 from hilt.kb.rule import Atom, functional
 from hilt.ontology.errors import UnknownNameError
 
@@ -31,7 +31,7 @@ def test_word_keeps_its_teacher_and_its_sentence(base: KnowledgeBase):
 
 def test_revoked_word_is_known_no_more_but_stays_in_the_graph(base: KnowledgeBase):
     """Forgetting changes its status."""
-    base.forget_word("saw", "forget the word saw", "sam")
+    base.forget(WORDS, "saw", "forget the word saw", "sam")
 
     assert base.words() == []
     assert any(base.store.quads(None, None, None, LEXICON))
@@ -39,7 +39,7 @@ def test_revoked_word_is_known_no_more_but_stays_in_the_graph(base: KnowledgeBas
 
 def test_word_can_be_learned_again(base: KnowledgeBase):
     """What was revoked may be taught anew."""
-    base.forget_word("saw", "forget the word saw", "sam")
+    base.forget(WORDS, "saw", "forget the word saw", "sam")
     base.believe(TEXT, "", "sam", [], words=[SAW])
 
     assert [word.atom.name for word in base.words()] == ["saw"]
@@ -48,7 +48,7 @@ def test_word_can_be_learned_again(base: KnowledgeBase):
 def test_unknown_word_cannot_be_forgotten(base: KnowledgeBase):
     """The error lists the words that were learned."""
     with pytest.raises(UnknownNameError, match="Known: saw"):
-        base.forget_word("axe", "forget axe", "sam")
+        base.forget(WORDS, "axe", "forget axe", "sam")
 
 
 def test_recognition_score_stands_at_the_utterance(base: KnowledgeBase):

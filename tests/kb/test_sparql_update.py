@@ -20,7 +20,7 @@ from hilt.kb.formats.registry import FORMATS
 from hilt.kb.interval import Interval
 from hilt.kb.invariants import check_invariants
 from hilt.kb.knowledge_base import KnowledgeBase
-from hilt.kb.learned_words import LearnedPhrase, LearnedWord
+from hilt.kb.learned import LearnedPhrase, LearnedWord
 from hilt.kb.rdf.terms import Literal, Quad
 from hilt.kb.rule import Atom, functional
 from hilt.kb.sparql.query_text import delete_insert

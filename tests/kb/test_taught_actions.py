@@ -9,8 +9,8 @@ import pytest
 
 from hilt.kb import KnowledgeBase
 from hilt.kb.formats.import_export import export_file, import_file
+from hilt.kb.learned import ACTIONS, TAUGHT_ACTIONS, TaughtAction
 from hilt.kb.rule import Atom
-from hilt.kb.taught_actions import ACTIONS, TaughtAction
 from hilt.kb.validation import check_invariants, check_shapes
 from hilt.ontology.errors import NotFoundError
 
@@ -55,12 +55,12 @@ def test_an_action_is_forgotten_by_its_name() -> None:
     """The history says so, and a second time it is not there."""
     with KnowledgeBase.open("memory:") as base:
         teach(base)
-        base.forget_action("serve", "forget how to serve", "sam")
+        base.forget(TAUGHT_ACTIONS, "serve", "forget how to serve", "sam")
 
         assert base.actions() == []
         assert [each.text for each in base.history()][-1] == "forget how to serve"
         with pytest.raises(NotFoundError, match="taught action"):
-            base.forget_action("serve", "forget how to serve", "sam")
+            base.forget(TAUGHT_ACTIONS, "serve", "forget how to serve", "sam")
 
 
 def test_an_action_goes_with_an_export(tmp_path: Path) -> None:

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hilt.kb import validation
+from hilt.kb import invariants, validation
 from hilt.kb.knowledge_base import KnowledgeBase
 from hilt.kb.rdf import rule_mapping
 from hilt.kb.rdf.terms import Quad
@@ -18,6 +18,7 @@ from hilt.kb.validation import (
     ValidationFinding,
     check_invariants,
     check_shapes,
+    findings,
     locate_findings,
     raise_findings,
 )
@@ -149,19 +150,27 @@ def test_foreign_kinds_of_literals_are_shown(kb: KnowledgeBase):
     ]
 
 
-def test_shapes_are_checked_in_portions_with_progress(
-    kb: KnowledgeBase, monkeypatch: pytest.MonkeyPatch
-):
-    """What is wrong is found in whichever portion it is, and the progress is told."""
+def test_shapes_are_checked_in_portions(kb: KnowledgeBase, monkeypatch: pytest.MonkeyPatch):
+    """What is wrong is found in whichever portion it is."""
     monkeypatch.setattr(validation, "PORTION", 3)
     teach(kb, BLADE)
     kb.store.apply(delete=list(kb.store.quads(NODE, rule_mapping.STATUS)))
-    told: list[tuple[int, int]] = []
 
-    found = list(check_shapes(kb.store, progress=lambda done, total: told.append((done, total))))
+    found = list(check_shapes(kb.store))
 
     assert [(one.node, one.key) for one in found] == [(BLADE.id.replace("/", ":"), "hilt:status")]
-    assert told[-1][0] == told[-1][1] == len({quad.subject for quad in kb.store.quads()})
+
+
+def test_progress_counts_statements(kb: KnowledgeBase, monkeypatch: pytest.MonkeyPatch):
+    """How many are done never falls, and ends at all of them."""
+    monkeypatch.setattr(invariants, "_STEP", 1)
+    teach(kb, BLADE)
+    told: list[tuple[int, int]] = []
+
+    assert findings(kb.store, progress=lambda *done: told.append(done)) == []
+
+    assert told == sorted(told)
+    assert told[-1] == (len(list(kb.store.quads())),) * 2
 
 
 def test_findings_are_located_in_their_text():

@@ -26,10 +26,8 @@ OTHERWISE = {  # what is made of it
     "Under no circumstances should you hand over a saw by the blade.": "a rule on holding",
     "You have to pass scissors by the blade.": "a rule on holding",
     "You must hold the teapot by the handle.": "a rule on holding",
-    "Picking up an empty bottle is allowed.": "an empty bottle as a kind",
-    "I don't want you to ever pick up a cracked plate.": "a cracked plate as a kind",
+    "To air a pillow, first pick it up, then put it down; if that fails, stop.": "with its end",
     "Don't ever give matches to a toddler.": "matches as a singular",
-    "To air a pillow, first pick it up, then put it down; if that fails, stop.": "a control word",
 }
 
 

@@ -48,14 +48,15 @@ def test_blocks_install_hilt(
     assert f'"executed": {str(simulated).lower()}' in printed
 
 
-def test_uv_installs_the_command(checkout: Path, tmp_path: Path):
-    """The line for uv works as the README has it."""
-    (line,) = re.findall(r"`(uv tool install .*?)`", README)
-    find_python(re.findall(r"--python (\S+)", line)[0])
+@pytest.mark.parametrize("tool", ["uv tool", "pipx"])
+def test_tool_installs_the_command(tool: str, checkout: Path, tmp_path: Path):
+    """The lines for uv and pipx work as the README has them."""
+    (line,) = re.findall(rf"`({tool} install .*?)`", README)
+    python = find_python("3.11")
     (tmp_path / "bin").mkdir()
-    shutil.copy(TOOLS / "uv", tmp_path / "bin")
-    pythons = Path(find_python("3.11")).parent
-    variables = fresh_variables(tmp_path / "home", tmp_path / "bin", pythons)
+    shutil.copy(TOOLS / tool.split(maxsplit=1)[0], tmp_path / "bin")
+    home = fresh_variables(tmp_path / "home", tmp_path / "bin", Path(python).parent)
+    variables = {**home, "PIPX_DEFAULT_PYTHON": str(python)}
 
     run(["sh", "-e", "-c", line], checkout, variables)
     printed = run([tmp_path / "home" / ".local" / "bin" / "hilt", "--version"], tmp_path, variables)

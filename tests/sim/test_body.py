@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from hilt.ontology.objects import load_objects
 from hilt.sim import body as body_module
@@ -75,7 +76,7 @@ def test_hand_over_tells_where_the_grip_is(knife_body: Body):
     grasp, lift = knife_body.grasp(seen(knife_body, "knife"), "blade"), knife_body.lift()
     given = knife_body.hand_over()
 
-    stated = poses.from_quaternion(given.at[:3], given.at[3:])
+    stated = poses.pose(Rotation.from_quat(given.at[3:]).as_matrix(), given.at[:3])
 
     assert stated == pytest.approx(knife_body.robot.world_from_grip, abs=0.01)
     assert stated[:3, 3] == pytest.approx(MEETING, abs=0.125)

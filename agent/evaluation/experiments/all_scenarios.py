@@ -24,8 +24,7 @@ from typing import ClassVar
 
 from ....inference.interval_operators import EPSILON
 from ....inference.settings import Settings
-from ...execution.outcome import Json
-from ..experiment import Case, CaseResult, Experiment
+from ..experiment import Case, CaseResult, Experiment, Json
 from ..learning_scenarios import ACTIONS, CONTEXTS, LEVELS
 from ..verification import finite_cases, hypotheses
 from ..verification.finite_cases import CheckResult, VerbalizedSpace

@@ -18,8 +18,7 @@ from ....sim.scene.scene import Scene, scene_with
 from ...agent import Agent
 from ...config import AgentConfig
 from ...dialogue.reply import Reply
-from ...execution.outcome import Json
-from ..experiment import Case, CaseResult, Experiment
+from ..experiment import Case, CaseResult, Experiment, Json
 from ..learning_scenarios import ACTIONS, LearningScenario, command, load_scenarios
 from .ground_truth import CorrectChoices, explain_reply, judge_command
 

@@ -32,14 +32,7 @@ from ...agent import Agent
 from ...config import household, load_language, open_base
 from ...execution.embodiment import Embodiment
 from ..experiment import Case
-from ..learning_scenarios import (
-    ACTIONS,
-    CONTEXTS,
-    LEVELS,
-    LearningScenario,
-    functional_sentence,
-    grasp_sentence,
-)
+from ..learning_scenarios import ACTIONS, CONTEXTS, LEVELS, LearningScenario, rule_sentence
 from .command_experiment import DecisionExperiment
 
 MAX_SCENES = 10_000
@@ -129,7 +122,7 @@ class _ScenarioReader:
         name = graspable(self.kinds.objects)[0]
         before = 2.0
         for item in spec.items():
-            rule = self._taught_rule(item, functional_sentence(name, "cutting", item.text()))
+            rule = self._taught_rule(item, rule_sentence(name, "cutting", "", item.text()))
             lower, upper = rule.confidence
             if not 1 - lower < upper:
                 raise item.fail(f'"{item.value}" does not support a rule.')
@@ -149,7 +142,7 @@ class _ScenarioReader:
                 if name in seen:
                     raise item.fail(f'"{name}" has two levels of {affordance}.')
                 seen.add(name)
-                rule = self._taught_rule(item, functional_sentence(name, affordance, level))
+                rule = self._taught_rule(item, rule_sentence(name, affordance, "", level))
                 if not isinstance(rule, meaning.FunctionalRule) or rule.affordance != affordance:
                     raise item.fail(f'"{affordance}" is not understood as an affordance.')
         return {level: names.texts() for level, names in found.items()}
@@ -159,7 +152,7 @@ class _ScenarioReader:
             raise spec.fail(f'there is no object "{name}".')
         for context, part in spec.entries(optional=CONTEXTS).items():
             part.text(choices=self.kinds.objects[name].parts)
-            self._taught_rule(part, grasp_sentence(name, context, part.value, levels[0]))
+            self._taught_rule(part, rule_sentence(name, part.value, context, levels[0]))
         return {context: part.text() for context, part in spec.entries().items()}
 
     def _taught_rule(self, where: YamlNode, sentence: str) -> meaning.Rule:

@@ -26,8 +26,7 @@ from ....sim.scene.scene import Scene, scene_with
 from ...agent import Agent
 from ...config import household, load_language, open_base
 from ...execution.embodiment import Embodiment
-from ...execution.outcome import Json
-from ..experiment import Case, CaseResult, Experiment
+from ..experiment import Case, CaseResult, Experiment, Json
 from ..learning_scenarios import command, functional_sentence
 from .ground_truth import CorrectChoices
 
@@ -77,9 +76,8 @@ def _fact(row: Mapping[str, str | None], source: str, line: int) -> Fact:
     except ValueError:
         number = inf
     if not name or not use or not 0 <= number <= 1:
-        problem = (
-            f"expected {', '.join(COLUMNS)}, the last one in [0, 1], found {list(row.values())}."
-        )
+        found = list(row.values())
+        problem = f"expected {', '.join(COLUMNS)}, the last one in [0, 1], found {found}."
         raise DataError(problem, source=source, line=line)
     return Fact(name, use, number)
 
@@ -108,9 +106,8 @@ class FactsExperiment(Experiment):
         if "row" in case.spec:
             return self._row(case, case.spec["row"])
         scene, use = case.spec["scene"], case.spec["use"]
-        shares = {
-            f.object: WORDS[f.word] for f in self._facts if f.use == use and f.object in scene
-        }
+        about = (fact for fact in self._facts if fact.use == use and fact.object in scene)
+        shares = {fact.object: WORDS[fact.word] for fact in about}
         top = max(shares.values(), default=0.0)
         right = frozenset(name for name, share in shares.items() if share == top > 0)
         truth = CorrectChoices(right, 0, dict.fromkeys(scene, frozenset[str]()))

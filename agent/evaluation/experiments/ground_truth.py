@@ -45,9 +45,8 @@ class CorrectChoices:
         best = scenario.best(affordance, scene)
         is_top = best <= scenario.best(affordance, scenario.objects)
         principle = 4 if not best else 3 if len(best) > 1 else 1 if is_top else 2
-        return cls(
-            best, principle, {name: scenario.parts(name, action) for name in scenario.objects}
-        )
+        parts = {name: scenario.parts(name, action) for name in scenario.objects}
+        return cls(best, principle, parts)
 
     @property
     def kind(self) -> Kind:
@@ -62,11 +61,8 @@ class CorrectChoices:
 
     def describe(self) -> str:
         """Return the right choices as text."""
-        each = (
-            describe_choice(name, " or ".join(sorted(self.parts[name])))
-            for name in sorted(self.objects)
-        )
-        return " or ".join(each) or "nothing"
+        parts = {name: " or ".join(sorted(self.parts[name])) for name in self.objects}
+        return " or ".join(describe_choice(*each) for each in sorted(parts.items())) or "nothing"
 
 
 def describe_choice(chosen: str | None, part: str | None) -> str:

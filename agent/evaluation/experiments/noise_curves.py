@@ -13,8 +13,7 @@ from math import sqrt
 from pathlib import Path
 
 from ....ontology.yaml_reader import YamlNode, read_yaml
-from ...execution.outcome import Json
-from ..experiment import CaseResult
+from ..experiment import CaseResult, Json
 
 CURVES_FILE = Path(__file__).parents[1] / "noise_curves.yaml"
 OUTCOMES = ("right", "wrong", "declined")
@@ -104,9 +103,8 @@ def wilson_interval(successes: float, count: float) -> ConfidenceInterval:
     weight = 1 + Z * Z / count
     middle = (share + Z * Z / (2 * count)) / weight
     half = Z / weight * sqrt(share * (1 - share) / count + Z * Z / (4 * count * count))
-    return ConfidenceInterval(
-        share, max(0.0, min(middle - half, share)), min(1.0, max(middle + half, share))
-    )
+    lower, upper = min(middle - half, share), max(middle + half, share)
+    return ConfidenceInterval(share, max(0.0, lower), min(1.0, upper))
 
 
 def clustered_interval(successes: Sequence[int], per_trial: int) -> ConfidenceInterval:

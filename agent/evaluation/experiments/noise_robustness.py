@@ -19,8 +19,7 @@ from ....sim.scene.scene import scene_with
 from ...agent import Agent
 from ...config import AgentConfig
 from ...dialogue.reply import Reply
-from ...execution.outcome import Json
-from ..experiment import Case, CaseResult, Experiment
+from ..experiment import Case, CaseResult, Experiment, Json
 from ..learning_scenarios import ACTIONS, LearningScenario, command, load_scenarios
 from .ground_truth import CorrectChoices
 from .noise_curves import CURVES, OUTCOMES, AccuracyCurve, curve_points
@@ -105,13 +104,8 @@ class NoiseExperiment(Experiment):
         of_sensors = sorted(name for name in lowered if CURVES[name].is_sensor_noise)
         others = sorted(lowered - {*of_sensors})
         note = NOTE if others else "Nothing but failing sensors lowers the accuracy in this run."
-        claim = {
-            "text": CLAIM,
-            "lowered_by_sensors": of_sensors,
-            "lowered_by_others": others,
-            "holds": not others,
-            "note": note,
-        }
+        lowered_by = {"lowered_by_sensors": of_sensors, "lowered_by_others": others}
+        claim = {"text": CLAIM, **lowered_by, "holds": not others, "note": note}
         return {"curves": curves, "claim": claim}
 
     def files(self, results: Sequence[CaseResult]) -> Mapping[str, Json]:

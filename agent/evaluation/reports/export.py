@@ -19,8 +19,7 @@ from platform import python_version
 
 from ....ontology.disk_cache import write_atomically
 from ....ontology.errors import DataError, MissingExtraError, StoreError, extra_required
-from ...execution.outcome import Json
-from ..experiment import Case, Experiment
+from ..experiment import Case, Experiment, Json
 from ..experiments.command_experiment import DecisionExperiment
 from .summary import EvaluationReport, as_text
 
@@ -126,30 +125,12 @@ def render_page(
         counts={n: counts[n] for n in COUNTS if counts[n] or n in {"runs", "right"}},
         principles=[(n, each["runs"], each["right"]) for n, each in counts["by_principle"].items()],
         summary=[(name.replace("_", " "), as_text(value)) for name, value in summary.items()],
-        curves=list(_curves(report.summary.get("curves", []))),
+        curves=report.summary.get("curves", ()),
+        plot=plot_curve,
         pictures=list(pictures),
         cases=rows,
         explanations=list(explanations),
     )
-
-
-def _curves(curves: Sequence[Json]) -> Iterator[Json]:
-    for curve in curves:
-        label, lines = curve["label"], curve["lines"]
-        measure = curve.get("measure", "accuracy")
-        columns = list(next(iter(lines.values()))[0])
-        yield {
-            "name": curve["curve"],
-            "label": label,
-            "measure": measure,
-            "svg": plot_curve(label, lines, measure),
-            "head": ("line", *columns),
-            "rows": [
-                (line, *(point[column] for column in columns))
-                for line, points in lines.items()
-                for point in points
-            ],
-        }
 
 
 def plot_curve(label: str, lines: Mapping[str, Sequence[Json]], measure: str = "accuracy") -> str:

@@ -7,8 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, cast
 
-from ...execution.outcome import Json
-from ..experiment import CaseResult, Experiment, TimedResult
+from ..experiment import CaseResult, Experiment, Json, TimedResult
 
 if TYPE_CHECKING:
     from rich.table import Table

@@ -21,8 +21,7 @@ from pathlib import Path
 
 from ....ontology.disk_cache import write_atomically
 from ....ontology.errors import DataError, StoreError
-from ...execution.outcome import Json
-from ..experiment import Case, Experiment, TimedResult, to_json_line
+from ..experiment import Case, Experiment, Json, TimedResult, to_json_line
 
 JOURNAL, RESULTS, TIMES = "journal.jsonl", "results.jsonl", "times.csv"
 FORMAT = 1

@@ -22,13 +22,7 @@ from ...execution.outcome import Json
 from ...execution.perception import PerfectVision
 from ..learning_scenarios import ACTIONS, CONTEXTS, LEVELS
 from .scenario_space import CONFIDENCES, RuleKey, ScenarioSpace, belief, levels_of
-from .taught_agent import (
-    GraphStatement,
-    TaughtAgent,
-    TracedDecision,
-    acceptable_candidates,
-    belief_statements,
-)
+from .taught_agent import TaughtAgent, TracedDecision, acceptable_candidates, belief_statements
 
 CheckResult = tuple[Json, list[str]]  # facts, and a line for each deviation
 DIGITS = 9  # precision of written scores; exact for the levels of the paper
@@ -58,10 +52,10 @@ class VerbalizedSpace(ScenarioSpace):
         return rule_from_meaning(rule, DEFAULT_SPEAKER)
 
     @cached_property
-    def _statements(self) -> dict[str, frozenset[GraphStatement]]:
+    def _statements(self) -> dict[str, frozenset[tuple[object, ...]]]:
         return {}
 
-    def statements_of(self, sentence: str) -> frozenset[GraphStatement]:
+    def statements_of(self, sentence: str) -> frozenset[tuple[object, ...]]:
         """Return the graph of beliefs after telling one sentence only, or none if it is empty."""
         if sentence not in self._statements:
             with TaughtAgent([self.rule(sentence)] if sentence else []) as taught:
@@ -70,10 +64,8 @@ class VerbalizedSpace(ScenarioSpace):
 
     def taught_agent(self, codes: Sequence[int]) -> TaughtAgent:
         """Return an agent that was taught a learning scenario."""
-        cells = zip(self.cells, codes, strict=True)
-        return TaughtAgent(
-            self.rules[cell, level] for cell, code in cells for level in levels_of(code)
-        )
+        taught = zip(self.cells, map(levels_of, codes), strict=True)
+        return TaughtAgent(self.rules[cell, level] for cell, levels in taught for level in levels)
 
     def cell_mask(self, cells: Iterable[RuleKey]) -> int:
         """Return the bit mask of a set of cells."""

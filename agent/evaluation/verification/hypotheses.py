@@ -51,9 +51,8 @@ def check_teaching(space: VerbalizedSpace, seed: int, number: int) -> CheckResul
     wrong = [] if held == list(codes) else [f"{codes} is read back as {held}"]
     if statements != frozenset[taught_agent.GraphStatement]().union(*apart):
         wrong.append("the beliefs are not the union of the beliefs from each sentence")
-    wrong += finite_cases.differences(
-        choices, [[*each, *_definition(space, codes, *each)[:2]] for each in asked]
-    )
+    truth = [[*each, *_definition(space, codes, *each)[:2]] for each in asked]
+    wrong += finite_cases.differences(choices, truth)
     return {"codes": codes, "held": held, "told": 2 * len(once), "choices": choices}, wrong
 
 

@@ -94,11 +94,8 @@ class ScenarioSpace:
 
     def sentences(self, codes: Sequence[int]) -> list[str]:
         """Return the sentences that teach a learning scenario, by cell, the highest level first."""
-        return [
-            self.sentence(cell, level)
-            for cell, code in zip(self.cells, codes, strict=True)
-            for level in levels_of(code)
-        ]
+        taught = zip(self.cells, map(levels_of, codes), strict=True)
+        return [self.sentence(cell, level) for cell, levels in taught for level in levels]
 
     def commands(self) -> list[tuple[str, int, int]]:
         """Return all commands: sentence, index of the action, index of the affordance."""

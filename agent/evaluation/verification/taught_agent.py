@@ -66,9 +66,8 @@ class TracingSource:
         """Return the rules of the source as tracing rules."""
         found: list[Rule] = []
         for rule in self.source.rules_at_nodes(nodes):
-            found.append(
-                TracingRule(**{each.name: getattr(rule, each.name) for each in fields(Rule)})
-            )
+            same = {each.name: getattr(rule, each.name) for each in fields(Rule)}
+            found.append(TracingRule(**same))
             found[-1].__dict__.update(key=RuleKey.from_rule(rule), source=self)
         return found
 

@@ -150,11 +150,9 @@ class _Chooser:
     def choose(self, standing: Sequence[int], ranking: Sequence[int]) -> int:
         """Return the acceptable objects, bit i for object i."""
         levels = iter(ranking)
-        candidates = [
-            row[next(levels) if how == RANKED else -1]
-            for row, how in zip(self._candidates, standing, strict=True)
-            if how != ABSENT
-        ]
+        pairs = zip(self._candidates, standing, strict=True)
+        present = (pair for pair in pairs if pair[1] != ABSENT)
+        candidates = [row[next(levels) if how == RANKED else -1] for row, how in present]
         chosen = acceptable_candidates(self._decision.ranked(candidates))
         return sum(self._bits[id(each)] for each in chosen)
 

@@ -108,3 +108,16 @@ def test_only_the_rule_with_the_material_is_forgotten(skilled: Agent):
     skilled.hear("forget that a knife is used for cutting bread")
 
     assert [rule.material for rule in skilled.base.rules(object="knife")] == ["cheese"]
+
+
+def test_what_nobody_trustworthy_said_is_no_answer(agent: Agent):
+    """Trust that was taken away counts in answers at once, as in decisions."""
+    agent.base.set_trust("mallory", 1)
+    agent.hear("a hammer is used for cutting", speaker="mallory")
+    before = agent.hear("what is used for cutting?").said
+
+    agent.base.set_trust("mallory", 0)
+
+    assert before.startswith("For cutting, I know of a hammer")
+    assert agent.hear("what is used for cutting?").said.startswith("Nobody has told me")
+    assert agent.hear("what is a hammer used for?").said.startswith("I don't know")

@@ -394,6 +394,19 @@ def test_tree_goes_on_after_other_steps_of_a_tree_in_it(own: Path):
     assert (reply.ending, arm.done[-2:]) == ("done", ["hand over glass", "point glass"])
 
 
+@pytest.mark.parametrize(
+    ("reason", "tries", "ending"), [("missed!", 2, "done"), ("slipped!", 1, "failed")]
+)
+def test_taught_action_ends_where_it_was_told_to_stop(reason: str, tries: int, ending: str):
+    """To stop if it slips goes before what is done about any failure."""
+    arm = Arm({("grasp", "mug"): reason})
+    with robot(arm, mug=1.0) as (agent, _):
+        agent.hear("To inspect a mug, pick it up. If it slips, stop. If that fails, try again.")
+        reply = agent.hear("inspect the mug")
+
+    assert (arm.done.count("grasp mug"), reply.ending) == (tries, ending)
+
+
 def test_event_that_was_never_sensed_is_said(own: Path):
     """A loop that ends without its event has failed, and says which event it waited for."""
     steps = "      - repeat: 2\n        until: mixed\n        steps: [{shake: tool}]\n"

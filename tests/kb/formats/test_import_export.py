@@ -135,7 +135,7 @@ def test_longer_file_comes_back_too(
     paper: KnowledgeBase, format: str, monkeypatch: pytest.MonkeyPatch
 ):
     """What stands in order streams, and what does not is put in order: the same rules."""
-    monkeypatch.setattr(import_export, "MAX_BY_HAND", 0)
+    monkeypatch.setattr(import_export, "MAX_SHACL", 0)
     again = fresh()
 
     import_text(again, written(paper, format), format=format)
@@ -149,7 +149,7 @@ def test_longer_file_may_scatter_what_it_says_of_a_rule(
     kb: KnowledgeBase, monkeypatch: pytest.MonkeyPatch, name: str
 ):
     """And name it as it likes, as a shorter one."""
-    monkeypatch.setattr(import_export, "MAX_BY_HAND", 0)
+    monkeypatch.setattr(import_export, "MAX_SHACL", 0)
     apart = (
         BY_HAND.replace("hilt:lower 0.75 ;", "") + 'object:mug a hilt:Object ; rdfs:label "mug" .\n'
     )
@@ -186,7 +186,7 @@ def test_what_is_not_taken_is_counted(
     paper: KnowledgeBase, monkeypatch: pytest.MonkeyPatch, line: str, what: str, most: int
 ):
     """Whether the file streams or is put in order; all that Hilt wrote itself is taken."""
-    monkeypatch.setattr(import_export, "MAX_BY_HAND", most)
+    monkeypatch.setattr(import_export, "MAX_SHACL", most)
     household = load_objects(), load_actions()
     paper.load_domain(*household)
     other = fresh()
@@ -204,7 +204,7 @@ def test_foreign_property_of_a_rule_is_refused_in_a_stream_too(
     paper: KnowledgeBase, monkeypatch: pytest.MonkeyPatch
 ):
     """As it is in a short file."""
-    monkeypatch.setattr(import_export, "MAX_BY_HAND", 0)
+    monkeypatch.setattr(import_export, "MAX_SHACL", 0)
     text = written(paper, "nquads")
     line = next(line for line in text.splitlines() if line.startswith(RULES))
     node, at = line.split()[0], text.index(line)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 import pytest
@@ -16,8 +17,8 @@ from hilt.kb.rdf.terms import Quad
 from hilt.kb.rule import Atom, functional
 from hilt.kb.sparql.results import BooleanResult
 from hilt.kb.validation import findings
-from hilt.ontology.errors import DataError
-from hilt.ontology.vocabulary import Iri, ontology_graph
+from hilt.ontology.errors import DataError, MissingExtraError
+from hilt.ontology.vocabulary import Iri, external, ontology_graph
 
 from ..conftest import teach
 
@@ -29,6 +30,20 @@ SOMA = """@prefix : <http://www.ease-crc.org/ont/SOMA.owl#> .
 :Silverware rdfs:subClassOf :TableCutlery .
 :Cutlery rdfs:label "cutlery"@en , "Besteck"@de .
 """
+FUNCTIONAL = """Prefix(:=<http://x.org/>)
+Ontology(<http://x.org/kitchen>
+Declaration(Class(:Spoon)) Declaration(Class(:Cutlery))
+SubClassOf(:Spoon :Cutlery))
+"""
+OWL = {
+    "kitchen.ofn": FUNCTIONAL,
+    "kitchen.owl": FUNCTIONAL,
+    "kitchen.owx": """<?xml version="1.0"?>
+<Ontology xmlns="http://www.w3.org/2002/07/owl#" ontologyIRI="http://x.org/kitchen">
+  <SubClassOf><Class IRI="http://x.org/Spoon"/><Class IRI="http://x.org/Cutlery"/></SubClassOf>
+</Ontology>
+""",
+}
 SPOON, CUTLERY = Atom("object", "spoon"), Atom("object", "cutlery")
 TABLE = """/a/1\t/r/IsA\t/c/en/spoon/n\t/c/en/cutlery\t{}
 /a/2\t/r/UsedFor\t/c/en/spoon\t/c/en/eating\t{}
@@ -62,6 +77,32 @@ def test_ontology_is_kept_with_the_rest(soma: KnowledgeBase, tmp_path: Path):
     assert findings(soma.store, whole=True) == []
     ask = "ASK { GRAPH graph:ontology.soma { ?x rdfs:subClassOf ?y } }"
     assert soma.query(ask) == BooleanResult(True)
+
+
+@pytest.mark.parametrize(("name", "text"), OWL.items())
+def test_owl_in_another_syntax_is_converted(
+    paper: KnowledgeBase, tmp_path: Path, name: str, text: str
+):
+    """Functional syntax, as SOMA has it in files that end in .owl, and OWL/XML."""
+    (tmp_path / name).write_text(text)
+
+    import_ontology(paper, str(tmp_path / name), name="kitchen")
+
+    spoon, above = Iri("http://x.org/Spoon"), external("rdfs:subClassOf")
+    assert [quad.object for quad in paper.store.quads(spoon, above)] == [
+        Iri("http://x.org/Cutlery")
+    ]
+
+
+def test_missing_converter_is_told(
+    paper: KnowledgeBase, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    """With the extra that brings it."""
+    monkeypatch.setitem(sys.modules, "pyhornedowl", None)
+    (tmp_path / "a.ofn").write_text(OWL["kitchen.ofn"])
+
+    with pytest.raises(MissingExtraError, match=r'"py-horned-owl".*"hilt\[owl\]"'):
+        import_ontology(paper, str(tmp_path / "a.ofn"))
 
 
 def test_ontology_read_again_changes_nothing_and_another_replaces_it(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack
+from contextlib import ExitStack, closing
 from dataclasses import replace
 from datetime import datetime, timezone
 from decimal import Decimal
@@ -15,6 +15,7 @@ import pytest
 from hilt.agent.agent import Agent
 from hilt.agent.config import AgentConfig
 from hilt.agent.execution.embodiment import Embodiment
+from hilt.kb.formats.ontology import import_ontology
 from hilt.kb.interval import CERTAIN, Interval
 from hilt.kb.knowledge_base import KnowledgeBase
 from hilt.kb.rdf.terms import Literal, Quad, Term
@@ -24,7 +25,7 @@ from hilt.kb.sparql.results import BooleanResult, ConstructResult, QueryLimits, 
 from hilt.kb.stores.base import Store
 from hilt.kb.stores.http import parse_address
 from hilt.kb.stores.opening import open_store
-from hilt.kb.stores.remote import BATCH, open_remote
+from hilt.kb.stores.remote import BATCH, RemoteStore, open_remote
 from hilt.kb.validation import check_invariants
 from hilt.nlu.language import Language
 from hilt.ontology.actions import load_actions
@@ -76,7 +77,7 @@ def opener(
         return lambda: open_store(tmp_path / "store")
     opened = served(request.param)
     store = opened()
-    for name in GRAPH_NAMES:
+    for name in (*GRAPH_NAMES, "ontology.kitchen"):
         store.update(f"CLEAR SILENT GRAPH graph:{name}")
     store.close()
     return opened
@@ -388,6 +389,29 @@ def test_base_is_the_same_when_it_is_opened_again(opener: Opener):
 
     with KnowledgeBase(opener()) as kb:
         assert (kb.rules(), kb.sequence) == (told, 1)
+
+
+def test_ontology_is_seen_by_who_opens_the_base_later(opener: Opener, tmp_path: Path):
+    """And goes with all the rest when an endpoint's content is replaced."""
+    file = tmp_path / "kitchen.ttl"
+    file.write_text(
+        "@prefix : <urn:> . @prefix rdfs: <http://www.w3.org/2000/01/rdf-schema#> .\n"
+        ":Spoon rdfs:subClassOf :Cutlery .\n"
+    )
+    with KnowledgeBase(opener(), clock=ticking()) as base:
+        import_ontology(base, str(file))
+        seen = list(base.store.quads(None, None, Iri("urn:Cutlery")))
+        base.store.save(tmp_path / "saved")
+    if base.store.location != "memory:":
+        with closing(opener()) as store:
+            assert list(store.quads(None, None, Iri("urn:Cutlery"))) == seen
+            if isinstance(store, RemoteStore):
+                store.replace([])
+                assert not list(store.quads())
+
+    assert [quad.subject for quad in seen] == [Iri("urn:Spoon")]
+    with closing(open_store(tmp_path / "saved")) as saved:
+        assert list(saved.quads(None, None, Iri("urn:Cutlery"))) == seen
 
 
 def test_rules_of_a_node_are_asked_in_one_query(store: Store):

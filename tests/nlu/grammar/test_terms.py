@@ -6,6 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from hilt.nlu.grammar.categories import BasicType, FunctionType, Type, check_type
 from hilt.nlu.grammar.notation_reader import parse_term
 from hilt.nlu.grammar.terms import (
     Application,
@@ -20,7 +21,6 @@ from hilt.nlu.grammar.terms import (
     replace_constants,
     show,
 )
-from hilt.nlu.grammar.types import BasicType, FunctionType, Type, check_type
 
 E = BasicType("e")
 TYPES = st.recursive(st.just(E), lambda inner: st.builds(FunctionType, inner, inner), max_leaves=4)

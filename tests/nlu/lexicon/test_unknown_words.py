@@ -176,7 +176,7 @@ def test_an_unknown_word_may_have_every_role(known_words: KnownWords) -> None:
     guessed = known_words.guesses(tokens, known_words.unknown(tokens))
 
     roles = {entry.role for entry in guessed[1]}
-    assert roles == {"object", "part", "context", "affordance", "recipient"}
+    assert roles == {"object", "part", "context", "affordance", "place", "recipient"}
 
 
 def test_a_word_of_a_construction_may_be_taught(known_words: KnownWords) -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from hilt.nlu import Language
-from hilt.nlu.semantics.clause_features import load_features
+from hilt.nlu.semantics.clause_features import MAX_COMPARED, check_spellings, load_features
 from hilt.ontology.errors import DataError
 
 EMPTY = (
@@ -51,3 +51,83 @@ def test_two_values_of_one_feature_are_refused(tmp_path: Path) -> None:
 
     with pytest.raises(DataError, match="two values of agent"):
         load_features(path)
+
+
+ENGLISH = Path(__file__).parents[3] / "ontology" / "english"
+WORD_FILES = (
+    *("lexicon", "clauses", "attitudes", "constructions"),
+    *("requests", "conversation", "fragments"),
+)
+
+
+def written(folder: Path, text: str) -> Path:
+    """A word file with a text."""
+    path = folder / "mine.yaml"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize("name", WORD_FILES)
+def test_the_files_of_english_do_not_mix(language: Language, name: str) -> None:
+    """Apart from the features that a file lets vary."""
+    check_spellings(ENGLISH / f"{name}.yaml", language.parser.features)
+
+
+@pytest.mark.parametrize(
+    ("pattern", "mixed"),
+    [
+        ("(you|they) hold {x:NP}", ("agent", "addressee", "they")),
+        ("[oh] (i think|i am sure)", ("attitude", "think", "certain")),
+        ("{x:NP} (was|will be) held", ("tense", "past", "future")),
+        ("{x:NP} (might|need not) be", ("modality", "weak", "unnecessary")),
+        ("(i heard|they say) [that]", ("source", "hearsay", "other")),
+        ("do [not] hold {x:NP}", ("polarity", "affirmative", "negative")),
+        ("(most|not all) of", ("quantifier", "most", "partial")),
+    ],
+)
+@pytest.mark.parametrize("line", ['words: [{{says: "{}", is: x}}]', 'classes: {{X: ["oh", "{}"]}}'])
+def test_a_pattern_with_two_values_is_refused(
+    language: Language, tmp_path: Path, line: str, pattern: str, mixed: tuple[str, ...]
+) -> None:
+    """The error says where, and names the pattern, the feature and the values."""
+    feature, *values = mixed
+    path = written(tmp_path, "# mine\n" + line.format(pattern))
+
+    with pytest.raises(DataError) as caught:
+        check_spellings(path, language.parser.features)
+
+    said = str(caught.value)
+    assert said.startswith(f"{path}:2:")
+    assert pattern in said
+    assert f"two values of {feature}" in said
+    assert all(value in said for value in values)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        'varies: [agent]\nwords: [{says: "(you|they) hold", is: x}]',
+        'words: [{says: ["you hold", "they hold"], is: x}]',
+        'constructions: [{says: "[you] (hold|grab) {x:NP}", is: x}]',
+        'discourse_markers: {anywhere: ["(i think|i guess)"]}',
+    ],
+)
+def test_what_varies_or_is_written_apart_is_accepted(
+    language: Language, tmp_path: Path, text: str
+) -> None:
+    """Also a pattern with a value that some of its spellings leave out."""
+    check_spellings(written(tmp_path, text), language.parser.features)
+
+
+def test_unknown_features_and_endless_patterns_are_refused(
+    language: Language, tmp_path: Path
+) -> None:
+    """A file cannot let vary what is no feature; too many spellings are not compared."""
+    many = " ".join(["(a|b)"] * 15)
+    for text, problem in (
+        ("varies: [colour]", "colour"),
+        (f'classes: {{X: "{many}"}}', "more than"),
+    ):
+        with pytest.raises(DataError, match=problem):
+            check_spellings(written(tmp_path, text), language.parser.features)
+    assert MAX_COMPARED < 2**15

@@ -8,7 +8,7 @@ import pytest
 import yaml
 
 from hilt.nlu.language import Language
-from hilt.nlu.semantics.meaning import Command, NormStatement, Statement
+from hilt.nlu.semantics.meaning import AskBack, Command, NormStatement, Statement
 
 FAMILIES = yaml.safe_load(
     (Path(__file__).parents[1] / "data" / "norms.yaml").read_text(encoding="utf-8")
@@ -55,6 +55,17 @@ def test_use_stays_a_rule(language: Language, text: str):
         "perhaps you must not pick up the mug",
         "you may pick up the mug if I say so",
         "you must not pick up the mug unless I ask you to",
+        "never pick up the mug in the attic",
+        "never pick up the mug in the box",
+        "never pick up the mug in the morning",
+        "you can pick up the mug, but not in the hallway",
+        "only in the garage may you pick up the hammer",
+        "to pass a knife in the garage, grab it by the handle",
+        "I don't mind if she holds the mug by the rim",
+        "I don't mind holding the mug by the rim",
+        "I don't mind if you don't hold the mug by the rim",
+        "feel free not to pass the knife",
+        "never pick up an empty bottle",
     ],
 )
 def test_norm_that_cannot_be_kept_is_not_agreed_to(language: Language, text: str):
@@ -68,3 +79,26 @@ def test_exception_makes_two_norms(language: Language):
 
     assert isinstance(found, NormStatement)
     assert [norm.norm for norm in found.norms] == ["forbidden", "permitted"]
+
+
+def test_permission_may_forbid_another_part(language: Language):
+    """What is allowed by the rim but not by the handle is both."""
+    text = "It's fine if you hold the mug by the rim, but not by the handle"
+
+    found = language.understand(text).meaning
+
+    assert isinstance(found, NormStatement)
+    said = [(norm.norm, getattr(norm.act, "part", None)) for norm in found.norms]
+    assert said == [("permitted", "rim"), ("forbidden", "handle")]
+
+
+def test_place_that_is_confirmed_is_learned(language: Language):
+    """What may be no place is asked about first."""
+    understood = language.understand("never pick up the mug in the attic")
+    assert isinstance(understood.meaning, AskBack)
+    (choice,) = understood.meaning.choices
+    assert not isinstance(choice, str)
+
+    learned = language.with_words(understood.chosen(choice).new_words)
+
+    assert learned.understand("never touch the mug in the attic").meaning.kind == "statement"

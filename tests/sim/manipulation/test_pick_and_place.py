@@ -10,7 +10,7 @@ import pytest
 from hilt.ontology.objects import load_objects
 from hilt.sim import poses
 from hilt.sim.body import Body
-from hilt.sim.grasping.selection import MAX_ATTEMPTS
+from hilt.sim.grasping.planner import MAX_ATTEMPTS
 from hilt.sim.manipulation.motion_report import MotionReport
 from hilt.sim.robot.robot import NAME
 from hilt.sim.scene.scene import Placement, Scene, parse_scene

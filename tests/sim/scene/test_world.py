@@ -142,8 +142,7 @@ def test_nail_goes_no_deeper_than_its_head(carpentry: World):
 
 def test_depth_of_what_stands_in_nothing_is_refused(carpentry: World):
     """Only what stands in another thing has a depth."""
-    assert carpentry.support("nail") == "block"
-    assert carpentry.support("hammer") is None
+    assert carpentry.supports == {"nail": "block"}
     with pytest.raises(UnknownNameError, match=r'object that stands in another "hammer".*nail'):
         carpentry.depth("hammer")
 

@@ -13,7 +13,7 @@ from hilt.sim.robot.robot import NAME, Robot
 from hilt.sim.scene.scene import parse_scene
 from hilt.sim.scene.world import World
 from hilt.sim.vision.camera import CAMERAS_ROUND_TABLE, CameraImage
-from hilt.sim.vision.mask_detector import capture_objects
+from hilt.sim.vision.object_detector import capture_objects
 
 pytestmark = pytest.mark.sim
 

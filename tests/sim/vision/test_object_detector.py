@@ -10,7 +10,7 @@ from hilt.sim import poses
 from hilt.sim.scene.scene import graspable, parse_scene
 from hilt.sim.scene.world import World
 from hilt.sim.vision.camera import CAMERAS_ROUND_TABLE, CameraImage
-from hilt.sim.vision.mask_detector import FULL_CONFIDENCE, MaskDetector, smooth_depth
+from hilt.sim.vision.object_detector import FULL_CONFIDENCE, MaskDetector, smooth_depth
 from hilt.sim.vision.percept import Percept, visible_features
 from hilt.sim.vision.perception_noise import NoiseLevels
 

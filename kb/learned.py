@@ -1,26 +1,31 @@
-"""Learned words and turns of phrase: what utterances added to the language.
+"""What utterances taught besides rules: words, turns of phrase, and actions.
 
 A word is an OntoLex entry in the graph `lexicon`. It denotes an object, a part, an affordance or an
 action, and names its speaker and the utterance it was learned from. A phrase, whose meaning was
-confirmed, is a pattern of words with slots for names, and the meaning with the same slots. What is
-retracted stays in the graph with that status, as a rule does.
+confirmed, is a pattern of words with slots for names, and the meaning with the same slots.
+
+A taught action is a node in the graph `actions`: its name, its meaning, who told it and in which
+utterance. Beside it are the nodes of its tree, as the graph `domain` has those of the actions of
+files, so that rules can be attached to them; of several with one name the last one told holds.
+
+What is retracted stays in its graph with that status, as a rule does.
 """
 
 import json
-from collections import defaultdict
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from hashlib import sha256
 
 from ..ontology.vocabulary import Iri, external, iri, term
 from .history import SPEAKER, TEXT, utterance_iri, utterance_number
+from .rdf.domain import node_statements
 from .rdf.record_mapping import FieldProperty, Record, RecordMapping, group_properties
 from .rdf.rule_mapping import DERIVED_FROM, LABEL, STATUS, TYPE, atom_from_iri, atom_iri, status_iri
-from .rdf.terms import Quad, Term
+from .rdf.terms import Quad
 from .rule import Atom, Status
-from .stores.base import Store
+from .stores.base import Store, described_nodes
 
-LEXICON = iri("graph", "lexicon")
+LEXICON, ACTIONS = iri("graph", "lexicon"), iri("graph", "actions")
 TOLD = {  # fields of all that utterances taught besides rules
     "said": FieldProperty(TEXT, str),
     "speaker": SPEAKER,
@@ -37,10 +42,12 @@ def told_as_json(record: object) -> dict[str, object]:
 class LearnedMapping(RecordMapping[Record]):
     """How records are stored that utterances taught and that may be retracted.
 
-    `node` gives the node of a record, and `besides` the statements that only follow from it.
+    `node` gives the node of a record, `names` what people call it by, and `besides` the statements
+    that only follow from it.
     """
 
     node: Callable[[Record], Iri]
+    names: Callable[[Record], list[str]]
     besides: Callable[[Record], Iterator[Quad]] = lambda _: iter(())
 
     def learned_quads(self, record: Record, *, status: Status = "active") -> Iterator[Quad]:
@@ -56,14 +63,10 @@ class LearnedMapping(RecordMapping[Record]):
 
     def active(self, store: Store) -> list[Record]:
         """The records of a store that were not retracted, sorted."""
-        nodes, found = set[Iri](), defaultdict[Iri, dict[Iri, Term]](dict)
-        for node, predicate, value, _ in store.quads(None, None, None, self.graph):
-            if (predicate, value) == (TYPE, self.type):
-                nodes.add(node)
-            # One, because what was learned again, or merged, has several utterances.
-            found[node][predicate] = value
-        active = [found[node] for node in nodes if found[node].get(STATUS) == status_iri("active")]
-        known = [self.read(group_properties(one.items())) for one in active]
+        wanted = {(TYPE, self.type), (STATUS, status_iri("active"))}
+        found = (some for _, some in described_nodes(store, self.graph) if wanted.issubset(some))
+        # One value of each, because what was learned again, or merged, has several utterances.
+        known = [self.read(group_properties(dict(one).items())) for one in found]
         return sorted(known)  # pyright: ignore[reportArgumentType] - ordered dataclasses
 
 
@@ -109,6 +112,36 @@ class LearnedPhrase:
         return {"word": self.pattern, "kind": "phrase", **told_as_json(self), "meaning": meaning}
 
 
+@dataclass(frozen=True, order=True)
+class TaughtAction:
+    """A taught action.
+
+    Attributes:
+        action: its name, as an atom of the kind "action".
+        meaning: the JSON object of its meaning, as compact JSON.
+        said: as it was said.
+        speaker: who taught it.
+        utterance: number of the utterance that taught it; None before it is stored.
+        nodes: the paths of the nodes of its tree; written only.
+    """
+
+    action: Atom
+    meaning: str
+    said: str
+    speaker: str
+    utterance: int | None = None
+    nodes: tuple[str, ...] = field(default=(), compare=False)
+
+    @property
+    def name(self) -> str:
+        """Its verb, with its particle."""
+        return self.action.name
+
+    def as_json(self) -> dict[str, object]:
+        """One entry of `hilt actions --json`."""
+        return {**json.loads(self.meaning), **told_as_json(self)}
+
+
 def _word_iri(word: LearnedWord) -> Iri:
     return iri("word", f"{word.atom.kind}.{word.atom.name}")
 
@@ -118,8 +151,12 @@ def _word_entry(word: LearnedWord) -> Iterator[Quad]:
     yield Quad(_word_iri(word), LABEL, word.atom.name, LEXICON)
 
 
-def _phrase_iri(phrase: LearnedPhrase) -> Iri:
-    return iri("phrase", sha256(phrase.pattern.encode()).hexdigest()[:16])
+def _action_nodes(action: TaughtAction) -> Iterator[Quad]:
+    return (Quad(*each, ACTIONS) for path in action.nodes for each in node_statements(path))
+
+
+def _hashed(kind: str, content: str) -> Iri:
+    return iri(kind, sha256(content.encode()).hexdigest()[:16])
 
 
 _WORD = {"atom": FieldProperty(term("denotes"), Iri, atom_iri, atom_from_iri), **TOLD}
@@ -128,9 +165,25 @@ _PHRASE = {
     "meaning": FieldProperty(term("meaning"), str),
     **TOLD,
 }
+_ACTION = {
+    "action": FieldProperty(term("denotes"), Iri, atom_iri, atom_from_iri),
+    "meaning": FieldProperty(term("meaning"), str),
+    **TOLD,
+}
 WORDS = LearnedMapping(
-    *(LearnedWord, "A word", term("Word"), LEXICON, _WORD), _word_iri, _word_entry
+    *(LearnedWord, "A learned word", term("Word"), LEXICON, _WORD),
+    _word_iri,
+    lambda word: [word.atom.name],
+    _word_entry,
 )
 PHRASES = LearnedMapping(
-    *(LearnedPhrase, "A phrase", term("Phrase"), LEXICON, _PHRASE), _phrase_iri
+    *(LearnedPhrase, "A learned phrase", term("Phrase"), LEXICON, _PHRASE),
+    lambda phrase: _hashed("phrase", phrase.pattern),
+    lambda phrase: [phrase.said, phrase.pattern],
+)
+TAUGHT_ACTIONS = LearnedMapping(
+    *(TaughtAction, "A taught action", term("TaughtAction"), ACTIONS, _ACTION),
+    lambda action: _hashed("taught", f"{action.name} {action.meaning}"),
+    lambda action: [action.name],
+    _action_nodes,
 )
