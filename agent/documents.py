@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ..inference.explanation import Counterfactual, counterfactuals
 from ..kb.diff import find_rule, last_taught_rules
@@ -81,7 +81,7 @@ def trust_as_json(trust: Mapping[str, Interval]) -> Json:
     return {name: {"lower": each.lower, "upper": each.upper} for name, each in trust.items()}
 
 
-def things_as_json(body: Body) -> list[Json]:
+def things_as_json(body: Body) -> list[dict[str, Any]]:
     """What stands where, as `hilt scene show --json` prints it: metres, and what holds it."""
     world = body.world
     return [
@@ -89,7 +89,7 @@ def things_as_json(body: Body) -> list[Json]:
             "name": name,
             "object": kind.name,
             "at": [round(float(x), 3) + 0.0 for x in world.pose(name)[:3, 3]],
-            "within": world.support(name),
+            "within": world.supports.get(name),
         }
         for name, kind in world.kinds.items()
     ]

@@ -210,8 +210,8 @@ def _is_wanted(utterance: Utterance, speaker: str | None, rule: Rule | None) -> 
 
 
 def _forgotten(base: KnowledgeBase, what: list[str], speaker: str) -> str:
-    from ..documents import forget_rules, rules_to_forget
     from ...kb.learned import PHRASES, TAUGHT_ACTIONS, WORDS
+    from ..documents import forget_rules, rules_to_forget
 
     said, speaker = f"forget {' '.join(what)}", base.match_speaker(speaker)
     match what:

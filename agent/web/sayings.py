@@ -75,7 +75,7 @@ class Job:
         """How far it is, and its answer once it has one."""
         failed = self.answer.exception() if self.answer.done() else None
         answer = self.answer.result() if self.answer.done() and not failed else None
-        known = {"id": self.id, "text": self.said.text, "speaker": self.speaker}
+        known: Json = {"id": self.id, "text": self.said.text, "speaker": self.speaker}
         return known | {"state": self.state, "answer": answer, "error": failed and str(failed)}
 
 

@@ -269,7 +269,7 @@ class OxigraphStore:
             snapshot = directory.Snapshot(None)
             snapshot.path.rmdir()  # pyoxigraph makes it itself
             self.save(snapshot.path)
-        snapshot.number = self._last_number()
+        snapshot.number = last_utterance(self)
         return snapshot
 
     def _write_tables(self, store: engine.Store) -> None:

@@ -10,7 +10,6 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import poses
 from ..poses import Array
 from .bodies import Bodies
 from .pybullet_client import PhysicsClient
@@ -143,7 +142,7 @@ class Rendering:
         """Iterate over the visual shapes of a body."""
         for raw in self._visual_data(body):
             _, link = self._bodies.links[raw[:2]]
-            at = poses.from_quaternion(raw[5], raw[6])
+            at = self._bodies.world_pose(raw[5], raw[6])
             yield VisualShape(link, _KINDS[raw[2]], raw[3], Path(raw[4].decode()), at, raw[7])
 
     def _visual_data(self, body: str) -> Sequence[Any]:

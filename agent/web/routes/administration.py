@@ -126,7 +126,7 @@ def add_token(request: Request, _: Admin, wish: TokenWish) -> Json:
     """Make a token; this is the only time that it is shown."""
     lasts = None if wish.days is None else timedelta(days=wish.days)
     made, secret = _gate(request).tokens.add(wish.name, wish.speaker, wish.roles, lasts)
-    return made.as_json() | {"token": secret}
+    return {**made.as_json(), "token": secret}
 
 
 @router.delete("/tokens/{name}", status_code=204)

@@ -90,7 +90,12 @@ class Evaluations:
         result = (folder / _RESULT).read_bytes()
         runs = self._running is not None and self._running[0] == name
         state = "running" if runs else "done" if result else "ended"
-        known = {"evaluation": name, "state": state, "done": max(0, len(lines) - 1), "of": cases}
+        known: Json = {
+            "evaluation": name,
+            "state": state,
+            "done": max(0, len(lines) - 1),
+            "of": cases,
+        }
         return known | {"result": json.loads(result) if result and not runs else None}
 
     def all(self) -> list[Json]:

@@ -74,7 +74,7 @@ async def live(socket: WebSocket) -> None:
 
 def hello(service: Service) -> Json:
     """The first event: the protocol, the last utterance, and the scene."""
-    known = {"type": "hello", "version": PROTOCOL, "sequence": service.base.sequence}
+    known: Json = {"type": "hello", "version": PROTOCOL, "sequence": service.base.sequence}
     return known | {"scene": service.scene_as_json()}
 
 
