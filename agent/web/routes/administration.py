@@ -22,7 +22,7 @@ from ...documents import trust_as_json
 from ...execution.outcome import Json
 from ..problems import Problem
 from ..security import Admin, Gate, Reader
-from .conversation import service_of
+from .conversation import TheService
 
 router = APIRouter(prefix="/api/v1", tags=["administration"])
 Format = Annotated[str, Query(description=", ".join(FORMATS))]
@@ -50,17 +50,16 @@ class TokenWish(BaseModel):
 
 
 @router.get("/trust")
-def trust(request: Request, _: Reader) -> Json:
+def trust(service: TheService, _: Reader) -> Json:
     """The trust in each speaker."""
-    return trust_as_json(service_of(request).base.trust_by_speaker())
+    return trust_as_json(service.base.trust_by_speaker())
 
 
 @router.put("/trust/{speaker}")
 async def set_trust(
-    request: Request, caller: Admin, speaker: Annotated[str, InPath(max_length=200)], told: Trust
+    service: TheService, caller: Admin, speaker: Annotated[str, InPath(max_length=200)], told: Trust
 ) -> Json:
     """Set the trust in a speaker."""
-    service = service_of(request)
 
     def told_so() -> Json:
         name = service.base.match_speaker(speaker)
@@ -72,21 +71,22 @@ async def set_trust(
 
 @router.get("/export", response_class=FileResponse)
 def export(
-    request: Request, _: Reader, format: Format = "trig", only_rules: bool = False
+    service: TheService, _: Reader, format: Format = "trig", only_rules: bool = False
 ) -> FileResponse:
     """The base as a file."""
     if format not in FORMATS:
         raise DataError(f"expected one of {', '.join(FORMATS)}.", source=format)
     folder = tempfile.TemporaryDirectory(prefix="hilt-")
     file = Path(folder.name) / f"base{FORMATS[format].suffixes[0]}"
-    export_file(service_of(request).base, file, format=format, rules_only=only_rules)
+    export_file(service.base, file, format=format, rules_only=only_rules)
     return FileResponse(file, filename=file.name, background=BackgroundTask(folder.cleanup))
 
 
 @router.post("/import")
-async def import_(request: Request, _: Admin, format: Format, dry: bool = False) -> Json:
+async def import_(
+    service: TheService, request: Request, _: Admin, format: Format, dry: bool = False
+) -> Json:
     """Read a file, which is the body: checked first, applied whole or not at all."""
-    service = service_of(request)
     with tempfile.NamedTemporaryFile(prefix="hilt-") as file:
         async for chunk in request.stream():
             await run_in_threadpool(file.write, chunk)
@@ -100,9 +100,9 @@ async def import_(request: Request, _: Admin, format: Format, dry: bool = False)
 
 
 @router.post("/backup", status_code=201)
-def backup(request: Request, _: Admin, wanted: Backup) -> Json:
+def backup(service: TheService, _: Admin, wanted: Backup) -> Json:
     """Copy the base into a new folder beside it, while it is in use; the copy is read back."""
-    base = service_of(request).base
+    base = service.base
     folder = Path(base.store.location).expanduser()
     target = folder.with_name(f"{folder.name}.backups") / wanted.name
     if not folder.is_dir() or target.exists():

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated, Any, TypeAlias
 
-from fastapi import APIRouter, Header, Request, Response
+from fastapi import APIRouter, Depends, Header, Request, Response
 from pydantic import BaseModel, Field
+from starlette.requests import HTTPConnection
 
 from ....nlu.language import Session
 from ...documents import Explanation
@@ -21,9 +22,12 @@ Prefer = Annotated[str | None, Header(description='"respond-async" answers 202 a
 ACCEPTED: dict[int | str, dict[str, Any]] = {202: {"description": "It waits, or is done."}}
 
 
-def service_of(request: Request) -> Service:
+async def service_of(connection: HTTPConnection) -> Service:
     """The service that a request is for."""
-    return request.app.state.service
+    return connection.app.state.service
+
+
+TheService: TypeAlias = Annotated[Service, Depends(service_of)]
 
 
 class Text(BaseModel):
@@ -54,6 +58,7 @@ class Confirmation(BaseModel):
 
 async def _say(  # noqa: PLR0917 - dependencies
     request: Request,
+    service: TheService,
     response: Response,
     caller: Reader,
     said: Said,
@@ -62,7 +67,7 @@ async def _say(  # noqa: PLR0917 - dependencies
 ) -> Json:
     path = request.url.path.rpartition("/")[2]
     listens: Listens = None if path == "hear" else path  # pyright: ignore[reportAssignmentType]
-    job = service_of(request).say(said, caller, listens, idempotency_key)
+    job = service.say(said, caller, listens, idempotency_key)
     if "respond-async" in (prefer or ""):
         response.status_code = 202
         response.headers["Location"] = f"/api/v1/commands/{job.id}"
@@ -82,30 +87,30 @@ for _name, _summary in (
 
 
 @router.get("/commands/{id}")
-async def command(request: Request, caller: Reader, id: str) -> Json:  # noqa: A002
+async def command(service: TheService, caller: Reader, id: str) -> Json:  # noqa: A002
     """How far a command is, and its answer; kept for the last 1,000."""
-    job = service_of(request).jobs.get(id)
+    job = service.jobs.get(id)
     if job is None or not (job.caller.id == caller.id or caller.may("admin")):
         raise Problem(404, "not-found", "Not found", f'There is no command "{id}" of yours.')
     return job.as_json()
 
 
 @router.post("/confirm")
-async def confirm(request: Request, caller: Reader, answer: Confirmation) -> Json:
+async def confirm(service: TheService, caller: Reader, answer: Confirmation) -> Json:
     """Answer a question of Hilt; the answer is that of what was asked about."""
-    return await service_of(request).confirm(answer.id, caller, yes=answer.yes)
+    return await service.confirm(answer.id, caller, yes=answer.yes)
 
 
 @router.post("/parse")
-def parse(request: Request, caller: Reader, said: ParseQuestion) -> Json:
+def parse(service: TheService, caller: Reader, said: ParseQuestion) -> Json:
     """How a sentence is understood; nothing is kept."""
-    session = Session(service_of(request).agent.dialogue.conversation.language)
+    session = Session(service.agent.dialogue.conversation.language)
     session = session.after(said.before, speaker=caller.speaker)
     return session.hear(said.text, speaker=caller.speaker)[0].as_json()
 
 
 @router.post("/explain")
-def explain(request: Request, caller: Reader, asked: ExplainQuestion) -> Json:
+def explain(service: TheService, caller: Reader, asked: ExplainQuestion) -> Json:
     """The proof of a decision, why not another, and what would change it."""
-    with service_of(request).deciding(asked.context, asked.scene) as agent:
+    with service.deciding(asked.context, asked.scene) as agent:
         return Explanation.of(agent, asked.text, caller.speaker).as_json()

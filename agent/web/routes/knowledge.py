@@ -22,7 +22,7 @@ from ... import documents
 from ...execution.outcome import Json
 from ..problems import forbidden
 from ..security import Reader, Teacher
-from .conversation import service_of
+from .conversation import TheService
 
 router = APIRouter(prefix="/api/v1", tags=["knowledge"])
 Name = Annotated[str | None, Query(max_length=200)]
@@ -57,13 +57,9 @@ class RuleFilter:
 Wanted = Annotated[RuleFilter, Depends()]
 
 
-def base_of(request: Request) -> KnowledgeBase:
-    """The base that a request is about."""
-    return service_of(request).base
-
-
 @router.get("/rules")
-def rules(
+def rules(  # noqa: PLR0917 - dependencies
+    service: TheService,
     request: Request,
     response: Response,
     _: Reader,
@@ -72,7 +68,7 @@ def rules(
     cursor: Name = None,
 ) -> Documents:
     """Rules; the header Link leads to the next ones, if there are more."""
-    found = wanted.rules(base_of(request))
+    found = wanted.rules(service.base)
     if cursor:
         number, last = cursor.split("~", 1) if "~" in cursor else (cursor, "")
         place = (int(number) if number.isdecimal() else 0, last)
@@ -86,18 +82,17 @@ def rules(
 
 
 @router.get("/rules/{id:path}")
-def rule(request: Request, _: Reader, id: str) -> Json:  # noqa: A002 - its name in JSON
+def rule(service: TheService, _: Reader, id: str) -> Json:  # noqa: A002 - its name in JSON
     """One rule, by its id or the first digits of it, whatever its status."""
-    base = base_of(request)
+    base = service.base
     found = find_rule(base, id)
     said = base.utterance(found.utterance).as_json() if found.utterance else None
     return {**found.as_json(), "status": found.status, "utterance": said}
 
 
 @router.delete("/rules/{id:path}")
-async def forget(request: Request, caller: Teacher, id: str) -> Json:  # noqa: A002
+async def forget(service: TheService, caller: Teacher, id: str) -> Json:  # noqa: A002
     """Forget a rule of one's own, or the "last"; an admin forgets any. The history keeps it."""
-    service = service_of(request)
 
     def forgotten() -> Json:
         base, before = service.base, service.base.sequence
@@ -111,65 +106,65 @@ async def forget(request: Request, caller: Teacher, id: str) -> Json:  # noqa: A
 
 
 @router.get("/graph")
-def graph(request: Request, _: Reader, wanted: Wanted) -> Json:
+def graph(service: TheService, _: Reader, wanted: Wanted) -> Json:
     """The rules as nodes and edges, with their intervals."""
-    return documents.graph_as_json(wanted.rules(base_of(request)))
+    return documents.graph_as_json(wanted.rules(service.base))
 
 
 @router.get("/conflicts")
-def conflicts(request: Request, _: Reader) -> Documents:
+def conflicts(service: TheService, _: Reader) -> Documents:
     """The rules that contradict each other, the heaviest conflict first."""
-    return [each.as_json() for each in find_conflicts(base_of(request).rules())]
+    return [each.as_json() for each in find_conflicts(service.base.rules())]
 
 
 @router.get("/induced")
-def induced(request: Request, _: Reader) -> Documents:
+def induced(service: TheService, _: Reader) -> Documents:
     """The rules that follow by similarity from those that were taught."""
-    kinds = service_of(request).agent.embodiment.household
-    found = induce(base_of(request).rules(), kinds.objects, classes=kinds.classes)
+    kinds = service.agent.embodiment.household
+    found = induce(service.base.rules(), kinds.objects, classes=kinds.classes)
     return [each.as_json() for each in found]
 
 
 @router.get("/words")
-def words(request: Request, _: Reader) -> Documents:
+def words(service: TheService, _: Reader) -> Documents:
     """The words and the turns of phrase that were learned."""
-    base = base_of(request)
+    base = service.base
     return [each.as_json() for each in (*base.words(), *base.phrases())]
 
 
 @router.get("/history")
-def history(request: Request, _: Reader, since: Since = 0, limit: Limit = 1_000) -> Documents:
+def history(service: TheService, _: Reader, since: Since = 0, limit: Limit = 1_000) -> Documents:
     """What was said after an utterance, in order."""
-    return [each.as_json() for each in islice(base_of(request).history(since=since), limit)]
+    return [each.as_json() for each in islice(service.base.history(since=since), limit)]
 
 
 @router.get("/episodes")
-def episodes(request: Request, _: Reader, limit: Limit = 100) -> Documents:
+def episodes(service: TheService, _: Reader, limit: Limit = 100) -> Documents:
     """The last commands, with their decisions, steps and results."""
-    found = [*base_of(request).episodes()][-limit:]
+    found = [*service.base.episodes()][-limit:]
     return [documents.episode_as_json(each) for each in found]
 
 
 @router.get("/episodes/{id}")
-def episode(request: Request, _: Reader, id: str) -> Json:  # noqa: A002
+def episode(service: TheService, _: Reader, id: str) -> Json:  # noqa: A002
     """One command, with its decision, steps and result."""
-    found = {each.id: each for each in base_of(request).episodes()}
+    found = {each.id: each for each in service.base.episodes()}
     if id not in found:
         raise NotFoundError("episode", id, found)
     return documents.episode_as_json(found[id])
 
 
 @router.get("/actions")
-def actions(request: Request, _: Reader) -> Json:
+def actions(service: TheService, _: Reader) -> Json:
     """The action trees as the paths of their nodes, and the actions that were taught."""
-    known = service_of(request).agent.dialogue.lessons.actions
-    taught = [each.as_json() for each in base_of(request).actions()]
+    known = service.agent.dialogue.lessons.actions
+    taught = [each.as_json() for each in service.base.actions()]
     trees = {name: list(tree.parameters) for name, tree in known.trees.items()}
     return {"trees": trees, "nodes": list(known.nodes), "taught": taught}
 
 
 @router.get("/objects")
-def objects(request: Request, _: Reader) -> Documents:
+def objects(service: TheService, _: Reader) -> Documents:
     """The household: objects with their kinds, properties and parts."""
     return [
         {
@@ -178,7 +173,7 @@ def objects(request: Request, _: Reader) -> Documents:
             "properties": sorted(kind.properties),
             "parts": [{"name": part.name, "role": part.role} for part in kind.parts.values()],
         }
-        for kind in service_of(request).agent.objects.values()
+        for kind in service.agent.objects.values()
     ]
 
 
@@ -189,7 +184,7 @@ def questions(_: Reader) -> Documents:
 
 
 @router.post("/questions/{name}", response_class=Response)
-def question(request: Request, _: Reader, name: str, arguments: dict[str, str]) -> Response:
+def question(service: TheService, _: Reader, name: str, arguments: dict[str, str]) -> Response:
     """The answer to a named question, as SPARQL 1.1 Query Results JSON."""
-    found = base_of(request).answer(name, limits=_LIMITS, **arguments)
+    found = service.base.answer(name, limits=_LIMITS, **arguments)
     return Response(write_result(found, "json"), media_type="application/sparql-results+json")

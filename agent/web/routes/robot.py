@@ -5,14 +5,14 @@ from __future__ import annotations
 import gzip
 from typing import Annotated
 
-from fastapi import APIRouter, Request, Response
+from fastapi import APIRouter, Response
 from pydantic import BaseModel, Field
 
 from ...documents import things_as_json
 from ...execution.outcome import Json
 from ..problems import Problem
 from ..security import Operator, Reader
-from .conversation import service_of
+from .conversation import TheService
 
 router = APIRouter(prefix="/api/v1", tags=["robot"])
 
@@ -31,9 +31,8 @@ class LeaseWish(BaseModel):
 
 
 @router.get("/scene")
-async def scene(request: Request, _: Reader) -> Json:
+async def scene(service: TheService, _: Reader) -> Json:
     """What stands on the table, and where, as soon as there is a body."""
-    service = service_of(request)
     agent = service.agent
     known = service.scene_as_json()
     if not agent.has_body:
@@ -42,9 +41,9 @@ async def scene(request: Request, _: Reader) -> Json:
 
 
 @router.get("/scene.glb", response_class=Response)
-def picture(request: Request, _: Reader) -> Response:
+def picture(service: TheService, _: Reader) -> Response:
     """The shapes of all that can be seen, as glTF; another scene has another address."""
-    live_scene = service_of(request).live_scene
+    live_scene = service.live_scene
     if live_scene is None:
         raise Problem(404, "no-body", "No body", "There is no simulated robot to be seen.")
     headers = {"Cache-Control": "private, max-age=31536000, immutable", "Content-Encoding": "gzip"}
@@ -53,22 +52,21 @@ def picture(request: Request, _: Reader) -> Response:
 
 
 @router.post("/scene")
-async def set_scene(request: Request, caller: Operator, wanted: Table) -> Json:
+async def set_scene(service: TheService, caller: Operator, wanted: Table) -> Json:
     """Lay the table anew."""
-    service = service_of(request)
     service.check_lease(caller)
     await service.set_scene(wanted.scene, wanted.seed)
     return service.scene_as_json()
 
 
 @router.post("/robot/stop")
-async def stop(request: Request, _: Operator) -> Json:
+async def stop(service: TheService, _: Operator) -> Json:
     """Stop what moves, and drop the commands that wait, whoever holds the lease."""
-    service_of(request).stop_robot()
+    service.stop_robot()
     return {"stopped": True}
 
 
 @router.post("/robot/lease")
-async def lease(request: Request, caller: Operator, wish: LeaseWish) -> Json:
+async def lease(service: TheService, caller: Operator, wish: LeaseWish) -> Json:
     """Command the robot alone for some time; 0 seconds give it back."""
-    return service_of(request).lease(caller, wish.seconds)
+    return service.lease(caller, wish.seconds)

@@ -7,7 +7,7 @@ from collections.abc import AsyncGenerator
 from contextlib import suppress
 from typing import Annotated, Any
 
-from fastapi import APIRouter, Depends, Header, Query, Request, WebSocket
+from fastapi import APIRouter, Depends, Header, Query, WebSocket
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 from starlette.websockets import WebSocketDisconnect, WebSocketState
 
@@ -17,7 +17,7 @@ from ..problems import Problem
 from ..security import CALLER, Gate, Reader
 from ..service import Service
 from ..tokens import Caller
-from .conversation import service_of
+from .conversation import TheService
 
 router = APIRouter(prefix="/api/v1", tags=["events"])
 PROTOCOL = 1
@@ -26,20 +26,19 @@ _WHO, _TOO_MANY = 4401, 4429
 Number = Annotated[int | None, Query(ge=0, le=2**53)]
 
 
-async def _stream(request: Request, caller: Reader) -> AsyncGenerator[EventStream]:
-    with service_of(request).hub.subscribed(caller) as stream:
+async def _stream(service: TheService, caller: Reader) -> AsyncGenerator[EventStream]:
+    with service.hub.subscribed(caller) as stream:
         yield stream
 
 
 @router.get("/events", response_class=EventSourceResponse)
 async def events(
-    request: Request,
+    service: TheService,
     stream: Annotated[EventStream, Depends(_stream)],
     since: Number = None,
     last_event_id: Annotated[str | None, Header()] = None,
 ) -> AsyncGenerator[ServerSentEvent]:
     """Everything that happens; `Last-Event-ID` or `since` replays what was said after it."""
-    service = service_of(request)
     after = int(last_event_id) if last_event_id and last_event_id.isdecimal() else since
     yield ServerSentEvent(data=hello(service), event="hello")
     async for event in stream.read(after, service.base):
