@@ -16,7 +16,6 @@ from .common import announce, print_json
 from .options import AsJson, Kb, Speaker, app, example, with_config
 
 if TYPE_CHECKING:
-    from ..web.server import Listening
     from ..web.tokens import TokenFile
 
 token_app = typer.Typer(help="Who may use the service.", rich_markup_mode=None)
@@ -70,11 +69,11 @@ def serve(
     from ...kb.stores.base import MEMORY
     from ..agent import Agent
 
-    def ready(found: Listening) -> None:
-        document = {"url": found.url, "key": found.key, "port": found.port}
-        announce(document, f"Hilt is at {found.url}", as_json=as_json)
+    def ready(url: str, key: str | None, port: int) -> None:
+        document = {"url": url, "key": key, "port": port}
+        announce(document, f"Hilt is at {url}", as_json=as_json)
         if browser and not as_json:
-            typer.launch(found.url)
+            typer.launch(url)
 
     if no_auth or bare:
         typer.echo("Without keys: every program of this machine may do everything.", err=True)

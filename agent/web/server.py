@@ -6,7 +6,6 @@ import logging
 import secrets
 import socket
 from collections.abc import Callable
-from dataclasses import dataclass
 from logging.handlers import RotatingFileHandler
 from pathlib import Path
 from tempfile import mkdtemp
@@ -28,15 +27,6 @@ _GRACE_SECONDS = 3  # for connections that stay open after their streams were en
 _AUDIT_BYTES, _AUDIT_FILES = 10 * 2**20, 5
 
 
-@dataclass(frozen=True)
-class Listening:
-    """What a server says when it is ready; the URL has the key."""
-
-    url: str
-    key: str | None
-    port: int
-
-
 class _Server(uvicorn.Server):
     def __init__(
         self, config: uvicorn.Config, service: Service | None, ready: Callable[[], None]
@@ -54,7 +44,7 @@ class _Server(uvicorn.Server):
         await super().shutdown(sockets)
 
 
-Ready = Callable[[Listening], None]
+Ready = Callable[[str, "str | None", int], None]  # takes the URL with the key, the key, the port
 
 
 def serve(agent: Agent, settings: ServiceSettings, tokens: Path | None, ready: Ready) -> None:
@@ -108,8 +98,8 @@ def _run(
     port: int = listener.getsockname()[1]
     host = f"[{settings.host}]" if ":" in settings.host else settings.host
     address = f"http{'s' * bool(settings.certificate)}://{host}:{port}/"
-    listening = Listening(f"{address}?key={key}" if key else address, key, port)
-    _Server(config, service, lambda: ready(listening)).run([listener])
+    url = f"{address}?key={key}" if key else address
+    _Server(config, service, lambda: ready(url, key, port)).run([listener])
 
 
 def check_place(gate: Gate) -> None:
