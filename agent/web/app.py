@@ -45,7 +45,7 @@ def make_app(service: Service, gate: Gate, *, secret: str, port: int, folder: Pa
     async def lifespan(_: FastAPI) -> AsyncGenerator[None]:
         to_thread.current_default_thread_limiter().total_tokens = READERS
         shown = asyncio.ensure_future(service.run(service.show_scene))
-        async with models or nullcontext():
+        async with models:
             yield
         await app.state.evaluations.stop()
         await service.stop()
@@ -71,7 +71,11 @@ def make_app(service: Service, gate: Gate, *, secret: str, port: int, folder: Pa
     app.include_router(_health)
     target = base_target(service, gate)
     app.router.routes.extend(sparql_routes(target) if target else [])
-    models = _add_models(app, service, gate)
+    models: AbstractAsyncContextManager[None] = nullcontext()
+    if find_spec("mcp"):
+        from .mcp_server import add_endpoint
+
+        models = add_endpoint(app, service, gate)
     _count(service, registry)
     answer_with_problems(app)
     if gate.settings.origins:
@@ -92,16 +96,6 @@ def make_app(service: Service, gate: Gate, *, secret: str, port: int, folder: Pa
     if STATIC.exists():
         app.mount("/static", GZipMiddleware(StaticFiles(directory=STATIC)), name="static")
     return app
-
-
-def _add_models(
-    app: FastAPI, service: Service, gate: Gate
-) -> AbstractAsyncContextManager[None] | None:
-    if not find_spec("mcp"):
-        return None
-    from .mcp_server import add_endpoint
-
-    return add_endpoint(app, service, gate)
 
 
 def _count(service: Service, registry: CollectorRegistry) -> None:

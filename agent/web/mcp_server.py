@@ -77,6 +77,10 @@ class _Planned:
     chosen: tuple[str | None, str | None]
     until: float
 
+    @property
+    def lasts(self) -> bool:
+        return self.until > time.monotonic()
+
 
 def make_mcp(service: Service, who: WhoAsks) -> MCPServer[Any]:
     """Return the tools and resources over a service, for the caller that a context names."""
@@ -106,7 +110,11 @@ def add_endpoint(app: Starlette, service: Service, gate: Gate) -> AbstractAsyncC
 
     Who asks shows a bearer token with every request.
     """
-    server = make_mcp(service, lambda context: _request(context).scope[CALLER])
+
+    def who(context: Context[Any]) -> Caller:
+        return cast(HTTPConnection, context.request_context.request).scope[CALLER]
+
+    server = make_mcp(service, who)
     doors = TransportSecuritySettings(enable_dns_rebinding_protection=False)  # ours are checked
     endpoint = server.streamable_http_app(stateless_http=True, transport_security=doors)
 
@@ -181,14 +189,14 @@ class ModelTools:
         if plan.outcome == "done":
             plan.id = secrets.token_urlsafe(12)
             until = time.monotonic() + PLAN_SECONDS
-            self._plans = {name: each for name, each in self._plans.items() if _lasts(each)}
+            self._plans = {name: each for name, each in self._plans.items() if each.lasts}
             self._plans[plan.id] = _Planned(command, caller, (plan.object, plan.part), until)
         return plan
 
     async def carry_out(self, plan: str, context: Context[Any]) -> dict[str, Any]:
         """Do what was planned, by the id of the plan; each id counts once."""
         caller, planned = self._model(context), self._plans.pop(plan, None)
-        if planned is None or not _lasts(planned) or planned.caller != caller:
+        if planned is None or not planned.lasts or planned.caller != caller:
             raise ToolError("There is no such plan of yours, or it is too old. Plan again.")
         again = await self._planned(planned.command, caller)
         if (again.object, again.part) != planned.chosen or again.outcome != "done":
@@ -265,14 +273,6 @@ def _against(decision: Decision | None) -> Sequence[Rule]:
         if each.argument and each.argument.name == named
         for rule in each.rules
     ]
-
-
-def _request(context: Context[Any]) -> HTTPConnection:
-    return cast(HTTPConnection, context.request_context.request)
-
-
-def _lasts(planned: _Planned) -> bool:
-    return planned.until > time.monotonic()
 
 
 @contextmanager
