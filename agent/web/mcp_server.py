@@ -10,9 +10,10 @@ from __future__ import annotations
 import json
 import secrets
 import time
-from collections.abc import Callable, Generator, Sequence
-from contextlib import AbstractAsyncContextManager, contextmanager
+from collections.abc import Awaitable, Callable, Sequence
+from contextlib import AbstractAsyncContextManager
 from dataclasses import dataclass
+from functools import wraps
 from typing import Any, Literal, cast
 
 from mcp.server.mcpserver import Context, MCPServer
@@ -90,7 +91,7 @@ def make_mcp(service: Service, who: WhoAsks) -> MCPServer[Any]:
         *(tools.how_to_hold, tools.may_hold, tools.what_for, tools.explain),
         *(tools.teach, tools.plan, tools.carry_out),
     ):
-        server.add_tool(tool)
+        server.add_tool(_told(tool))
 
     @server.resource("hilt://rules", mime_type="application/json")
     def rules() -> str:  # pyright: ignore[reportUnusedFunction]
@@ -179,8 +180,7 @@ class ModelTools:
     async def teach(self, sentence: str, context: Context[Any]) -> dict[str, Any]:
         """Teach one sentence: "A knife is used for cutting". It counts as little trusted."""
         caller = await self._introduced(context)
-        with _told():
-            return await self._service.say(Said(text=sentence), caller, "tell").answered()
+        return await self._service.say(Said(text=sentence), caller, "tell").answered()
 
     async def plan(self, command: str, context: Context[Any]) -> CommandPlan:
         """Decide a command ("pass me the knife by the blade"), with its proof; nothing moves."""
@@ -201,13 +201,11 @@ class ModelTools:
         again = await self._planned(planned.command, caller)
         if (again.object, again.part) != planned.chosen or again.outcome != "done":
             raise ToolError(f"It would be decided otherwise now: {again.said} Plan again.")
-        with _told():
-            self._service.lease(caller, PLAN_SECONDS)
-            try:
-                job = self._service.say(Said(text=planned.command), caller, "do")
-                return await job.answered()
-            finally:
-                self._service.lease(caller, 0)
+        self._service.lease(caller, PLAN_SECONDS)
+        try:
+            return await self._service.say(Said(text=planned.command), caller, "do").answered()
+        finally:
+            self._service.lease(caller, 0)
 
     async def _planned(self, command: str, caller: Caller) -> CommandPlan:
         def decided(agent: Agent) -> CommandPlan:
@@ -229,8 +227,7 @@ class ModelTools:
             with self._service.deciding([], scene) as agent:
                 return decide(agent)
 
-        with _told():
-            return await run_in_threadpool(decided)
+        return await run_in_threadpool(decided)
 
     async def _introduced(self, context: Context[Any]) -> Caller:
         """The model, of whom the base knows from now on how far it is trusted."""
@@ -240,8 +237,7 @@ class ModelTools:
             if base.trust(caller.speaker) is None and caller.roles & {"teacher", "operator"}:
                 base.set_trust(caller.speaker, TRUST)
 
-        with _told():
-            await self._service.run(introduce)
+        await self._service.run(introduce)
         return caller
 
     def _finding(self, found: Candidate) -> Finding:
@@ -275,10 +271,14 @@ def _against(decision: Decision | None) -> Sequence[Rule]:
     ]
 
 
-@contextmanager
-def _told() -> Generator[None]:
+def _told(tool: Callable[..., Awaitable[Any]]) -> Callable[..., Awaitable[Any]]:
     """Let a model read why it is refused."""
-    try:
-        yield
-    except (Problem, HiltError) as error:
-        raise ToolError(problem_of(error).detail) from error
+
+    @wraps(tool)
+    async def told(*given: Any, **named: Any) -> Any:
+        try:
+            return await tool(*given, **named)
+        except (Problem, HiltError) as error:
+            raise ToolError(problem_of(error).detail) from error
+
+    return told
