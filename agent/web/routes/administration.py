@@ -70,15 +70,13 @@ async def set_trust(
 
 
 @router.get("/export", response_class=FileResponse)
-def export(
-    service: TheService, _: Reader, format: Format = "trig", only_rules: bool = False
-) -> FileResponse:
+def export(service: TheService, _: Reader, format: Format = "trig") -> FileResponse:
     """The base as a file."""
     if format not in FORMATS:
         raise DataError(f"expected one of {', '.join(FORMATS)}.", source=format)
     folder = tempfile.TemporaryDirectory(prefix="hilt-")
     file = Path(folder.name) / f"base{FORMATS[format].suffixes[0]}"
-    export_file(service.base, file, format=format, rules_only=only_rules)
+    export_file(service.base, file, format=format)
     return FileResponse(file, filename=file.name, background=BackgroundTask(folder.cleanup))
 
 

@@ -27,9 +27,3 @@ async def whoami(caller: Reader) -> Json:
 async def begin(request: Request, key: Key) -> None:
     """Take a cookie for a key or a token."""
     request.app.state.gate.begin_session(request, key.key)
-
-
-@router.delete("", status_code=204)
-async def end(request: Request, _: Reader) -> None:
-    """Give the cookie back."""
-    request.session.clear()
