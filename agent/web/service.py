@@ -255,10 +255,8 @@ class Service:
         def laid() -> None:
             old = self.agent
             config = replace(old.config, scene=safe_scene(scene), seed=seed)
-            embodiment, language = (
-                Embodiment.from_config(config),
-                old.dialogue.conversation.language,
-            )
+            embodiment = Embodiment.from_config(config)
+            language = old.dialogue.conversation.language
             self.agent = Agent(old.base, language, old.actions, embodiment, config)
             self.agent.watchers.append(self._on_step)
             old.release_body()
@@ -272,11 +270,10 @@ class Service:
         A robot that is moved by something else is not shown.
         """
         agent = self.agent
-        self.live_scene = (
-            LiveScene(agent.body, next(self._scenes), self.hub, pace=self._pace)
-            if agent.simulate
-            else None
-        )
+        self.live_scene = None
+        if agent.simulate:
+            number = next(self._scenes)
+            self.live_scene = LiveScene(agent.body, number, self.hub, pace=self._pace)
         self.hub.publish({"type": "scene", **self.scene_as_json()})
         self.show_frame()
 

@@ -59,13 +59,10 @@ def base_target(service: Service, gate: Gate) -> SparqlTarget | None:
 def bare_app(store: OxigraphStore, settings: ServiceSettings) -> Starlette:
     """Return the application of a plain store, which is closed with it; who asks may do all."""
 
-    def change(text: str, base: str) -> None:
+    async def update(text: str, base: str, _: str) -> None:
         sent = f"BASE <{base}> {text}"
         with errors_as_typed(text, sent):
-            store.update(sent)
-
-    async def update(text: str, base: str, _: str) -> None:
-        await asyncio.to_thread(change, text, base)
+            await asyncio.to_thread(store.update, sent)
 
     def admit(_: Request, __: bool) -> str:
         return settings.speaker
