@@ -21,8 +21,8 @@ from .conversation import TheService
 
 router = APIRouter(prefix="/api/v1", tags=["events"])
 PROTOCOL = 1
-_HELLO_SECONDS, _PING_SECONDS = 5.0, 15.0
-_WHO, _TOO_MANY = 4401, 4429
+_HELLO_SECONDS = 5.0
+_NORMAL, _WHO, _TOO_MANY = 1000, 4401, 4429
 Number = Annotated[int | None, Query(ge=0, le=2**53)]
 
 
@@ -55,7 +55,7 @@ async def live(socket: WebSocket) -> None:
     """
     service: Service = socket.app.state.service
     await socket.accept()
-    code = 1000
+    code = _NORMAL
     try:
         caller, first = await _greeted(socket, socket.app.state.gate)
         with service.hub.subscribed(caller) as stream:
@@ -79,8 +79,7 @@ def hello(service: Service) -> Json:
 
 async def _greeted(socket: WebSocket, gate: Gate) -> tuple[Caller, dict[str, Any]]:
     """Who listens, and the first message; the cookie says it, or a token in that message."""
-    message = asyncio.wait_for(socket.receive_json(), _HELLO_SECONDS)
-    first: dict[str, Any] = await message
+    first: dict[str, Any] = await asyncio.wait_for(socket.receive_json(), _HELLO_SECONDS)
     if first.get("token"):
         caller = gate.caller_with(socket, str(first["token"]))
     else:
@@ -92,25 +91,22 @@ async def _greeted(socket: WebSocket, gate: Gate) -> tuple[Caller, dict[str, Any
 async def _both_ways(
     socket: WebSocket, stream: EventStream, service: Service, since: int | None
 ) -> int:
-    async def listen() -> None:
-        with suppress(WebSocketDisconnect):
-            while True:
-                await socket.receive_text()
-
-    async def tell() -> None:
+    listening = asyncio.ensure_future(_listen(socket))
+    listening.add_done_callback(lambda _: stream.close(_NORMAL))
+    try:
         async for event in stream.read(since, service.base):
             if isinstance(event, bytes):
                 await socket.send_bytes(event)
             else:
                 await socket.send_json(event)
-
-    tasks = [asyncio.ensure_future(each) for each in (listen(), tell())]
-    try:
-        await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
     finally:
-        for task in tasks:
-            task.cancel()
-    return stream.end or 1000
+        listening.cancel()
+    return stream.end or _NORMAL
+
+
+async def _listen(socket: WebSocket) -> None:
+    async for _ in socket.iter_text():  # what it says after its hello is not needed
+        pass
 
 
 async def _ended(socket: WebSocket, code: int) -> None:
