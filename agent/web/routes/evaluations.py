@@ -54,19 +54,19 @@ class Evaluations:
 
     def __init__(self, folder: Path, hub: Hub) -> None:
         self._folder, self._hub = folder, hub
-        self._running: tuple[str, asyncio.subprocess.Process] | None = None
+        self._running = dict[str, asyncio.subprocess.Process]()  # one at most
         self._following: asyncio.Task[None] | None = None
 
     async def begin(self, wish: EvaluationWish) -> str:
         """Begin one, and return its id; Problem 409 while another runs."""
         if self._running:
-            raise Problem(409, "busy", "Busy", f"Evaluation {self._running[0]} runs.")
+            raise Problem(409, "busy", "Busy", f"Evaluation {next(iter(self._running))} runs.")
         folder = self._folder / (name := token_hex(4))
         folder.mkdir(parents=True)
         with (folder / _RESULT).open("wb") as result:
             command = [sys.executable, "-m", "hilt", *wish.arguments(folder)]
             process = await asyncio.create_subprocess_exec(*command, stdout=result)
-        self._running = name, process
+        self._running[name] = process
         self._following = asyncio.ensure_future(self._follow(name, process))
         return name
 
@@ -75,7 +75,7 @@ class Evaluations:
             with suppress(asyncio.TimeoutError):
                 await asyncio.wait_for(process.wait(), _PAUSE_S)
             if process.returncode is not None:
-                self._running = None
+                del self._running[name]
             self._hub.publish({"type": "progress", **self.as_json(name), "result": None})
 
     def as_json(self, name: str) -> Json:
@@ -88,7 +88,7 @@ class Evaluations:
         lines = journal.split(b"\n")[:-1]  # those that are whole
         cases = json.loads(lines[0])["cases"] if lines else 0
         result = (folder / _RESULT).read_bytes()
-        runs = self._running is not None and self._running[0] == name
+        runs = name in self._running
         state = "running" if runs else "done" if result else "ended"
         known: Json = {
             "evaluation": name,
@@ -112,9 +112,9 @@ class Evaluations:
 
     async def stop(self, name: str | None = None) -> None:
         """Stop one, or the one that runs; its journal is kept."""
-        if self._running and name in {None, self._running[0]}:
-            self._running[1].terminate()
-            await self._running[1].wait()
+        for process in [self._running[each] for each in self._running if name in {None, each}]:
+            process.terminate()
+            await process.wait()
 
 
 def _evaluations(request: Request) -> Evaluations:
