@@ -27,8 +27,7 @@ from hilt.agent.config import AgentConfig
 from hilt.kb.interval import Interval
 from hilt.kb.knowledge_base import FORMAT, KnowledgeBase, version_quad
 from hilt.kb.rdf import rule_mapping
-from hilt.kb.rdf.terms import Quad
-from hilt.kb.reader import BASE_GRAPH, BASE_NODE
+from hilt.kb.rdf.terms import BASE_GRAPH, BASE_NODE, Quad
 from hilt.kb.rule import Rule, grasping
 from hilt.kb.stores.oxigraph import save_quads
 from hilt.kb.stores.rdf_text import write_rdf
