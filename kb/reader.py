@@ -241,8 +241,12 @@ def _optional_iri(kind: str, name: str | None) -> Iri | None:
 
 
 def _having_query(wanted: Sequence[tuple[Iri, Iri]], read: str = "?property ?value") -> str:
-    pairs = " ; ".join(f"{as_sparql(key)} {as_sparql(value)}" for key, value in wanted)
-    having = f"?rule {pairs or f'{as_sparql(rule_mapping.STATUS)} ?status'} ."
+    """The properties of what has some; engines start with constants, so the status is none."""
+    status = as_sparql(rule_mapping.STATUS)
+    pairs = [(as_sparql(key), as_sparql(value)) for key, value in wanted]
+    given = [f"{key} {value}" for key, value in pairs if key != status]
+    has = "".join(f" FILTER(?status = {value})" for key, value in pairs if key == status)
+    having = f"?rule {' ; '.join([*given, f'{status} ?status'])} .{has}"
     inside = f"{having} ?rule {read} ." if read else having
     return f"SELECT ?rule {read} WHERE {{ GRAPH {as_sparql(BELIEFS)} {{ {inside} }} }}"
 

@@ -25,9 +25,9 @@ from .self_report import SELF_REPORTS
 from .teaching import reporter_of
 
 _ABOUT_ANY = """SELECT ?rule {
-    GRAPH graph:beliefs { ?rule hilt:context ?context ; hilt:part ?part ; hilt:status hilt:active
-        FILTER NOT EXISTS { ?rule hilt:feature ?feature } }
-    GRAPH graph:domain { ?part hilt:partOf ?object } }"""
+    GRAPH graph:domain { ?part hilt:partOf ?object }
+    GRAPH graph:beliefs { ?rule hilt:context ?context ; hilt:part ?part ; hilt:status ?status
+        FILTER (?status = hilt:active && NOT EXISTS { ?rule hilt:feature ?feature }) } }"""
 """The rules on how to grasp any object, by a part that this object has."""
 
 SURE = (0.6, 0.9)
