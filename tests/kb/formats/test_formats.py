@@ -16,7 +16,6 @@ from rdflib import Graph
 from hilt.kb.bulk import exporter, importer
 from hilt.kb.bulk.exporter import write_statements
 from hilt.kb.formats import import_export
-from hilt.kb.formats.csv_table import read_table, write_table
 from hilt.kb.formats.file_streams import CheckedStream
 from hilt.kb.formats.graphml import graph_of, rules_of_graph
 from hilt.kb.formats.import_export import (
@@ -28,6 +27,7 @@ from hilt.kb.formats.import_export import (
 )
 from hilt.kb.formats.registry import FORMATS, RULE_FORMATS
 from hilt.kb.formats.rule_yaml import read_sheet, write_sheet
+from hilt.kb.formats.value_notation import read_table, write_table
 from hilt.kb.interval import Interval
 from hilt.kb.knowledge_base import KnowledgeBase
 from hilt.kb.rule import Rule, functional, grasping
