@@ -11,11 +11,18 @@ import typer
 
 from ...ontology.errors import DataError
 from ..presentation.plain_text import counted
-from .common import announce, exit_with, open_for_reading, open_to_change, print_json, terminal
+from .common import (
+    announce,
+    exit_with,
+    open_for_reading,
+    open_to_change,
+    print_json,
+    show_import,
+    terminal,
+)
 from .options import AsJson, DryRun, Kb, app, example
 
 if TYPE_CHECKING:
-    from ...kb.bulk.reconciliation import ImportSummary
     from ...kb.validation import ValidationFinding
 
 FORMATS = "turtle, turtle12, ntriples, rdfxml, trig, nquads, jsonld, sheet (YAML), csv, graphml"
@@ -75,10 +82,7 @@ def import_(
     size = Path(file).stat().st_size if Path(file).is_file() else None
     with open_to_change(kb, dry_run=dry_run) as base, _progress("Reading", size) as advance:
         found = import_file(base, file, format=file_format, dry_run=dry_run, progress=advance)
-    if as_json:
-        print_json({"applied": not dry_run, **found.as_json()})
-    else:
-        _show(found, file, dry_run=dry_run)
+    show_import(found, file, dry_run=dry_run, as_json=as_json)
 
 
 def _import_ontology(
@@ -100,24 +104,6 @@ def _import_ontology(
         f"{summary['graph']}: {found.added} new, {found.removed} gone."
     )
     announce(summary, text, as_json=as_json, err=True)
-
-
-def _show(found: ImportSummary, file: str, *, dry_run: bool) -> None:
-    read = "Would read" if dry_run else "Read"
-    typer.echo(
-        f"{read} {counted(found.new + found.known, 'rule')} from {file}: {found.new} new, "
-        f"{found.known} already known, {found.conflicting} conflicting.",
-        err=True,
-    )
-    for conflict in found.conflicts:
-        typer.echo(f"  {conflict.new} contradicts {conflict.believed}", err=True)
-    if found.conflicting > len(found.conflicts):
-        typer.echo(f"  ... and {found.conflicting - len(found.conflicts)} more", err=True)
-    for what, number in found.not_taken.items():
-        typer.echo(f"Not taken: {counted(number, 'statement')} with {what}.", err=True)
-    if found.untrusted:
-        doubt = f"Nobody trusts {', '.join(found.untrusted)}, so what they say weighs nothing."
-        typer.echo(f"{doubt} Run: hilt trust NAME DEGREE", err=True)
 
 
 @contextmanager

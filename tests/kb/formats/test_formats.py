@@ -224,6 +224,7 @@ def test_summary_tells_what_is_new_known_and_conflicting(
 
     assert (dry.new, dry.known, dry.conflicting, dry.untrusted) == (2, 1, 1, ("anna",))
     assert (dry.conflicts[0].new.id, dry.conflicts[0].believed.id) == (BLADE.id, against.id)
+    assert dry.conflicts[0].weight == BLADE.interval.conflict(against.interval) > 0.5
     assert contents(kb) == before
     wet = import_file(kb, tmp_path / "x.yaml")
     assert (wet.new, wet.known, wet.conflicting, wet.untrusted) == (2, 1, 1, ("anna",))
