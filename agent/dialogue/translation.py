@@ -194,6 +194,21 @@ def action_words(known: actions.Actions, language: Language) -> list[NewWord]:
     return words
 
 
+def word_to_keep(word: NewWord, speaker: str) -> LearnedWord:
+    """Return a new word as the base stores it."""
+    return LearnedWord(Atom(KINDS.get(word.role, word.role), word.word), word.said, speaker)
+
+
+def word_from_base(word: LearnedWord) -> NewWord:
+    """Return a stored word as the language takes it."""
+    return NewWord(word.atom.name, ROLES.get(word.atom.kind, word.atom.kind), word.said)
+
+
+def word_for_person(name: str) -> NewWord:
+    """Return the name of a speaker as a word, for "do you trust kim?"."""
+    return NewWord(name.lower(), "person", name)
+
+
 def _target(said: meaning.ObjectReference) -> Target:
     name = None if said.object == meaning.ANY_OBJECT else said.object
     props = frozenset(said.props)
@@ -248,18 +263,3 @@ def _branch(said: meaning.FailureReaction, kinds: Names, tool_acts: Names) -> ac
     following = PARAMETERS[0] if said.other else None
     steps = tuple(_step(each, kinds, tool_acts) for each in said.steps)
     return actions.FailureBranch(frozenset(said.after), following, said.again, steps)
-
-
-def word_to_keep(word: NewWord, speaker: str) -> LearnedWord:
-    """Return a new word as the base stores it."""
-    return LearnedWord(Atom(KINDS.get(word.role, word.role), word.word), word.said, speaker)
-
-
-def word_from_base(word: LearnedWord) -> NewWord:
-    """Return a stored word as the language takes it."""
-    return NewWord(word.atom.name, ROLES.get(word.atom.kind, word.atom.kind), word.said)
-
-
-def word_for_person(name: str) -> NewWord:
-    """Return the name of a speaker as a word, for "do you trust kim?"."""
-    return NewWord(name.lower(), "person", name)
