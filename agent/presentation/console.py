@@ -177,14 +177,10 @@ def _operations(step: WalkStep) -> Iterable[tuple[str, str]]:
     seen = ", ".join(f"{name} {sure:.2f}" for name, sure in step.percepts.items())
     constraint = step.constraint
     held_by = f" by the {constraint.part}" if constraint and constraint.part else ""
-    concluded = (
-        f"{constraint.object}{held_by} [{constraint.lower:.2f}, {constraint.upper:.2f}]"
-        if constraint
-        else "no constraint"
-    )
+    bound = f"{constraint.object}{held_by} {constraint.interval}" if constraint else ""
     yield "getFeatures", ", ".join(step.features) or "none"
     yield "visual search", seen or ("nothing seen" if step.features else "not needed")
-    yield "getAffordance", concluded
+    yield "getAffordance", bound or "no constraint"
     yield "action", step.action.replace("_", " ")
 
 
