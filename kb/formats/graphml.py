@@ -88,9 +88,10 @@ def read_graphml(text: bytes, *, source: str) -> Iterator[Rule]:
 
 
 def _attributes(rule: Rule) -> dict[str, str | float]:
-    texts = zip(COLUMNS, value_notation.write_texts(rule, bare=False), strict=True)
+    texts = dict(zip(COLUMNS, value_notation.write_texts(rule, bare=False), strict=True))
+    said = {key: texts.pop(key) for key in ("functor", "argument")}  # these come first in files
     bounds = {"lower": rule.interval.lower, "upper": rule.interval.upper}
-    return {"rule": rule.id, "label": str(rule.interval), **dict(texts), **bounds}
+    return {"rule": rule.id, "label": str(rule.interval), **said, **texts, **bounds}
 
 
 def _rule(found: Mapping[str, Any]) -> Rule:
