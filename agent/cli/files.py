@@ -11,15 +11,7 @@ import typer
 
 from ...ontology.errors import DataError
 from ..presentation.plain_text import counted
-from .common import (
-    announce,
-    exit_with,
-    open_for_reading,
-    open_to_change,
-    print_json,
-    show_import,
-    terminal,
-)
+from . import common
 from .options import AsJson, DryRun, Kb, app, example
 
 if TYPE_CHECKING:
@@ -48,7 +40,7 @@ def export_(
     from ...kb.formats.registry import RULE_FORMATS, format_of
 
     chosen = format_of(file, file_format, "turtle")
-    with open_for_reading(kb) as base, _progress("Writing") as advance:
+    with common.open_for_reading(kb) as base, _progress("Writing") as advance:
         count = export_file(base, file, format=file_format, rules_only=only_rules, progress=advance)
     things = counted(count, "rule" if chosen.name in RULE_FORMATS else "triple")
     typer.echo(f"Wrote {things} to {file}.", err=True)
@@ -80,9 +72,9 @@ def import_(
     from ...kb.formats.import_export import import_file
 
     size = Path(file).stat().st_size if Path(file).is_file() else None
-    with open_to_change(kb, dry_run=dry_run) as base, _progress("Reading", size) as advance:
+    with common.open_to_change(kb, dry_run=dry_run) as base, _progress("Reading", size) as advance:
         found = import_file(base, file, format=file_format, dry_run=dry_run, progress=advance)
-    show_import(found, file, dry_run=dry_run, as_json=as_json)
+    common.show_import(found, file, dry_run=dry_run, as_json=as_json)
 
 
 def _import_ontology(
@@ -96,21 +88,21 @@ def _import_ontology(
 ) -> None:
     from ...kb.formats.ontology import import_ontology
 
-    with open_to_change(kb, dry_run=dry_run) as base:
+    with common.open_to_change(kb, dry_run=dry_run) as base:
         found = import_ontology(base, file, name=name, format=file_format, dry_run=dry_run)
     summary = {"applied": not dry_run, **found.as_json()}
     text = (
         f"{'Would read' if dry_run else 'Read'} {counted(found.statements, 'statement')} into "
         f"{summary['graph']}: {found.added} new, {found.removed} gone."
     )
-    announce(summary, text, as_json=as_json, err=True)
+    common.announce(summary, text, as_json=as_json, err=True)
 
 
 @contextmanager
 def _progress(doing: str, total: int | None = None) -> Generator[Callable[..., None]]:
     from rich import progress
 
-    out = terminal(stderr=True)
+    out = common.terminal(stderr=True)
     columns = (
         progress.TextColumn("{task.description}"),
         progress.BarColumn(),
@@ -145,7 +137,7 @@ def validate(
 ) -> None:
     """Check a file, or the base, against the shapes and the laws of rules; change nothing else."""
     if repair:
-        with open_to_change(kb, dry_run=False) as base:
+        with common.open_to_change(kb, dry_run=False) as base:
             base.derive()
     if deep and file is None:
         _check_tables(kb)
@@ -153,16 +145,16 @@ def validate(
         found = _findings_in_base(kb) if file is None else _findings_in_file(file, file_format)
     except DataError as error:
         if as_json:  # what cannot be read is told there, too
-            print_json([_as_json(one) for one in error.mistakes or (error,)])
+            common.print_json([_as_json(one) for one in error.mistakes or (error,)])
         raise
     if as_json:
-        print_json([finding.as_json() for finding in found])
+        common.print_json([finding.as_json() for finding in found])
     else:
         for finding in found:
             where = ":".join(str(part) for part in (file, finding.line) if part)
             typer.echo(f"{where}: {finding}" if where else str(finding))
         typer.echo(f"{counted(len(found), 'finding')}." if found else "Valid.", err=True)
-    exit_with(not found)
+    common.exit_with(not found)
 
 
 def _as_json(error: DataError) -> dict[str, object]:
@@ -186,7 +178,7 @@ def _findings_in_file(file: str, file_format: str | None) -> list[ValidationFind
 def _check_tables(kb: str | None) -> None:
     from ...kb.stores.base import EmbeddedStore
 
-    with open_for_reading(kb) as base:
+    with common.open_for_reading(kb) as base:
         if isinstance(base.store, EmbeddedStore):
             base.store.check_tables()
 
@@ -194,7 +186,7 @@ def _check_tables(kb: str | None) -> None:
 def _findings_in_base(kb: str | None) -> list[ValidationFinding]:
     from ...kb.validation import findings
 
-    with open_for_reading(kb) as base, _progress("Checking") as progress:
+    with common.open_for_reading(kb) as base, _progress("Checking") as progress:
         return findings(base.store, whole=True, progress=progress)
 
 
@@ -214,10 +206,10 @@ def backup(
     """Copy the knowledge base into a folder, while it is in use; the copy is read back."""
     from ...kb.backup import backup as save
 
-    with open_for_reading(kb) as base:
+    with common.open_for_reading(kb) as base:
         number = save(base, folder)
     text = f"Saved up to utterance {number} in {folder}."
-    announce({"backup": str(folder), "sequence": number}, text, as_json=as_json, err=True)
+    common.announce({"backup": str(folder), "sequence": number}, text, as_json=as_json, err=True)
 
 
 @app.command(epilog=example("restore saved/ --replace"))
@@ -236,4 +228,4 @@ def restore(
     location = kb or str(default_location())
     number = put_back(folder, location, replace=replace)
     text = f"Restored up to utterance {number} from {folder}."
-    announce({"restored": str(folder), "sequence": number}, text, as_json=as_json, err=True)
+    common.announce({"restored": str(folder), "sequence": number}, text, as_json=as_json, err=True)
