@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor, wait
 from contextlib import nullcontext
 from dataclasses import dataclass, field
@@ -16,7 +16,12 @@ from itertools import count
 from pathlib import Path
 from typing import NamedTuple, TextIO
 
-from prompt_toolkit import prompt
+from platformdirs import user_state_path
+from prompt_toolkit import PromptSession, prompt
+from prompt_toolkit.completion import WordCompleter
+from prompt_toolkit.history import FileHistory, History, InMemoryHistory
+from prompt_toolkit.patch_stdout import patch_stdout
+from prompt_toolkit.shortcuts import CompleteStyle
 from rich.console import Console, Group, RenderableType
 from rich.text import Text
 
@@ -29,7 +34,6 @@ from .execution.outcome import WalkStep
 from .presentation import console as shown
 from .presentation.plain_text import printable
 from .presentation.progress import doing, view
-from .typed_lines import read_lines
 
 QUIT = "/quit"
 QUIT_WORDS = {QUIT, "/exit", "quit", "exit"}
@@ -44,6 +48,7 @@ EXAMPLES = (  # what it is for, and what is said
     ("introduce somebody", "My name is Anna", "You can trust Anna"),
 )
 _NO_ROBOT = Text("There is no robot to be seen: this chat was started with --no-sim.")
+_WORD = re.compile(r"[^\s,.;:!?\"']+")
 _TRUST = re.compile(r"(.+?)((?: +\d*\.?\d+){0,2})")
 
 
@@ -68,6 +73,43 @@ def run(agent: Agent, out: Console, source: TextIO, speaker: str | None = None) 
         if line:
             chat.handle_line(line)
     chat.close()
+
+
+def read_lines(
+    prompt: Callable[[], str],
+    words: Callable[[], Collection[str]],
+    interrupt: Callable[[], None] = lambda: None,
+) -> Iterator[str]:
+    """Yield the lines that are typed until the end of input; Ctrl-C discards one and interrupts.
+
+    What is printed meanwhile, in any thread, stands above the line that is being typed.
+    """
+    session = PromptSession[str](
+        history=_history(),
+        completer=WordCompleter(lambda: sorted(words()), ignore_case=True, pattern=_WORD),
+        complete_style=CompleteStyle.READLINE_LIKE,
+        complete_while_typing=False,
+    )
+    while True:
+        try:
+            with patch_stdout(raw=True):
+                line = session.prompt(prompt())
+        except EOFError:
+            return
+        except KeyboardInterrupt:
+            interrupt()
+        else:
+            yield line
+
+
+def _history() -> History:
+    file = user_state_path("hilt") / "history"
+    try:
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.touch()
+    except OSError:
+        return InMemoryHistory()
+    return FileHistory(file)
 
 
 def _first_speaker(agent: Agent, name: str | None, out: Console | None) -> str:

@@ -54,14 +54,14 @@ def episode_from_reply(reply: Reply, again: Json | None = None, robot: str = "")
 
 
 def _step_of(step: WalkStep) -> EpisodeStep:
-    bound, best = step.constraint, step.inference.best
+    bound = step.constraint
     return EpisodeStep(
         path=step.node,
         features=tuple(Atom.parse(feature) for feature in step.features),
         object=bound.object if bound else None,
         part=bound.part if bound else None,
-        interval=Interval(bound.lower, bound.upper) if bound else None,
-        rules=tuple(rule.id for rule in best.rules) if best else (),
+        interval=bound.interval if bound else None,
+        rules=tuple(rule.id for rule in bound.rules) if bound else (),
     )
 
 

@@ -14,8 +14,9 @@ from ..sim.manipulation.motion_report import MotionReport
 from ..sim.vision.percept import Percept
 
 if TYPE_CHECKING:
+    from ..inference.types import Candidate
     from ..nlu.semantics.meaning import Meaning
-    from .execution.outcome import AnswerContent, Constraint
+    from .execution.outcome import AnswerContent
 
 
 class Vision(Protocol):
@@ -75,7 +76,7 @@ class ExtraPrimitives(Protocol):
     """
 
     def perform(
-        self, action: str, arguments: Mapping[str, Percept | str], constraint: Constraint | None
+        self, action: str, arguments: Mapping[str, Percept | str], constraint: Candidate | None
     ) -> MotionReport:
         """Perform one of these primitives.
 

@@ -20,7 +20,7 @@ from ..kb.views import view
 from ..ontology.errors import HiltError, NotFoundError
 from .agent import Agent
 from .config import AgentConfig, actions_with, load_language, open_base
-from .dialogue.teaching import word_from_base
+from .dialogue.translation import word_from_base
 from .episodes import AGAIN, embodiment_from_json, file_from_json, from_json
 from .execution.outcome import GoalResult, Json
 from .execution.request import Request

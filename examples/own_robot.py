@@ -9,7 +9,8 @@ Run: python examples/own_robot.py
 from collections.abc import Mapping, Sequence
 
 from hilt.agent import Agent
-from hilt.agent.execution.outcome import AnswerContent, Constraint
+from hilt.agent.execution.outcome import AnswerContent
+from hilt.inference import Candidate
 from hilt.nlu.semantics.meaning import Command, Meaning, ObjectReference
 from hilt.sim.manipulation.motion_report import MotionReport
 from hilt.sim.vision.percept import Percept
@@ -70,7 +71,7 @@ class Arm:
         raise NotImplementedError
 
     def perform(
-        self, action: str, arguments: Mapping[str, Percept | str], constraint: Constraint | None
+        self, action: str, arguments: Mapping[str, Percept | str], constraint: Candidate | None
     ) -> MotionReport:
         """A skill of your own, named in `abilities` and in a file of actions (docs/actions.md)."""
         print(f"arm: {action} {arguments}, bound to {constraint}")

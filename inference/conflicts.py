@@ -1,7 +1,6 @@
 """Conflicts: pairs of rules, one of which asserts what the other denies.
 
-The weight of a conflict is the mass that Dempster's rule assigns to the empty set when both are
-combined, K = a1·(1-b2) + (1-b1)·a2 (Shafer 1976), in [0, 1]. Two different parts for one grasp do
+The weight of a conflict is the mass K of `Interval.conflict`. Two different parts for one grasp do
 not contradict each other: a knife can be held at either end.
 """
 
@@ -10,9 +9,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import combinations
 
-from ..kb.interval import Interval
+from ..kb.interval import EPSILON
 from ..kb.rule import Atom, Rule
-from .interval_operators import EPSILON
 from .proof import Json
 
 
@@ -29,16 +27,12 @@ class Conflict:
         return {"rules": [self.first.as_json(), self.second.as_json()], "weight": self.weight}
 
 
-def _conflict_mass(one: Interval, other: Interval) -> float:
-    return one.lower * (1 - other.upper) + (1 - one.upper) * other.lower
-
-
 def find_conflicts(rules: Iterable[Rule]) -> list[Conflict]:
     """Return the pairs of rules that contradict each other, weighted by trust, heaviest first."""
     groups: dict[tuple[frozenset[Atom], str, Atom | None], list[Rule]] = defaultdict(list)
     for rule in rules:
         groups[rule.features | rule.contexts, rule.functor, rule.argument].append(rule)
     pairs = (pair for group in groups.values() for pair in combinations(group, 2))
-    found = [Conflict(a, b, _conflict_mass(a.support, b.support)) for a, b in pairs]
+    found = [Conflict(a, b, a.support.conflict(b.support)) for a, b in pairs]
     heavy = [each for each in found if each.weight > EPSILON]
     return sorted(heavy, key=lambda each: (-each.weight, each.first.id, each.second.id))

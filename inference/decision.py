@@ -6,10 +6,10 @@ from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
-from ..kb.interval import Interval
+from ..kb.interval import EPSILON, Interval
 from ..kb.rule import Atom, Rule
 from .experience import OutcomeCounts
-from .interval_operators import EPSILON, Operators, certainty
+from .interval_operators import Operators, certainty
 from .proof import LEAVES, Proof, derive
 from .types import Candidate, Inference, Observation, Verdict
 

@@ -113,8 +113,7 @@ class _CounterfactualSearch:
         if index is None:
             return Counterfactual(leaf, instead, None)
         chosen = self.candidates[index]
-        part = chosen.argument if chosen.argument and chosen.argument.kind == "part" else chosen
-        return Counterfactual(leaf, instead, part.name)
+        return Counterfactual(leaf, instead, chosen.part or chosen.name)
 
     def _chosen(self, leaf: Proof, instead: Interval, about: Sequence[int]) -> int | None:
         intervals = list(self.intervals)

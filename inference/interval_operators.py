@@ -15,11 +15,9 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 
-from ..kb.interval import VACUOUS, Interval
+from ..kb.interval import EPSILON, VACUOUS, Interval
 from ..ontology import evidence_operators
 from ..ontology.errors import ConflictError, UnknownNameError
-
-EPSILON = 1e-9  # below this two beliefs are equal: the 16 levels of the paper differ by .0016
 
 Conjunction = Callable[[Sequence[Interval]], Interval]
 ModusPonens = Callable[[Interval, Interval], Interval]

@@ -18,11 +18,10 @@ from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property
 from itertools import chain
 
-from ..kb.interval import Interval
+from ..kb.interval import EPSILON, Interval
 from ..kb.rule import GRASP_OBJECT, USED_FOR, Atom, Rule
 from ..ontology.actions import Actions
 from .decision import ObjectRules
-from .interval_operators import EPSILON
 from .settings import Settings
 from .specificity import MATERIAL, ImpliedAtoms, Premises, Specificity
 from .taxonomy import Taxonomy

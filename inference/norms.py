@@ -13,10 +13,10 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
-from ..kb.interval import CERTAIN, Interval
+from ..kb.interval import CERTAIN, EPSILON, Interval
 from ..kb.rule import FORBIDDEN, NORMS, OBLIGED, PERMITTED, Atom, Rule
 from .affordance import Affordances
-from .interval_operators import EPSILON, Operators
+from .interval_operators import Operators
 from .node_rules import implied_atoms
 from .proof import Json, Proof, derive
 from .specificity import ImpliedAtoms, Specificity

@@ -113,6 +113,11 @@ class Candidate:
     experience: OutcomeCounts | None = None
 
     @property
+    def part(self) -> str | None:
+        """The name of the part to act on; None where that is left open."""
+        return self.argument.name if self.argument and self.argument.kind == "part" else None
+
+    @property
     def told(self) -> Interval:
         """The interval that follows from what was told, without experience."""
         return self.proof.inputs[0].interval if self.experience else self.interval

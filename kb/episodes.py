@@ -5,16 +5,16 @@ which node, what each grasp came to); the complete record, as `hilt do --json` p
 beside them as one text. Experience is counted from the grasp trials, which are stored nowhere else.
 """
 
-from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
 from datetime import datetime
 from decimal import Decimal
 from itertools import groupby
 from numbers import Number
-from typing import cast
+from typing import Annotated, cast
 
 from ..ontology.vocabulary import Iri, external, iri, term
-from .history import ANSWER, SPEAKER, TEXT, rules_property, utterance_iri, utterance_number
+from .history import ANSWER, SPEAKER, TEXT, rules_property, utterance_property
 from .interval import Interval
 from .rdf import record_mapping, rule_mapping
 from .rdf.record_mapping import FieldProperty, RecordMapping, group_properties, local_name
@@ -30,6 +30,22 @@ FORGOTTEN_BY = term("forgottenBy")
 HELD = "held"
 
 
+_OBJECT, _USED = term("chosenObject"), rules_property(external("prov:used"))
+_FEATURES = FieldProperty(rule_mapping.FEATURE, Iri, atom_iri, atom_from_iri, ())
+_OUTCOME = FieldProperty(term("outcome"), str)
+_LIFTED = FieldProperty(
+    term("lifted"), Number, lambda height: Decimal(str(round(height, 6))), float, None
+)
+_HANDED_OVER = FieldProperty(term("handedOver"), bool, default=None)
+_RECORDED = FieldProperty(rule_mapping.GENERATED_AT, datetime, default=None)
+
+
+def _name(predicate: Iri, kind: str, default: object = record_mapping.REQUIRED) -> FieldProperty:
+    return FieldProperty(
+        predicate, Iri, lambda name: atom_iri(Atom(kind, name)), local_name, default
+    )
+
+
 @dataclass(frozen=True)
 class EpisodeStep:
     """The decision at one node of the action tree.
@@ -42,12 +58,12 @@ class EpisodeStep:
         rules: ids of the rules that support it.
     """
 
-    path: str
-    features: tuple[Atom, ...] = ()
-    object: str | None = None
-    part: str | None = None
+    path: Annotated[str, FieldProperty(term("path"), str)]
+    features: Annotated[tuple[Atom, ...], _FEATURES] = ()
+    object: Annotated[str | None, _name(_OBJECT, "object", None)] = None
+    part: Annotated[str | None, _name(rule_mapping.PART, "part", None)] = None
     interval: Interval | None = None
-    rules: tuple[str, ...] = ()
+    rules: Annotated[tuple[str, ...], _USED] = ()
 
 
 @dataclass(frozen=True)
@@ -64,12 +80,12 @@ class GraspTrial:
         forgotten_by: number of the utterance that made it be forgotten; None while it counts.
     """
 
-    object: str
-    part: str
-    context: str
-    outcome: str
-    robot: str = ""
-    forgotten_by: int | None = None
+    object: Annotated[str, _name(_OBJECT, "object")]
+    part: Annotated[str, _name(rule_mapping.PART, "part")]
+    context: Annotated[str, _name(rule_mapping.CONTEXT, "action")]
+    outcome: Annotated[str, _OUTCOME]
+    robot: Annotated[str, FieldProperty(term("robot"), str)] = ""
+    forgotten_by: Annotated[int | None, utterance_property(FORGOTTEN_BY, None)] = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -96,24 +112,24 @@ class Episode:
         time: when it was recorded, with its time zone; None before.
     """
 
-    goal: str
-    text: str
-    speaker: str
-    outcome: str
-    said: str
-    seed: int
-    document: str
-    object: str | None = None
-    part: str | None = None
-    rules: tuple[str, ...] = ()
+    goal: Annotated[str, FieldProperty(term("goal"), str)]
+    text: Annotated[str, FieldProperty(TEXT, str)]
+    speaker: Annotated[str, SPEAKER]
+    outcome: Annotated[str, _OUTCOME]
+    said: Annotated[str, FieldProperty(ANSWER, str)]
+    seed: Annotated[int, FieldProperty(term("seed"), int)]
+    document: Annotated[str, FieldProperty(term("document"), str)]
+    object: Annotated[str | None, _name(_OBJECT, "object", None)] = None
+    part: Annotated[str | None, _name(rule_mapping.PART, "part", None)] = None
+    rules: Annotated[tuple[str, ...], _USED] = ()
     steps: tuple[EpisodeStep, ...] = ()
     trials: tuple[GraspTrial, ...] = ()
-    touched: tuple[str, ...] = ()
-    lifted_m: float | None = None
-    handed_over: bool | None = None
-    utterance: int | None = None
+    touched: Annotated[tuple[str, ...], _name(term("touched"), "part", ())] = ()
+    lifted_m: Annotated[float | None, _LIFTED] = None
+    handed_over: Annotated[bool | None, _HANDED_OVER] = None
+    utterance: Annotated[int | None, utterance_property(term("about"), None)] = None
     id: str = ""
-    time: datetime | None = None
+    time: Annotated[datetime | None, _RECORDED] = None
 
 
 def episode_quads(episode: Episode) -> Iterator[Quad]:
@@ -149,7 +165,8 @@ def observation_quads(node: Iri, properties: Iterable[tuple[Iri, Term]]) -> Iter
     if _TRIALS.type in found[TYPE]:
         yield Quad(node, TYPE, external("sosa:Observation"), DERIVED)
         for name, key in _OBSERVED.items():
-            yield from (Quad(node, key, value, DERIVED) for value in found[_TRIAL[name].predicate])
+            values = found[_TRIALS.fields[name].predicate]
+            yield from (Quad(node, key, value, DERIVED) for value in values)
     for trial in found[TRIAL]:
         for time in found[rule_mapping.GENERATED_AT]:
             yield Quad(cast(Iri, trial), external("sosa:resultTime"), time, DERIVED)
@@ -192,49 +209,10 @@ def _read_step(found: record_mapping.PropertyValues) -> EpisodeStep:
     return _STEPS.read(found, interval=interval)
 
 
-def _atom_of(kind: str) -> Callable[[str], Iri]:
-    return lambda name: atom_iri(Atom(kind, name))
-
-
-_CHOICE = {
-    "object": FieldProperty(term("chosenObject"), Iri, _atom_of("object"), local_name, None),
-    "part": FieldProperty(rule_mapping.PART, Iri, _atom_of("part"), local_name, None),
-    "rules": rules_property(external("prov:used")),
-}
-_STEP = {
-    "path": FieldProperty(term("path"), str),
-    "features": FieldProperty(rule_mapping.FEATURE, Iri, atom_iri, atom_from_iri, ()),
-    **_CHOICE,
-}
-_TRIAL = {
-    "object": replace(_CHOICE["object"], default=record_mapping.REQUIRED),
-    "part": replace(_CHOICE["part"], default=record_mapping.REQUIRED),
-    "context": FieldProperty(rule_mapping.CONTEXT, Iri, _atom_of("action"), local_name),
-    "outcome": FieldProperty(term("outcome"), str),
-    "robot": FieldProperty(term("robot"), str),
-    "forgotten_by": FieldProperty(FORGOTTEN_BY, Iri, utterance_iri, utterance_number, None),
-}
 _OBSERVED = {
     "object": external("sosa:hasFeatureOfInterest"),
     "outcome": external("sosa:hasSimpleResult"),
 }
-_EPISODE = {
-    "goal": FieldProperty(term("goal"), str),
-    "text": FieldProperty(TEXT, str),
-    "speaker": SPEAKER,
-    "outcome": FieldProperty(term("outcome"), str),
-    "said": FieldProperty(ANSWER, str),
-    "seed": FieldProperty(term("seed"), int),
-    "document": FieldProperty(term("document"), str),
-    **_CHOICE,
-    "touched": FieldProperty(term("touched"), Iri, _atom_of("part"), local_name, ()),
-    "lifted_m": FieldProperty(
-        term("lifted"), Number, lambda height: Decimal(str(round(height, 6))), float, None
-    ),
-    "handed_over": FieldProperty(term("handedOver"), bool, default=None),
-    "utterance": FieldProperty(term("about"), Iri, utterance_iri, utterance_number, None),
-    "time": FieldProperty(rule_mapping.GENERATED_AT, datetime, default=None),
-}
-_EPISODES = RecordMapping(Episode, "An episode", term("Episode"), EPISODES, _EPISODE)
-_STEPS = RecordMapping(EpisodeStep, "A step", term("Step"), EPISODES, _STEP)
-_TRIALS = RecordMapping(GraspTrial, "A trial", term("GraspTrial"), EPISODES, _TRIAL)
+_EPISODES = RecordMapping(Episode, "An episode", term("Episode"), EPISODES)
+_STEPS = RecordMapping(EpisodeStep, "A step", term("Step"), EPISODES)
+_TRIALS = RecordMapping(GraspTrial, "A trial", term("GraspTrial"), EPISODES)

@@ -12,12 +12,13 @@ from datetime import datetime
 from decimal import Decimal
 from functools import partial
 from pathlib import PurePath
+from typing import Annotated
 
 from ..ontology.errors import ValidationError
 from ..ontology.vocabulary import Iri, external, iri, term
 from .interval import Interval
-from .rdf.record_mapping import TYPE, FieldProperty, RecordMapping, group_properties, local_name
-from .rdf.rule_mapping import ATTRIBUTED_TO, DERIVED, GENERATED_AT, rule_id, rule_iri
+from .rdf.record_mapping import REQUIRED, FieldProperty, RecordMapping, group_properties, local_name
+from .rdf.rule_mapping import ATTRIBUTED_TO, DERIVED, GENERATED_AT, TYPE, rule_id, rule_iri
 from .rdf.terms import Quad, Term, lexical
 from .rule import MAX_NAME, check_speaker
 
@@ -33,6 +34,18 @@ _GENERATED_BY, _AGENT = external("prov:wasGeneratedBy"), external("prov:wasAssoc
 _STARTED = external("prov:startedAtTime")
 _TRUST = re.compile(r"trust\(([^,()]+),([0-9.e-]+),([0-9.e-]+)\)")  # as `set_trust` writes it
 ASSERTS, RETRACTS, SUPERSEDES = (term(n) for n in ("asserts", "retracts", "supersedes"))
+SPEAKER = FieldProperty(ATTRIBUTED_TO, Iri, partial(iri, "speaker"), local_name)
+_HEARD = FieldProperty(HEARD, Decimal, lambda heard: Decimal(str(round(heard, 6))), float, 1.0)
+
+
+def rules_property(predicate: Iri) -> FieldProperty:
+    """How ids of rules are stored."""
+    return FieldProperty(predicate, Iri, rule_iri, rule_id, default=())
+
+
+def utterance_property(predicate: Iri, default: object = REQUIRED) -> FieldProperty:
+    """How the number of an utterance is stored."""
+    return FieldProperty(predicate, Iri, utterance_iri, utterance_number, default)
 
 
 @dataclass(frozen=True)
@@ -54,18 +67,18 @@ class Utterance:
         heard: confidence of the speech recognition, in [0, 1]; 1 where it was typed.
     """
 
-    sequence: int
-    text: str
-    predicate: str
-    speaker: str
-    time: datetime
-    kind: str = "statement"
-    accepted: bool = True
-    answer: str = ""
-    asserts: tuple[str, ...] = ()
-    retracts: tuple[str, ...] = ()
-    supersedes: tuple[str, ...] = ()
-    heard: float = 1.0
+    sequence: Annotated[int, FieldProperty(SEQUENCE, int)]
+    text: Annotated[str, FieldProperty(TEXT, str)]
+    predicate: Annotated[str, FieldProperty(PREDICATE, str, default="")]
+    speaker: Annotated[str, SPEAKER]
+    time: Annotated[datetime, FieldProperty(GENERATED_AT, datetime)]
+    kind: Annotated[str, FieldProperty(KIND, str)] = "statement"
+    accepted: Annotated[bool, FieldProperty(ACCEPTED, bool)] = True
+    answer: Annotated[str, FieldProperty(ANSWER, str, default="")] = ""
+    asserts: Annotated[tuple[str, ...], rules_property(ASSERTS)] = ()
+    retracts: Annotated[tuple[str, ...], rules_property(RETRACTS)] = ()
+    supersedes: Annotated[tuple[str, ...], rules_property(SUPERSEDES)] = ()
+    heard: Annotated[float, _HEARD] = 1.0
 
     def __post_init__(self) -> None:
         check_speaker(self.speaker)
@@ -143,29 +156,7 @@ def utterance_number(node: Iri) -> int:
     return int(local_name(node))
 
 
-SPEAKER = FieldProperty(ATTRIBUTED_TO, Iri, partial(iri, "speaker"), local_name)
-
-
-def rules_property(predicate: Iri) -> FieldProperty:
-    """How ids of rules are stored."""
-    return FieldProperty(predicate, Iri, rule_iri, rule_id, default=())
-
-
-_FIELDS = {
-    "sequence": FieldProperty(SEQUENCE, int),
-    "text": FieldProperty(TEXT, str),
-    "predicate": FieldProperty(PREDICATE, str, default=""),
-    "kind": FieldProperty(KIND, str),
-    "accepted": FieldProperty(ACCEPTED, bool),
-    "answer": FieldProperty(ANSWER, str, default=""),
-    "heard": FieldProperty(HEARD, Decimal, lambda heard: Decimal(str(round(heard, 6))), float, 1.0),
-    "speaker": SPEAKER,
-    "time": FieldProperty(GENERATED_AT, datetime),
-    "asserts": rules_property(ASSERTS),
-    "retracts": rules_property(RETRACTS),
-    "supersedes": rules_property(SUPERSEDES),
-}
-_UTTERANCES = RecordMapping(Utterance, "An utterance", term("Utterance"), HISTORY, _FIELDS)
+_UTTERANCES = RecordMapping(Utterance, "An utterance", term("Utterance"), HISTORY)
 
 
 def _check_text(text: str) -> None:

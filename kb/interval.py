@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from ..ontology.errors import IntervalError
 
 DIGITS = 6  # fractional digits that are stored: every SPARQL engine keeps that many
+EPSILON = 1e-9  # below this two beliefs are equal: the 16 levels of the paper differ by .0016
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -69,6 +70,13 @@ class Interval:
         if trust == 1.0:
             return self  # exactly: 1 - (1 - b) need not be b in floating point
         return Interval(trust * self.lower, 1.0 - trust * (1.0 - self.upper))
+
+    def conflict(self, other: Interval) -> float:
+        """The mass K in [0, 1] with which this interval and another one contradict each other.
+
+        It is what Dempster's rule assigns to the empty set: K = a1·(1-b2) + (1-b1)·a2.
+        """
+        return self.lower * (1.0 - other.upper) + (1.0 - self.upper) * other.lower
 
     def rounded(self) -> Interval:
         """This interval as it is stored, with at most `DIGITS` fractional digits."""

@@ -202,7 +202,7 @@ def _said(_: ReadableStore, node: Iri, __: Properties) -> Iterable[Quad]:
 
 
 def _learned(mapping: LearnedMapping[object]) -> _Reader:
-    told = {field.predicate: field for field in TOLD.values()}
+    told = {mapping.fields[name].predicate: mapping.fields[name] for name in TOLD}
 
     def read(_: ReadableStore, node: Iri, properties: Properties) -> Iterator[Quad]:
         # What was learned again, or merged, has several utterances.

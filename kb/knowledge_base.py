@@ -22,7 +22,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
 from ..ontology.errors import QueryError, StoreError, ValidationError
-from ..ontology.vocabulary import HILT, PREFIXES, Iri, term
+from ..ontology.vocabulary import PREFIXES, Iri, term
 from .episodes import EPISODES, Episode, episode_quads, observation_quads, read_episodes
 from .history import HISTORY, read_utterance, utterance_quads
 from .interval import CERTAIN
@@ -176,11 +176,6 @@ class KnowledgeBase(RuleWriter, AbstractContextManager["KnowledgeBase"]):
         """
         query = named_query(name)
         return cast(SelectResult, self.query(query.text, query.bindings(arguments), limits=limits))
-
-    def count(self) -> dict[str, int]:
-        """The number of individuals of each class, as {"ActionRule": 2, "Utterance": 3}."""
-        rows = self.store.select(named_query("counts").text)
-        return {cast(Iri, kind).removeprefix(HILT): cast(int, number) for kind, number in rows}
 
     def load_domain(
         self,

@@ -15,9 +15,10 @@ import json
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from hashlib import sha256
+from typing import Annotated
 
 from ..ontology.vocabulary import Iri, external, iri, term
-from .history import SPEAKER, TEXT, utterance_iri, utterance_number
+from .history import SPEAKER, TEXT, utterance_property
 from .rdf.domain import node_statements
 from .rdf.record_mapping import FieldProperty, Record, RecordMapping, group_properties
 from .rdf.rule_mapping import DERIVED_FROM, LABEL, STATUS, TYPE, atom_from_iri, atom_iri, status_iri
@@ -26,11 +27,11 @@ from .rule import Atom, Status
 from .stores.base import Store, described_nodes
 
 LEXICON, ACTIONS = iri("graph", "lexicon"), iri("graph", "actions")
-TOLD = {  # fields of all that utterances taught besides rules
-    "said": FieldProperty(TEXT, str),
-    "speaker": SPEAKER,
-    "utterance": FieldProperty(DERIVED_FROM, Iri, utterance_iri, utterance_number),
-}
+TOLD = ("said", "speaker", "utterance")  # fields of all that utterances taught besides rules
+_SAID = FieldProperty(TEXT, str)
+_UTTERANCE = utterance_property(DERIVED_FROM)
+_DENOTES = FieldProperty(term("denotes"), Iri, atom_iri, atom_from_iri)
+_PATTERN, _MEANING = (FieldProperty(term(name), str) for name in ("pattern", "meaning"))
 
 
 def told_as_json(record: object) -> dict[str, object]:
@@ -78,10 +79,10 @@ class LearnedWord:
     the one it was learned from; None before it is stored.
     """
 
-    atom: Atom
-    said: str
-    speaker: str
-    utterance: int | None = None
+    atom: Annotated[Atom, _DENOTES]
+    said: Annotated[str, _SAID]
+    speaker: Annotated[str, SPEAKER]
+    utterance: Annotated[int | None, _UTTERANCE] = None
 
     def as_json(self) -> dict[str, object]:
         """One entry of `hilt words --json`."""
@@ -100,11 +101,11 @@ class LearnedPhrase:
         utterance: number of the utterance that confirmed it; None before it is stored.
     """
 
-    pattern: str
-    meaning: str
-    said: str
-    speaker: str
-    utterance: int | None = None
+    pattern: Annotated[str, _PATTERN]
+    meaning: Annotated[str, _MEANING]
+    said: Annotated[str, _SAID]
+    speaker: Annotated[str, SPEAKER]
+    utterance: Annotated[int | None, _UTTERANCE] = None
 
     def as_json(self) -> dict[str, object]:
         """One entry of `hilt words --json`."""
@@ -125,11 +126,11 @@ class TaughtAction:
         nodes: the paths of the nodes of its tree; written only.
     """
 
-    action: Atom
-    meaning: str
-    said: str
-    speaker: str
-    utterance: int | None = None
+    action: Annotated[Atom, _DENOTES]
+    meaning: Annotated[str, _MEANING]
+    said: Annotated[str, _SAID]
+    speaker: Annotated[str, SPEAKER]
+    utterance: Annotated[int | None, _UTTERANCE] = None
     nodes: tuple[str, ...] = field(default=(), compare=False)
 
     @property
@@ -159,30 +160,19 @@ def _hashed(kind: str, content: str) -> Iri:
     return iri(kind, sha256(content.encode()).hexdigest()[:16])
 
 
-_WORD = {"atom": FieldProperty(term("denotes"), Iri, atom_iri, atom_from_iri), **TOLD}
-_PHRASE = {
-    "pattern": FieldProperty(term("pattern"), str),
-    "meaning": FieldProperty(term("meaning"), str),
-    **TOLD,
-}
-_ACTION = {
-    "action": FieldProperty(term("denotes"), Iri, atom_iri, atom_from_iri),
-    "meaning": FieldProperty(term("meaning"), str),
-    **TOLD,
-}
 WORDS = LearnedMapping(
-    *(LearnedWord, "A learned word", term("Word"), LEXICON, _WORD),
+    *(LearnedWord, "A learned word", term("Word"), LEXICON),
     _word_iri,
     lambda word: [word.atom.name],
     _word_entry,
 )
 PHRASES = LearnedMapping(
-    *(LearnedPhrase, "A learned phrase", term("Phrase"), LEXICON, _PHRASE),
+    *(LearnedPhrase, "A learned phrase", term("Phrase"), LEXICON),
     lambda phrase: _hashed("phrase", phrase.pattern),
     lambda phrase: [phrase.said, phrase.pattern],
 )
 TAUGHT_ACTIONS = LearnedMapping(
-    *(TaughtAction, "A taught action", term("TaughtAction"), ACTIONS, _ACTION),
+    *(TaughtAction, "A taught action", term("TaughtAction"), ACTIONS),
     lambda action: _hashed("taught", f"{action.name} {action.meaning}"),
     lambda action: [action.name],
     _action_nodes,

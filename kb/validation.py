@@ -12,7 +12,7 @@ import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from itertools import islice
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ..ontology.errors import DataError, ValidationError
 from ..ontology.vocabulary import NAMED_KINDS, SHAPES_FILE, Iri, is_ontology, shortened, split, term
@@ -23,13 +23,11 @@ from .knowledge_base import DERIVATION
 from .learned import ACTIONS, LEXICON
 from .rdf import rule_mapping
 from .rdf.rule_mapping import BELIEFS, DERIVED, TYPE
-from .rdf.terms import BASE_GRAPH, STRING, Quad, Term, lexical
+from .rdf.terms import BASE_GRAPH, Quad
 from .rule import Rule
 from .stores.base import MEMORY, ReadableStore, Store
 from .stores.opening import open_store
-
-if TYPE_CHECKING:
-    from rdflib import Graph
+from .stores.rdf_text import write_rdf
 
 # Statements that a person may have written, which take a second by SHACL. The invariants find the
 # same; of more statements they alone are checked, in a tenth of the time.
@@ -151,8 +149,10 @@ def check_shapes(
     chosen = sorted(set(own if nodes is None else nodes))
     for start in range(0, len(chosen), PORTION):
         quads = (quad for node in chosen[start : start + PORTION] for quad in store.quads(node))
+        graph = Graph(bind_namespaces="none")
+        graph.parse(data=write_rdf(quads, format="ntriples"), format="nt")
         _, report, _ = pyshacl.validate(
-            _as_rdflib(quads), shacl_graph=shapes_graph, inplace=True, do_owl_imports=False
+            graph, shacl_graph=shapes_graph, inplace=True, do_owl_imports=False
         )
         yield from _reported(report)
 
@@ -169,25 +169,6 @@ def locate_findings(found: Iterable[ValidationFinding], text: str) -> list[Valid
             name = shortened(start[1][1:-1]) if start[1].startswith("<") else start[1]
             lines.setdefault(name, number)
     return sorted(replace(one, line=lines.get(one.node, 0)) for one in set(found))
-
-
-def _as_rdflib(quads: Iterable[Quad]) -> Graph:
-    from rdflib import Graph, Literal, URIRef
-
-    def as_node(value: Term) -> URIRef | Literal:
-        if isinstance(value, Iri):
-            return URIRef(str(value))
-        text, datatype, language = lexical(value)
-        if language:
-            return Literal(text, lang=language)
-        if datatype == STRING:
-            return Literal(text)  # rdflib takes a text with its type for another one
-        return Literal(text, datatype=URIRef(datatype), normalize=False)
-
-    graph = Graph(bind_namespaces="none")
-    for quad in quads:
-        graph.add((URIRef(str(quad.subject)), URIRef(str(quad.predicate)), as_node(quad.object)))
-    return graph
 
 
 def _reported(report: Any) -> Iterator[ValidationFinding]:

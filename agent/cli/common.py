@@ -23,6 +23,7 @@ from ..presentation.plain_text import printable
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType
 
+    from ...kb.bulk.reconciliation import ImportSummary
     from ...kb.knowledge_base import KnowledgeBase
     from ..agent import Agent
     from ..dialogue.reply import Reply
@@ -197,6 +198,15 @@ def show(
         print_json([each.as_json() for each in cast("Sequence[Any]", found)])
     else:
         print_json(found.as_json())
+
+
+def show_import(found: ImportSummary, source: str, *, dry_run: bool, as_json: bool) -> None:
+    """Print what was read from a file or another base."""
+    if as_json:
+        print_json({"applied": not dry_run, **found.as_json()})
+        return
+    text = presentation.console.import_summary(found, source, dry_run=dry_run)
+    terminal(stderr=True).print(text, soft_wrap=True)
 
 
 def announce(document: object, text: str, *, as_json: bool, err: bool = False) -> None:

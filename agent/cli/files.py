@@ -11,11 +11,10 @@ import typer
 
 from ...ontology.errors import DataError
 from ..presentation.plain_text import counted
-from .common import announce, exit_with, open_for_reading, open_to_change, print_json, terminal
+from . import common
 from .options import AsJson, DryRun, Kb, app, example
 
 if TYPE_CHECKING:
-    from ...kb.bulk.reconciliation import ImportSummary
     from ...kb.validation import ValidationFinding
 
 FORMATS = "turtle, turtle12, ntriples, rdfxml, trig, nquads, jsonld, sheet (YAML), csv, graphml"
@@ -41,7 +40,7 @@ def export_(
     from ...kb.formats.registry import RULE_FORMATS, format_of
 
     chosen = format_of(file, file_format, "turtle")
-    with open_for_reading(kb) as base, _progress("Writing") as advance:
+    with common.open_for_reading(kb) as base, _progress("Writing") as advance:
         count = export_file(base, file, format=file_format, rules_only=only_rules, progress=advance)
     things = counted(count, "rule" if chosen.name in RULE_FORMATS else "triple")
     typer.echo(f"Wrote {things} to {file}.", err=True)
@@ -73,12 +72,9 @@ def import_(
     from ...kb.formats.import_export import import_file
 
     size = Path(file).stat().st_size if Path(file).is_file() else None
-    with open_to_change(kb, dry_run=dry_run) as base, _progress("Reading", size) as advance:
+    with common.open_to_change(kb, dry_run=dry_run) as base, _progress("Reading", size) as advance:
         found = import_file(base, file, format=file_format, dry_run=dry_run, progress=advance)
-    if as_json:
-        print_json({"applied": not dry_run, **found.as_json()})
-    else:
-        _show(found, file, dry_run=dry_run)
+    common.show_import(found, file, dry_run=dry_run, as_json=as_json)
 
 
 def _import_ontology(
@@ -92,39 +88,21 @@ def _import_ontology(
 ) -> None:
     from ...kb.formats.ontology import import_ontology
 
-    with open_to_change(kb, dry_run=dry_run) as base:
+    with common.open_to_change(kb, dry_run=dry_run) as base:
         found = import_ontology(base, file, name=name, format=file_format, dry_run=dry_run)
     summary = {"applied": not dry_run, **found.as_json()}
     text = (
         f"{'Would read' if dry_run else 'Read'} {counted(found.statements, 'statement')} into "
         f"{summary['graph']}: {found.added} new, {found.removed} gone."
     )
-    announce(summary, text, as_json=as_json, err=True)
-
-
-def _show(found: ImportSummary, file: str, *, dry_run: bool) -> None:
-    read = "Would read" if dry_run else "Read"
-    typer.echo(
-        f"{read} {counted(found.new + found.known, 'rule')} from {file}: {found.new} new, "
-        f"{found.known} already known, {found.conflicting} conflicting.",
-        err=True,
-    )
-    for conflict in found.conflicts:
-        typer.echo(f"  {conflict.new} contradicts {conflict.believed}", err=True)
-    if found.conflicting > len(found.conflicts):
-        typer.echo(f"  ... and {found.conflicting - len(found.conflicts)} more", err=True)
-    for what, number in found.not_taken.items():
-        typer.echo(f"Not taken: {counted(number, 'statement')} with {what}.", err=True)
-    if found.untrusted:
-        doubt = f"Nobody trusts {', '.join(found.untrusted)}, so what they say weighs nothing."
-        typer.echo(f"{doubt} Run: hilt trust NAME DEGREE", err=True)
+    common.announce(summary, text, as_json=as_json, err=True)
 
 
 @contextmanager
 def _progress(doing: str, total: int | None = None) -> Generator[Callable[..., None]]:
     from rich import progress
 
-    out = terminal(stderr=True)
+    out = common.terminal(stderr=True)
     columns = (
         progress.TextColumn("{task.description}"),
         progress.BarColumn(),
@@ -159,7 +137,7 @@ def validate(
 ) -> None:
     """Check a file, or the base, against the shapes and the laws of rules; change nothing else."""
     if repair:
-        with open_to_change(kb, dry_run=False) as base:
+        with common.open_to_change(kb, dry_run=False) as base:
             base.derive()
     if deep and file is None:
         _check_tables(kb)
@@ -167,16 +145,16 @@ def validate(
         found = _findings_in_base(kb) if file is None else _findings_in_file(file, file_format)
     except DataError as error:
         if as_json:  # what cannot be read is told there, too
-            print_json([_as_json(one) for one in error.mistakes or (error,)])
+            common.print_json([_as_json(one) for one in error.mistakes or (error,)])
         raise
     if as_json:
-        print_json([finding.as_json() for finding in found])
+        common.print_json([finding.as_json() for finding in found])
     else:
         for finding in found:
             where = ":".join(str(part) for part in (file, finding.line) if part)
             typer.echo(f"{where}: {finding}" if where else str(finding))
         typer.echo(f"{counted(len(found), 'finding')}." if found else "Valid.", err=True)
-    exit_with(not found)
+    common.exit_with(not found)
 
 
 def _as_json(error: DataError) -> dict[str, object]:
@@ -200,7 +178,7 @@ def _findings_in_file(file: str, file_format: str | None) -> list[ValidationFind
 def _check_tables(kb: str | None) -> None:
     from ...kb.stores.base import EmbeddedStore
 
-    with open_for_reading(kb) as base:
+    with common.open_for_reading(kb) as base:
         if isinstance(base.store, EmbeddedStore):
             base.store.check_tables()
 
@@ -208,7 +186,7 @@ def _check_tables(kb: str | None) -> None:
 def _findings_in_base(kb: str | None) -> list[ValidationFinding]:
     from ...kb.validation import findings
 
-    with open_for_reading(kb) as base, _progress("Checking") as progress:
+    with common.open_for_reading(kb) as base, _progress("Checking") as progress:
         return findings(base.store, whole=True, progress=progress)
 
 
@@ -228,10 +206,10 @@ def backup(
     """Copy the knowledge base into a folder, while it is in use; the copy is read back."""
     from ...kb.backup import backup as save
 
-    with open_for_reading(kb) as base:
+    with common.open_for_reading(kb) as base:
         number = save(base, folder)
     text = f"Saved up to utterance {number} in {folder}."
-    announce({"backup": str(folder), "sequence": number}, text, as_json=as_json, err=True)
+    common.announce({"backup": str(folder), "sequence": number}, text, as_json=as_json, err=True)
 
 
 @app.command(epilog=example("restore saved/ --replace"))
@@ -250,4 +228,4 @@ def restore(
     location = kb or str(default_location())
     number = put_back(folder, location, replace=replace)
     text = f"Restored up to utterance {number} from {folder}."
-    announce({"restored": str(folder), "sequence": number}, text, as_json=as_json, err=True)
+    common.announce({"restored": str(folder), "sequence": number}, text, as_json=as_json, err=True)

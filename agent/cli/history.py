@@ -137,11 +137,11 @@ def merge(
     as_json: AsJson = False,
 ) -> None:
     """Add what B knows to A, whole or not at all, and report the conflicts."""
-    from .. import merge_report
+    from ...kb.bulk import importer
 
     with common.open_to_change(into, dry_run=dry_run) as base, _opened(other) as source:
-        found = merge_report.merge(base, source, name=other, dry_run=dry_run)
-    common.show(found, presentation.console.merge_result, as_json=as_json)
+        found = importer.merge(base, source.store, source=other, dry_run=dry_run)
+    common.show_import(found, other, dry_run=dry_run, as_json=as_json)
 
 
 @app.command(epilog=example("episodes --last 5"))

@@ -5,7 +5,9 @@ is said then counts as the word of the speaker who was heard before. Nobody who 
 becomes somebody who is by saying so: others have to vouch for them.
 """
 
+from ...kb.history import IMPORT
 from ...kb.knowledge_base import KnowledgeBase
+from ...kb.rule import Rule
 from ..execution.outcome import AnswerContent
 
 
@@ -33,6 +35,24 @@ class Acquaintances:
         """Return whether what a speaker says counts at all."""
         trust = self._base.trust(speaker)
         return trust is not None and trust.upper > 0
+
+    def trust_in(self, speaker: str) -> float:
+        """Return the lower bound of the trust in a speaker, 0 where nobody has set it."""
+        trust = self._base.trust(speaker)
+        return trust.lower if trust else 0.0
+
+    def reporter_of(self, rule: Rule) -> str:
+        """Return who told Hilt a rule: its speaker, or who reported what its speaker said."""
+        if rule.utterance is None:
+            return rule.speaker
+        said = self._base.utterance(rule.utterance)
+        return rule.speaker if said.kind == IMPORT else said.speaker
+
+    def may_end(self, speaker: str, rule: Rule) -> bool:
+        """Return whether a speaker said or reported a rule, or of a norm is trusted more."""
+        is_trusted_more = self.trust_in(speaker) > self.trust_in(rule.speaker)
+        is_own = speaker in {rule.speaker, self.reporter_of(rule)}
+        return is_own or (rule.kind == "norm" and is_trusted_more)
 
     @property
     def owner(self) -> str | None:

@@ -1,17 +1,22 @@
-"""Belief revision: statements are believed, retracted rules are no longer, topics are opened."""
+"""Belief revision: statements are believed, retracted rules are no longer, topics are opened.
+
+The interval of a rule has three sources: the word of confidence in the sentence, the confidence of
+the speech recogniser, and the trust in the speaker. The first two are in the stored interval
+(Shafer's discounting); trust is applied when the rule is used, since it may change.
+"""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from ...inference.taxonomy import Taxonomy
-from ...kb.rule import Rule
+from ...kb.interval import VACUOUS
+from ...kb.rule import Atom, Rule
 from ...nlu.lexicon.vocabulary import NewWord
 from ...nlu.semantics import meaning
 from ..execution.outcome import AnswerContent
-from . import teaching
 from .conversation import Conversation, UnderstoodTurn
 from .reply import Reply
-from .translation import Lesson
+from .translation import Lesson, rule_from_meaning
 
 _BARE = (meaning.Retraction(), meaning.Retraction(is_of_told=True))
 """What takes back a rule without naming it."""
@@ -40,9 +45,9 @@ class BeliefRevision:
         """Believe what a speaker states, and return the reply that says what that is."""
         base, conversation = self._base, self._conversation
         source = base.match_speaker(said.source) if said.source else None
-        rules = teaching.told_rules(base, said, turn.speaker, turn.heard)
-        before = teaching.earlier_rules(base, rules)
-        replaced = teaching.replaced_rules(said, rules, before, conversation.topic)
+        rules = self._told_rules(said, turn, source)
+        before = self._earlier_rules(rules)
+        replaced = _replaced_rules(said, rules, before, conversation.topic)
         is_known = not replaced and {rule.id for rule in rules} <= {rule.id for rule in before}
         key = "known_already" if is_known else self._key(turn, source, is_revised=bool(replaced))
         described = tuple(map(conversation.describe, rules))
@@ -52,7 +57,7 @@ class BeliefRevision:
             slots = {"words": tuple(word.word for word in words)}
             answers.append(AnswerContent("learned_words", slots))
         reasons = conversation.language.reasons(turn.understood.text)
-        grounds = teaching.reason_rules(rules, reasons)
+        grounds = _reason_rules(rules, reasons)
         if grounds:
             answers.append(AnswerContent("learned_reason", {"reasons": reasons}))
         spoken = " ".join(map(conversation.say, answers))
@@ -67,8 +72,45 @@ class BeliefRevision:
         )
         return conversation.lesson_reply(turn, rules, spoken)
 
+    def _told_rules(
+        self, said: Lesson, turn: UnderstoodTurn, source: str | None
+    ) -> tuple[Rule, ...]:
+        # What somebody told the speaker is discounted by the trust in the speaker now, and by the
+        # trust in that person when it is used.
+        trust = self._conversation.people.trust_in(turn.speaker) if source else 1.0
+        speaker, weight = source or turn.speaker, turn.heard * trust
+        return tuple(rule_from_meaning(each, speaker, weight) for each in said.rules)
+
+    def _earlier_rules(self, rules: Sequence[Rule]) -> list[Rule]:
+        """Return the rules with the premises of some rules, in the order of teaching."""
+        found = {old.id: old for rule in rules for old in self._base.rules_with_premises_of(rule)}
+        return sorted(found.values(), key=lambda rule: (rule.utterance or 0, rule.id))
+
+    def _rules_to_retract(
+        self, said: meaning.Retraction, speaker: str, topic: Sequence[Rule]
+    ) -> Sequence[Rule]:
+        """Return the rules that a speaker retracts, or those of others if the speaker has none.
+
+        They are those about the object that is named, or the one rule that is named, or the last
+        one to hold something by the named part, else the last one of the `topic`, else of all.
+        """
+        if said.about:
+            named = None if said.about == meaning.ANY_OBJECT else said.about
+            rules = self._base.rules(object=named)
+            return [rule for rule in rules if rule.speaker == speaker] or rules
+        if said.part:
+            return self._base.rules(part=said.part, speaker=speaker)[-1:]
+        if said.rule is None and topic:
+            return topic[-1:]
+        told = sorted(self._base.rules(speaker=speaker), key=lambda rule: rule.utterance or 0)
+        if said.rule is not None:
+            wanted = rule_from_meaning(said.rule, speaker)
+            same = (rule for rule in told if rule.argument == wanted.argument)
+            told = [rule for rule in same if _can_replace(rule, wanted)]
+        return told[-1:]
+
     def _key(self, turn: UnderstoodTurn, source: str | None, *, is_revised: bool) -> str:
-        trust = teaching.trust_in(self._base, source or turn.speaker)
+        trust = self._conversation.people.trust_in(source or turn.speaker)
         if source:
             return "learned_report" if trust else "learned_unknown_report"
         if trust < 1.0:
@@ -85,8 +127,8 @@ class BeliefRevision:
             return conversation.answered(turn, "dismissed", "done")
         is_of_told = said.is_of_told or conversation.topic_from == "deed"
         topic = () if is_of_told and not is_just_told else conversation.topic
-        rules = teaching.rules_to_retract(self._base, said, turn.speaker, topic)
-        own = [rule for rule in rules if teaching.may_end(self._base, turn.speaker, rule)]
+        rules = self._rules_to_retract(said, turn.speaker, topic)
+        own = [rule for rule in rules if conversation.people.may_end(turn.speaker, rule)]
         if rules and not own:
             return conversation.answered(turn, "not_yours", "failed", speaker=rules[0].speaker)
         if not own:
@@ -126,3 +168,45 @@ class BeliefRevision:
         conversation.believe(turn, (), spoken, retracts=retracts, kind="correction")
         conversation.topic, conversation.retracted = (), tuple(rules)
         return replace(conversation.reply(turn, spoken), rules=conversation.retracted)
+
+
+def _replaced_rules(
+    said: Lesson, rules: Sequence[Rule], before: Sequence[Rule], topic: Sequence[Rule]
+) -> list[Rule]:
+    """Return the rules that those of a statement correct, among earlier ones and the topic."""
+    corrected = (new for new, each in zip(rules, said.rules, strict=True) if each.revises)
+    return list(dict.fromkeys(old for new in corrected for old in _corrected(new, before, topic)))
+
+
+def _reason_rules(rules: Sequence[Rule], reasons: Sequence[str]) -> list[Rule]:
+    """Return what says on which properties the use in a rule rests; nothing for several rules.
+
+    It is a rule about anything with these properties that neither asserts nor denies the use.
+    """
+    uses = [rule for rule in rules if rule.affordance and rule.asserts]
+    if not reasons or len(rules) != 1 or not uses:
+        return []
+    features = frozenset(Atom("property", name) for name in reasons)
+    return [replace(uses[0], features=features, interval=VACUOUS)]
+
+
+def _corrected(new: Rule, before: Sequence[Rule], topic: Sequence[Rule]) -> list[Rule]:
+    same = [old for old in before if _can_replace(old, new) and old.id != new.id]
+    last = topic[-1] if topic else None
+    if same or last is None or last.speaker != new.speaker or last.functor != new.functor:
+        return same
+    if last.asserts and not new.asserts:  # "no, never for metal" leaves what it is used for
+        return same
+    uses = [(rule.argument, rule.material) for rule in (last, new)]
+    changed = (last.features != new.features) + (uses[0] != uses[1])
+    return [last] if changed == 1 and last.context == new.context else []
+
+
+def _can_replace(one: Rule, other: Rule) -> bool:
+    """Return whether one rule can correct the other: about the same object, in the same context.
+
+    A rule about another part of the same grasp can; one about another use of the object cannot.
+    """
+    if (one.features, one.contexts, one.functor) != (other.features, other.contexts, other.functor):
+        return False
+    return one.kind == "action" or one.argument == other.argument

@@ -14,7 +14,7 @@ from ..execution.outcome import AnswerContent
 from ..execution.request import Request
 from .conversation import Conversation, UnderstoodTurn
 from .reply import OpenQuestion, Reply
-from .teaching import rule_from_answer
+from .translation import rule_from_answer
 
 
 class ClarificationDialogue:

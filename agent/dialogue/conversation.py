@@ -22,10 +22,9 @@ from ...nlu.semantics.meaning import Meaning
 from ...ontology.logs import timed
 from .. import protocols
 from ..execution.outcome import AnswerContent, Decision, Ending, Slot
-from . import teaching
+from . import translation
 from .acquaintances import Acquaintances
 from .reply import OpenQuestion, Reply
-from .translation import meaning_from_rule, norm_from_rule, relation_from_rule
 
 Answered = tuple[AnswerContent, tuple[Rule, ...]]  # an answer, and the rules that it rests on
 
@@ -112,8 +111,8 @@ class Conversation:
         sequence = self.base.sequence if self.base.is_shared else 0
         is_new, self._noticed = sequence != self._noticed, sequence
         if is_new:
-            people = map(teaching.word_for_person, self.base.trust_by_speaker())
-            names = (*map(teaching.word_from_base, self.base.words()), *people)
+            people = map(translation.word_for_person, self.base.trust_by_speaker())
+            names = (*map(translation.word_from_base, self.base.words()), *people)
             kept = ((each.pattern.split(" "), each.meaning) for each in self.base.phrases())
             phrases = (PhrasePattern(tuple(words), MeaningShape(meant)) for words, meant in kept)
             self.language = self.language.with_words(names).with_phrases(phrases)
@@ -167,7 +166,7 @@ class Conversation:
             understood.content,
             turn.speaker,
             rules,
-            words=[teaching.word_to_keep(word, turn.speaker) for word in words],
+            words=[translation.word_to_keep(word, turn.speaker) for word in words],
             answer=spoken,
             heard=turn.heard,
             **more,
@@ -200,7 +199,7 @@ class Conversation:
     ) -> None:
         """Set the trust in a person, whose name can be said from now on."""
         self.base.set_trust(person, lower, upper=upper, by=by)
-        self.language = self.language.with_words([teaching.word_for_person(person)])
+        self.language = self.language.with_words([translation.word_for_person(person)])
 
     def wait_for(
         self, turn: UnderstoodTurn, yes: Callable[[], Reply] | None = None, **answers: Any
@@ -226,8 +225,10 @@ class Conversation:
 
         Nothing changes where there are none, or where the last one cannot be said.
         """
-        said = meaning_from_rule(rules[-1]) if rules else None
-        if said or (rules and (rules[-1].kind == "norm" or relation_from_rule(rules[-1]))):
+        said = translation.meaning_from_rule(rules[-1]) if rules else None
+        if said or (
+            rules and (rules[-1].kind == "norm" or translation.relation_from_rule(rules[-1]))
+        ):
             self.topic, self.retracted, self.unanswered = rules, (), ""
             self.topic_from = "answer"
         if said:
@@ -237,13 +238,13 @@ class Conversation:
 
     def describe(self, rule: Rule) -> str:
         """Return a rule in words: "to pass a knife, often grab it by the blade"."""
-        laid_down, words = norm_from_rule(rule), self.language.answers
+        laid_down, words = translation.norm_from_rule(rule), self.language.answers
         if laid_down:
             return words.norm_phrase(laid_down)
-        relation = relation_from_rule(rule)
+        relation = translation.relation_from_rule(rule)
         if relation:
             return words.kind_phrase(relation)
-        said = meaning_from_rule(rule)
+        said = translation.meaning_from_rule(rule)
         return words.rule_phrase(said) if said else repr(rule)
 
     def words_of(self, rule: Rule) -> str:

@@ -22,7 +22,6 @@ from ..execution.outcome import AnswerContent, GoalResult
 from ..execution.request import Request
 from .conversation import Answered, Conversation, UnderstoodTurn, spoken
 from .reply import Reply
-from .teaching import may_end
 from .translation import SimpleCommand, request_from_command, rule_from_norm
 
 MOST_LISTED = 8
@@ -47,7 +46,7 @@ class NormDialogue:
         rules = [rule_from_norm(each, turn.speaker, turn.heard) for each in said.norms]
         contrary = [(new, old) for new in rules for old in self._contrary(new)]
         for new, old in contrary:
-            if new.functor == PERMITTED and not may_end(self._base, turn.speaker, old):
+            if new.functor == PERMITTED and not conversation.people.may_end(turn.speaker, old):
                 return conversation.spoken(turn, self._told("not_yours_to_lift", old))
         opposite = [old.id for new, old in contrary if _premises(new) == _premises(old)]
         active = {old.id for new in rules for old in self._base.rules_at_nodes([new.node])}

@@ -22,7 +22,6 @@ from ..execution.outcome_answer import use_slot
 from .conversation import Answered, Conversation, spoken
 from .reply import Reply
 from .self_report import SELF_REPORTS
-from .teaching import reporter_of
 
 _ABOUT_ANY = """SELECT ?rule {
     GRAPH graph:domain { ?part hilt:partOf ?object }
@@ -175,7 +174,7 @@ def _source(question: Question, known: Conversation) -> Answered:
     asked = rules if question == Question("source") else rules[:1]  # "who told you that?": of all
     told = (each for each in asked if each.utterance and each.speaker == rule.speaker)
     said = tuple(dict.fromkeys(known.base.utterance(each.utterance or 0).text for each in told))
-    reporter = reporter_of(known.base, rule)
+    reporter = known.people.reporter_of(rule)
     if reporter == rule.speaker:
         return spoken("source", done=True, speaker=reporter, texts=said), (rule,)
     people = {"source": rule.speaker, "speaker": reporter}
@@ -336,7 +335,7 @@ def _denials(made: Inference | None, name: str) -> tuple[Rule, ...]:
 
 def _sources(rules: Sequence[Rule], known: Conversation) -> dict[str, tuple[str, ...]]:
     texts = tuple(dict.fromkeys(map(known.words_of, rules)))
-    speakers = dict.fromkeys(reporter_of(known.base, rule) for rule in rules)
+    speakers = dict.fromkeys(known.people.reporter_of(rule) for rule in rules)
     return {"speakers": tuple(speakers), "texts": texts}
 
 

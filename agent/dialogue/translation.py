@@ -9,6 +9,7 @@ from typing import Any
 
 from ...inference.types import Target
 from ...kb.interval import Interval
+from ...kb.learned import LearnedWord
 from ...kb.rule import KIND_OF, Atom, Rule, functional, grasping, kind_rule, norm
 from ...nlu.language import Language
 from ...nlu.lexicon.vocabulary import NewWord
@@ -25,6 +26,9 @@ SimpleCommand = meaning.Command | meaning.ToolCommand
 PARAMETERS = ("object", "second", "third", "fourth")
 """The names of the parameters of taught actions, in order."""
 
+KINDS = {"context": "action"}  # role of a new word -> kind of what it denotes
+ROLES = {kind: role for role, kind in KINDS.items()}
+
 
 def rule_from_meaning(
     said: meaning.Rule | meaning.KindRelation, speaker: str, heard: float = 1.0
@@ -37,6 +41,25 @@ def rule_from_meaning(
     if isinstance(said, meaning.FunctionalRule):
         return functional(said.object, said.affordance, material=said.material, **given)
     return grasping(said.object, said.part, said.context, **given)
+
+
+def rule_from_answer(
+    asked: meaning.Question, named: meaning.Answer, confidence: meaning.Confidence
+) -> meaning.Rule | None:
+    """Return the rule that a short answer to a question of Hilt teaches.
+
+    None where it names nothing that the question asks for.
+    """
+    name = None if named.name == meaning.ANY_OBJECT else named.name
+    if name is None or named.is_use != (asked.affordance is None and asked.context is None):
+        return None
+    if asked.affordance:
+        return meaning.FunctionalRule(
+            name, asked.affordance, confidence, named.props, material=asked.material
+        )
+    if asked.object and asked.context:
+        return meaning.ActionRule(asked.object, asked.context, name, confidence)
+    return meaning.FunctionalRule(asked.object, name, confidence) if asked.object else None
 
 
 def meaning_from_rule(rule: Rule) -> meaning.Rule | None:
@@ -169,6 +192,21 @@ def action_words(known: actions.Actions, language: Language) -> list[NewWord]:
         word = language.inflection.form(name, "ing") if is_use else name
         words.append(NewWord(word, "affordance" if is_use else "context", word))
     return words
+
+
+def word_to_keep(word: NewWord, speaker: str) -> LearnedWord:
+    """Return a new word as the base stores it."""
+    return LearnedWord(Atom(KINDS.get(word.role, word.role), word.word), word.said, speaker)
+
+
+def word_from_base(word: LearnedWord) -> NewWord:
+    """Return a stored word as the language takes it."""
+    return NewWord(word.atom.name, ROLES.get(word.atom.kind, word.atom.kind), word.said)
+
+
+def word_for_person(name: str) -> NewWord:
+    """Return the name of a speaker as a word, for "do you trust kim?"."""
+    return NewWord(name.lower(), "person", name)
 
 
 def _target(said: meaning.ObjectReference) -> Target:

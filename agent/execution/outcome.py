@@ -40,38 +40,6 @@ Failure: TypeAlias = "AnswerContent | None"  # the answer to what failed, None w
 
 
 @dataclass(frozen=True)
-class Constraint:
-    """The constraint on an action: this object, and this part or other argument."""
-
-    object: str
-    part: str | None
-    lower: float
-    upper: float
-    argument: str | None = None
-
-    @classmethod
-    def from_inference(cls, inference: Inference) -> Constraint | None:
-        """Return what an inference constrains the action to; None where nothing is concluded."""
-        best = inference.best
-        if best is None:
-            return None
-        interval, argument = best.interval, best.argument
-        part = argument.name if argument and argument.kind == "part" else None
-        other = str(argument) if argument and not part else None
-        return cls(best.object, part, interval.lower, interval.upper, other)
-
-    def as_json(self) -> Json:
-        """As a step of `hilt do --json` shows it."""
-        return {
-            "object": self.object,
-            "part": self.part,
-            "lower": round(self.lower, 6),
-            "upper": round(self.upper, 6),
-            **({"argument": self.argument} if self.argument else {}),
-        }
-
-
-@dataclass(frozen=True)
 class WalkStep:
     """One node of the execution and its four operations.
 
@@ -91,9 +59,9 @@ class WalkStep:
     action: str = ""
 
     @property
-    def constraint(self) -> Constraint | None:
-        """The constraint on the action, if any."""
-        return Constraint.from_inference(self.inference)
+    def constraint(self) -> Candidate | None:
+        """The constraint on the action, if any: this object, and this part or other argument."""
+        return self.inference.best
 
     def as_json(self) -> Json:
         """As `hilt do --json` shows it."""
@@ -104,9 +72,19 @@ class WalkStep:
                 {"name": name, "confidence": round(confidence, 6)}
                 for name, confidence in self.percepts.items()
             ],
-            "constraint": self.constraint.as_json() if self.constraint else None,
+            "constraint": _constraint(self.constraint) if self.constraint else None,
             "action": self.action,
         }
+
+
+def _constraint(best: Candidate) -> Json:
+    return {
+        "object": best.object,
+        "part": best.part,
+        "lower": round(best.interval.lower, 6),
+        "upper": round(best.interval.upper, 6),
+        **({"argument": str(best.argument)} if best.argument and not best.part else {}),
+    }
 
 
 @dataclass(frozen=True)

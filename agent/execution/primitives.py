@@ -8,13 +8,14 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+from ...inference.types import Candidate
 from ...kb.episodes import HELD, GraspTrial
 from ...ontology.logs import timed
 from ...sim.manipulation.motion_report import MotionReport
 from ...sim.vision.percept import Percept
 from ..protocols import ExtraPrimitives, Motion, ReleasingMotion, Vision
 from . import outcome_answer
-from .outcome import AnswerContent, Constraint, Failure, WorldOutcome
+from .outcome import AnswerContent, Failure, WorldOutcome
 from .request import Arguments, named
 
 DRIVEN = "driven"  # what the robot senses when something is in all the way
@@ -98,7 +99,7 @@ class PrimitiveTask:
     arguments: Arguments
     percept: Percept | None
     part: str | None = None
-    constraint: Constraint | None = None
+    constraint: Candidate | None = None
     found: Mapping[str, Percept] = field(default_factory=dict[str, Percept])
     context: str = ""
 

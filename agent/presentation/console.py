@@ -1,4 +1,4 @@
-"""Tables and trees for the terminal: dialogue, rules, decisions, query results, history, merges.
+"""Tables and trees for the terminal: dialogue, rules, decisions, query results, history, imports.
 
 Each function turns a value of the agent into something that rich can print; rich chooses colours
 and width, so a pipe gets plain text. Nothing here prints.
@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from ...inference.explanation import Counterfactual
     from ...inference.induction import InducedRule
     from ...inference.types import Candidate
+    from ...kb.bulk.reconciliation import ImportSummary
     from ...kb.diff import BaseDifference, UtteranceChanges
     from ...kb.episodes import Episode
     from ...kb.history import Utterance
@@ -43,7 +44,6 @@ if TYPE_CHECKING:
     from ...nlu.parsing.understanding import Understanding
     from ..dialogue.reply import Reply
     from ..execution.outcome import Decision, GoalResult, WalkStep, WorldOutcome
-    from ..merge_report import MergeReport
     from ..replay import ReplayResult
 
 Quote = Callable[[int], str]  # the text of an utterance by its number
@@ -177,14 +177,10 @@ def _operations(step: WalkStep) -> Iterable[tuple[str, str]]:
     seen = ", ".join(f"{name} {sure:.2f}" for name, sure in step.percepts.items())
     constraint = step.constraint
     held_by = f" by the {constraint.part}" if constraint and constraint.part else ""
-    concluded = (
-        f"{constraint.object}{held_by} [{constraint.lower:.2f}, {constraint.upper:.2f}]"
-        if constraint
-        else "no constraint"
-    )
+    bound = f"{constraint.object}{held_by} {constraint.interval}" if constraint else ""
     yield "getFeatures", ", ".join(step.features) or "none"
     yield "visual search", seen or ("nothing seen" if step.features else "not needed")
-    yield "getAffordance", concluded
+    yield "getAffordance", bound or "no constraint"
     yield "action", step.action.replace("_", " ")
 
 
@@ -435,21 +431,24 @@ def replay_result(found: ReplayResult, quote: Quote) -> RenderableType:
     return Group(*shown)
 
 
-def merge_result(report: MergeReport) -> RenderableType:
-    """Return the result of a merge: numbers, conflicts, and rules of different status."""
-    summary = report.summary
-    done = "Would take over" if report.dry_run else "Took over"
-    taken = f"{done} {counted(summary.new, 'rule')} ({summary.known} known already)"
-    lines: list[RenderableType] = [Text(f"{taken} and {counted(summary.utterances, 'utterance')}.")]
-    left = ((counted(number, "statement"), what) for what, number in summary.not_taken.items())
-    lines += (Text(f"Not taken: {statements} with {what}.") for statements, what in left)
-    if summary.untrusted:
-        names = ", ".join(summary.untrusted)
-        lines.append(Text(f"Nobody trusts {names}; their rules weigh nothing."))
-    if report.conflicts:
-        lines.append(conflicts(report.conflicts))
-    kept = (f"{rule_text(rule)}: {rule.status} in the other" for rule in report.kept)
-    return Group(*lines, *(Text(f"{each}; stays as it is here.") for each in kept))
+def import_summary(found: ImportSummary, source: str, *, dry_run: bool) -> RenderableType:
+    """What came from a file or another base: numbers, conflicts, what was not taken."""
+    read = f"{'Would read' if dry_run else 'Read'} {counted(found.new + found.known, 'rule')}"
+    known = f"{found.known} already known, {found.conflicting} conflicting"
+    lines = [f"{read} from {source}: {found.new} new, {known}."]
+    lines += [
+        f"  {each.new} contradicts {each.believed}: {each.weight:.4f}" for each in found.conflicts
+    ]
+    if found.conflicting > len(found.conflicts):
+        lines.append(f"  ... and {found.conflicting - len(found.conflicts)} more")
+    kept = (f"{rule_text(rule)}: {rule.status} in {source}" for rule in found.kept)
+    lines += [f"{each}; stays as it is here." for each in kept]
+    left = ((counted(number, "statement"), what) for what, number in found.not_taken.items())
+    lines += [f"Not taken: {statements} with {what}." for statements, what in left]
+    if found.untrusted:
+        doubt = f"Nobody trusts {', '.join(found.untrusted)}, so what they say weighs nothing."
+        lines.append(f"{doubt} Run: hilt trust NAME DEGREE")
+    return Text("\n".join(lines))
 
 
 def _effect(said: Utterance) -> str:

@@ -72,7 +72,7 @@ class Film:
         bound = step.constraint
         if bound:  # what the hand is bound to goes on holding
             what = " by the ".join(filter(None, (bound.object, bound.part)))
-            self._bound = f"{what} [{bound.lower:.2f}, {bound.upper:.2f}]"
+            self._bound = f"{what} {bound.interval}"
         self._write(node=step.node)
         if bound and step.node.endswith(FIND):
             self._recorder.pause(SHOW_FOUND)

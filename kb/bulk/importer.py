@@ -15,11 +15,11 @@ import re
 import tempfile
 from array import array
 from collections import Counter, defaultdict, deque
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from functools import cache, partial
 from itertools import chain
-from typing import BinaryIO, Protocol, cast
+from typing import BinaryIO, cast
 
 from ...ontology.errors import DataError, ValidationError
 from ...ontology.garbage_collection import paused_garbage_collection
@@ -43,7 +43,7 @@ from .nquads_reader import RuleBlock, StatementGroup, Statements, read_groups, r
 from .reconciliation import AncillaryWrites, ImportConflict, ImportSummary
 from .rule_nquads import FastRuleReader, NQuadsWriter
 
-MAX_LISTED = 20  # conflicts that a summary names
+MAX_LISTED = 20  # conflicts, and rules of another status, that a summary names
 MAX_REST = 3_000_000  # statements that belong to no rule and are held in memory
 PER_UTTERANCE = 1000  # rules that one utterance of the history stands for
 _MAX_SPOOLED = 2**24  # bytes of another base; more of it is written to a temporary file
@@ -54,18 +54,6 @@ _RULES = PREFIXES["rule"]
 _ASSERTED = re.compile(f"{re.escape(_RULES)}([0-9a-f]{{16}})")
 
 
-class ImportObserver(Protocol):
-    """Receives what an import finds about each rule."""
-
-    def add_new(self, rule: Rule, believed: Sequence[Rule]) -> None:
-        """Take a new rule, and the rules that the base believes of the same conclusion."""
-        ...
-
-    def add_different(self, rule: Rule) -> None:
-        """Take a known rule that has another status in the base."""
-        ...
-
-
 def import_statements(
     base: KnowledgeBase,
     statements: Iterable[Statements],
@@ -73,7 +61,6 @@ def import_statements(
     source: str,
     dry_run: bool = False,
     check: Callable[[Store], Iterable[ValidationFinding]] = validation.findings,
-    observer: ImportObserver | None = None,
 ) -> ImportSummary:
     """Import the statements of an RDF text: whole or not at all, and twice is once.
 
@@ -83,13 +70,12 @@ def import_statements(
         source: the name of the file, for messages and the history.
         dry_run: only find out what would change.
         check: finds what is wrong with the statements that belong to no rule.
-        observer: receives new rules, and known ones of another status.
 
     Raises:
         DataError: it cannot be read; says where.
         ValidationError: it breaks a law; the base is unchanged.
     """
-    one = _Import(base, source, check, observer)
+    one = _Import(base, source, check)
     return one.run(one.read_rules(statements), dry_run=dry_run)
 
 
@@ -102,18 +88,12 @@ def import_rules(
 
 
 def merge(
-    base: KnowledgeBase,
-    other: Store,
-    *,
-    source: str,
-    dry_run: bool = False,
-    observer: ImportObserver | None = None,
+    base: KnowledgeBase, other: Store, *, source: str, dry_run: bool = False
 ) -> ImportSummary:
     """Add to a base what another one knows, as one unit, by an import of its export.
 
-    The source names the other base in the history; a dry run only finds out what would change. The
-    observer receives new rules, and known ones of another status. ValidationError if the other base
-    breaks a law; nothing has changed.
+    The source names the other base in the history; a dry run only finds out what would change.
+    ValidationError if the other base breaks a law; nothing has changed.
     """
     with tempfile.SpooledTemporaryFile(_MAX_SPOOLED, prefix="hilt-") as spool:
         stream = cast(BinaryIO, spool)
@@ -121,7 +101,7 @@ def merge(
         stream.seek(0)
         groups = read_groups(stream, format="nquads", source=source, default=BELIEFS)
         return import_statements(
-            base, groups, source=source, dry_run=dry_run, check=check_invariants, observer=observer
+            base, groups, source=source, dry_run=dry_run, check=check_invariants
         )
 
 
@@ -132,7 +112,6 @@ class _Import:
     base: KnowledgeBase
     source: str
     check: Callable[[Store], Iterable[ValidationFinding]]
-    observer: ImportObserver | None = None
     rest: list[Quad] = field(default_factory=list[Quad])  # what belongs to no rule
     asserted: dict[int, array[int]] = field(  # ids of rules by the number of an utterance
         default_factory=lambda: defaultdict(lambda: array("Q"))
@@ -142,6 +121,7 @@ class _Import:
     known: int = 0
     conflicting: int = 0
     conflicts: list[ImportConflict] = field(default_factory=list[ImportConflict])
+    kept: list[Rule] = field(default_factory=list[Rule])  # known ones of another status
     speakers: set[str] = field(default_factory=set[str])
     trusted: set[str] = field(default_factory=set[str])
     utterances_added: int = 0
@@ -163,6 +143,7 @@ class _Import:
             self.utterances_added,
             tuple(sorted(self.speakers - self.trusted)),
             tuple(self.conflicts),
+            tuple(self.kept),
             dict(sorted(self.left.items())),
         )
 
@@ -227,14 +208,14 @@ class _Import:
         yield from writer.taken(0)
 
     def _new_rules(self, rules: Iterable[Rule]) -> Iterator[Rule]:
-        believed, observer = cache(partial(reconciliation.believed_rules, self.base)), self.observer
+        believed = cache(partial(reconciliation.believed_rules, self.base))
         there = _statuses(self.base.store) if self.base.sequence else dict[int, Term]()
         for rule in rules:
             number = _number(rule.id)
             if number in there:
                 self.known += 1
-                if observer and there[number] != rule_mapping.status_iri(rule.status):
-                    observer.add_different(rule)
+                if there[number] != rule_mapping.status_iri(rule.status):
+                    self.kept += [rule][: MAX_LISTED - len(self.kept)]
                 continue
             if number in self.new:
                 continue
@@ -242,14 +223,11 @@ class _Import:
             self.speakers.add(rule.speaker)
             if rule.time is None:
                 self.timeless.add(number)
-            same: Sequence[Rule] = ()
             if there and rule.status == "active":
                 same = believed(rule.node).get(reconciliation.claim(rule), ())
                 found = reconciliation.conflicts_of(rule, same)
                 self.conflicting += len(found)
                 self.conflicts += found[: MAX_LISTED - len(self.conflicts)]
-            if observer:
-                observer.add_new(rule, same)
             yield rule
 
     def _utterances(self, other: RuleReader) -> Iterator[Utterance]:

@@ -13,6 +13,7 @@ from ...ontology.vocabulary import iri, is_ontology, shortened
 from .. import history
 from ..episodes import EPISODES
 from ..history import HISTORY, Utterance, utterance_iri
+from ..interval import EPSILON
 from ..knowledge_base import KnowledgeBase, derived_quads
 from ..learned import ACTIONS, LEXICON
 from ..rdf.domain import DOMAIN, DOMAIN_HASH
@@ -25,14 +26,18 @@ from ..writer import speaker_quads, trust_quads
 
 @dataclass(frozen=True)
 class ImportConflict:
-    """A new rule and a believed one of the same conclusion, whose intervals do not overlap."""
+    """A new rule that contradicts a believed one.
+
+    The weight is the mass K in [0, 1] of their intervals (`Interval.conflict`), before trust.
+    """
 
     new: Rule
     believed: Rule
+    weight: float
 
     def as_json(self) -> dict[str, object]:
         """The conflict as `hilt import --json` prints it."""
-        return {"new": self.new.as_json(), "believed": self.believed.as_json()}
+        return {**vars(self), "new": self.new.as_json(), "believed": self.believed.as_json()}
 
 
 @dataclass(frozen=True)
@@ -46,6 +51,7 @@ class ImportSummary:
         utterances: new utterances of the history.
         untrusted: speakers of new rules whom nobody trusts, so that their rules weigh nothing.
         conflicts: the first conflicts.
+        kept: the first known rules that have another status in the base, where they keep it.
         not_taken: how many statements were left out, by what and where they are: labels of its own,
             and statements of the domain or of trust, of which the base has others.
     """
@@ -56,15 +62,16 @@ class ImportSummary:
     utterances: int
     untrusted: tuple[str, ...]
     conflicts: tuple[ImportConflict, ...] = ()
+    kept: tuple[Rule, ...] = ()
     not_taken: Mapping[str, int] = field(default_factory=dict[str, int])
 
     def as_json(self) -> dict[str, object]:
         """The summary as `hilt import --json` prints it."""
-        found = [conflict.as_json() for conflict in self.conflicts]
         return {
             **vars(self),
             "untrusted": list(self.untrusted),
-            "conflicts": found,
+            "conflicts": [conflict.as_json() for conflict in self.conflicts],
+            "kept": [{**rule.as_json(), "status": rule.status} for rule in self.kept],
             "not_taken": dict(self.not_taken),
         }
 
@@ -119,13 +126,9 @@ def claim(rule: Rule) -> tuple[object, ...]:
 
 def conflicts_of(rule: Rule, believed: Iterable[Rule]) -> list[ImportConflict]:
     """The conflicts of a new rule with rules of the same premises and conclusion."""
-    return [
-        ImportConflict(rule, other)
-        for other in believed
-        if other.contexts == rule.contexts
-        and max(rule.interval.lower, other.interval.lower)
-        > min(rule.interval.upper, other.interval.upper)
-    ]
+    same = [other for other in believed if other.contexts == rule.contexts]
+    found = [ImportConflict(rule, each, rule.interval.conflict(each.interval)) for each in same]
+    return [each for each in found if each.weight > EPSILON]
 
 
 def plan_trust(plan: AncillaryWrites, base: KnowledgeBase, other: RuleReader) -> None:

@@ -13,9 +13,9 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 from ...ontology.errors import DataError, HiltError
-from ..rdf.terms import write_time
 from ..rule import Rule
 from . import value_notation
+from .value_notation import COLUMNS
 
 if TYPE_CHECKING:
     from networkx import MultiDiGraph
@@ -88,22 +88,13 @@ def read_graphml(text: bytes, *, source: str) -> Iterator[Rule]:
 
 
 def _attributes(rule: Rule) -> dict[str, str | float]:
-    return {
-        "rule": rule.id,
-        "label": str(rule.interval),
-        "functor": rule.functor,
-        "argument": str(rule.argument or ""),
-        "features": value_notation.BETWEEN.join(map(str, sorted(rule.features))),
-        "contexts": value_notation.BETWEEN.join(map(str, sorted(rule.contexts))),
-        "lower": rule.interval.lower,
-        "upper": rule.interval.upper,
-        "speaker": rule.speaker,
-        "status": rule.status,
-        "time": write_time(rule.time) if rule.time else "",
-    }
+    texts = dict(zip(COLUMNS, value_notation.write_texts(rule, bare=False), strict=True))
+    said = {key: texts.pop(key) for key in ("functor", "argument")}  # these come first in files
+    bounds = {"lower": rule.interval.lower, "upper": rule.interval.upper}
+    return {"rule": rule.id, "label": str(rule.interval), **said, **texts, **bounds}
 
 
 def _rule(found: Mapping[str, Any]) -> Rule:
     given = {key: value for key, value in found.items() if value is not None}
     given = {**dict.fromkeys(_OPTIONAL, ""), **given}
-    return value_notation.read_rule([str(given[key]) for key in value_notation.COLUMNS])
+    return value_notation.read_rule([str(given[key]) for key in COLUMNS])

@@ -116,7 +116,7 @@ def read_rules(source: CheckedStream, chosen: FileFormat) -> Iterator[Rule]:
     """The rules of a file that holds rules only."""
     match chosen.name:
         case "csv":
-            from .csv_table import read_table
+            from .value_notation import read_table
 
             yield from read_table(source.lines(), source=source.name)
         case "graphml":
@@ -192,8 +192,8 @@ def _write_rules(rules: Iterable[Rule], stream: BinaryIO, name: str) -> None:
 
         stream.write(write_graphml(rules))
         return
-    from .csv_table import write_table
     from .rule_yaml import write_sheet
+    from .value_notation import write_table
 
     text = io.TextIOWrapper(stream, encoding="utf-8", newline="")
     try:

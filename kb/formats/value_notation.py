@@ -1,22 +1,29 @@
-"""Atoms, intervals, statuses and times as text: what the rule sheet and the table share.
+"""Rules as texts, one for each of `COLUMNS`, and as a table of them, in CSV.
 
 An atom is written with its kind, "property:red". The usual kind is left out: a bare feature is an
 object, a bare context an action, and what something is used for is an affordance.
+
+A table has one rule a row, for spreadsheets and for millions of rules. The columns may have any
+order; `features`, `functor` and `lower` are required. A semicolon separates several atoms.
 """
 
+import csv
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import lru_cache
-from typing import Any, TypeVar, get_args
+from operator import itemgetter
+from typing import Any, TextIO, TypeVar, get_args
 
-from ...ontology.errors import DataError, ValidationError
+from ...ontology.errors import DataError, HiltError, ValidationError
+from ..bulk.nquads_reader import remember
 from ..interval import DIGITS, Interval
-from ..rdf.terms import read_time
+from ..rdf.terms import read_time, write_time
 from ..rule import ARGUMENT_KINDS, DEFAULT_SPEAKER, Atom, Rule, Status
 
 COLUMNS = (  # of a rule as texts
     *("features", "contexts", "functor", "argument", "lower", "upper"),
     *("speaker", "status", "time"),
 )
+REQUIRED = ("features", "functor", "lower")
 ANY = "*"  # any object
 BETWEEN = "; "  # two atoms
 FEATURE_KIND, CONTEXT_KIND = "object", "action"
@@ -113,6 +120,23 @@ def read_rule(cells: Sequence[str]) -> Rule:
     )
 
 
+def write_texts(rule: Rule, *, bare: bool) -> tuple[str, ...]:
+    """Return the texts that `read_rule` reads, `bare` without the usual kinds of atoms."""
+    usual = (FEATURE_KIND, CONTEXT_KIND, ARGUMENT_KINDS.get(rule.functor))
+    feature_kind, context_kind, argument_kind = usual if bare else (None, None, None)
+    return (
+        _join(rule.features, feature_kind) or (ANY if bare else ""),
+        _join(rule.contexts, context_kind),
+        rule.functor,
+        write_atom(rule.argument, argument_kind) if rule.argument else "",
+        write_bound(rule.interval.lower),
+        write_bound(rule.interval.upper),
+        rule.speaker,
+        rule.status,
+        write_time(rule.time) if rule.time else "",
+    )
+
+
 def read_interval(lower: str, upper: str) -> Interval:
     """Return an interval, up to 1 without an upper bound; HiltError if it is none."""
     return Interval(_number(lower, "lower"), _number(upper, "upper") if upper.strip() else 1.0)
@@ -129,8 +153,85 @@ def split_atoms(text: str, kind: str) -> frozenset[Atom]:
     return read_atoms(filter(str.strip, text.split(";")), kind)
 
 
+def read_table(lines: Iterable[str], *, source: str) -> Iterator[Rule]:
+    """Iterate over the rules of a table, in its order.
+
+    The first line has the names of the columns. DataError if rows are malformed; lists the first
+    mistakes with their lines.
+    """
+    rows = _rows(lines, source)
+    _, first = next(rows, (1, []))
+    yield from read_all(rows, _RowReader(_header(first, source), source).read)
+
+
+def write_table(target: TextIO, rules: Iterable[Rule]) -> None:
+    """Write a table with a row for each rule."""
+    writer = csv.writer(target, lineterminator="\n")
+    writer.writerow(COLUMNS)
+    writer.writerows(write_texts(rule, bare=True) for rule in rules)
+
+
 def _number(text: str, column: str) -> float:
     try:
         return float(text)
     except ValueError as error:
         raise ValidationError([f'expected a number as {column}, found "{text[:60]}".']) from error
+
+
+@lru_cache(maxsize=2**16)
+def _join(atoms: frozenset[Atom], kind: str | None) -> str:
+    return BETWEEN.join(write_atom(atom, kind) for atom in sorted(atoms))
+
+
+def _rows(lines: Iterable[str], source: str) -> Iterator[tuple[int, list[str]]]:
+    reader = csv.reader(lines, strict=True)
+    try:
+        for row in reader:
+            if row:
+                yield reader.line_num, row
+    except csv.Error as error:
+        raise DataError(f"is no CSV: {error}.", source=source, line=reader.line_num) from error
+
+
+def _header(names: Sequence[str], source: str) -> list[str]:
+    found = [name.strip().lower() for name in names]
+    missing = [name for name in REQUIRED if name not in found]
+    unknown = [name for name in found if name not in COLUMNS]
+    if missing or unknown or len(set(found)) < len(found):
+        raise DataError(
+            f"the first line names the columns; expected {', '.join(COLUMNS)} "
+            f"({', '.join(REQUIRED)} at least), found {', '.join(found)[:200] or 'none'}.",
+            source=source,
+            line=1,
+        )
+    return found
+
+
+class _RowReader:
+    """Makes rules of rows; what several rows share is read once."""
+
+    def __init__(self, names: Sequence[str], source: str) -> None:
+        self._count, self._source = len(names), source
+        # A column that is missing is found behind the last one.
+        places = (names.index(name) if name in names else len(names) for name in COLUMNS)
+        self._in_order = itemgetter(*places)
+        self._known: dict[tuple[str, ...], Rule] = {}
+
+    def read(self, numbered: tuple[int, list[str]]) -> Rule:
+        line, row = numbered
+        try:
+            if len(row) != self._count:
+                raise ValidationError(
+                    [f"expected {self._count} cells, one for each column, found {len(row)}."]
+                )
+            return self._read(self._in_order((*row, "")))
+        except HiltError as error:
+            raise DataError(str(error), source=self._source, line=line) from error
+
+    def _read(self, cells: Sequence[str]) -> Rule:
+        features, *shared, lower, upper, speaker, status, time = cells
+        known = self._known.get(key := (*shared, speaker, status, time))
+        if known is None:
+            return remember(self._known, key, read_rule(cells))
+        seen = split_atoms(features.strip(), FEATURE_KIND)
+        return known.restated(seen, read_interval(lower, upper), time=known.time)

@@ -1,9 +1,10 @@
-"""Mapping of dataclasses to RDF properties, and back, by a table with one entry for each field."""
+"""Mapping of dataclasses to RDF properties, and back, as their fields are annotated."""
 
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass
-from typing import Any, Generic, TypeAlias, TypeVar
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Annotated, Any, Generic, TypeAlias, TypeVar, get_origin, get_type_hints
 
 from ...ontology.errors import ValidationError
 from ...ontology.vocabulary import Iri, external, shortened, split
@@ -17,7 +18,7 @@ REQUIRED = object()  # the default of a field that is always stored
 
 @dataclass(frozen=True)
 class FieldProperty:
-    """The property that stores a field.
+    """The property that stores the field it annotates.
 
     Attributes:
         predicate: its IRI.
@@ -27,10 +28,10 @@ class FieldProperty:
     """
 
     predicate: Iri
-    kind: type
-    encode: Callable[[Any], Term] = lambda value: value
-    decode: Callable[[Any], Any] = lambda value: value
-    default: object = REQUIRED
+    kind: type = field(repr=False)  # signatures show the predicate alone
+    encode: Callable[[Any], Term] = field(default=lambda value: value, repr=False)
+    decode: Callable[[Any], Any] = field(default=lambda value: value, repr=False)
+    default: object = field(default=REQUIRED, repr=False)
 
 
 def group_properties(properties: Iterable[tuple[Iri, Term]]) -> PropertyValues:
@@ -50,23 +51,27 @@ class RecordMapping(Generic[Record]):
         what: such a record in messages, as "An utterance".
         type: the class of the nodes.
         graph: the graph in which they are.
-        fields: the property of each field, in the order in which they are written.
     """
 
     record: type[Record]
     what: str
     type: Iri
     graph: Iri
-    fields: Mapping[str, FieldProperty]
+
+    @cached_property
+    def fields(self) -> Mapping[str, FieldProperty]:
+        """The property of each field that has one, in the order in which they are written."""
+        hints = get_type_hints(self.record, include_extras=True).items()
+        return {name: one.__metadata__[0] for name, one in hints if get_origin(one) is Annotated}
 
     def quads(self, node: Iri, record: Record) -> Iterator[Quad]:
         """The statements about the node of a record."""
         yield Quad(node, TYPE, self.type, self.graph)
-        for name, field in self.fields.items():
+        for name, stored in self.fields.items():
             value = getattr(record, name)
-            if value != field.default:
+            if value != stored.default:
                 for one in value if isinstance(value, tuple) else (value,):
-                    yield Quad(node, field.predicate, field.encode(one), self.graph)
+                    yield Quad(node, stored.predicate, stored.encode(one), self.graph)
 
     def read(self, found: PropertyValues, **more: object) -> Record:
         """The record of these properties and `more` fields; ValidationError if one is wrong."""

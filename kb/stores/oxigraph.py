@@ -168,10 +168,6 @@ class OxigraphStore:
         """The statements of a graph as pyoxigraph has them."""
         return self._engine().quads_for_pattern(None, None, None, named_node(graph))
 
-    def digest(self) -> int:
-        """A number that differs when the statements do; they are not held in memory."""
-        return sum(map(hash, self._engine().quads_for_pattern(None, None, None, None)))
-
     def check_tables(self) -> None:
         """Read every statement by each index of the engine; StoreError if a table is damaged."""
         by_index = [set[tuple[object, ...]]() for _ in _INDEXES]

@@ -6,14 +6,11 @@ only.
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 from collections.abc import Callable, Mapping
 from typing import cast
 
 from ...ontology.errors import QueryError
-from ..rdf.terms import Iri, Term, lexical
 from ..sparql.results import BooleanResult, ConstructResult, QueryResult, SelectResult
 
 _ILLEGAL_IN_XML = dict.fromkeys(
@@ -26,17 +23,6 @@ def write_result(found: QueryResult, format: str) -> str:
     if format not in FORMATS:
         raise QueryError(f'There is no result format "{format}". Known: {", ".join(FORMATS)}.')
     return FORMATS[format](found)
-
-
-def _csv(found: QueryResult) -> str:
-    rows = _rows(found, "CSV")
-    written = io.StringIO()
-    writer = csv.writer(written, lineterminator="\r\n")
-    writer.writerow(rows.variables)
-    for row in rows:
-        # One empty column would make an empty line, which readers skip.
-        writer.writerow([_plain(term) for term in row])
-    return written.getvalue()
 
 
 def _by_engine(found: QueryResult, name: str) -> str:
@@ -57,7 +43,7 @@ def _turtle(found: QueryResult) -> str:
 
 FORMATS: Mapping[str, Callable[[QueryResult], str]] = {
     "json": lambda found: json.dumps(found.as_json(), ensure_ascii=False) + "\n",
-    "csv": _csv,
+    "csv": lambda found: _by_engine(_rows(found, "CSV"), "CSV"),
     "tsv": lambda found: _by_engine(_rows(found, "TSV"), "TSV"),
     "xml": lambda found: _by_engine(found, "XML").translate(_ILLEGAL_IN_XML),
     "turtle": _turtle,
@@ -70,9 +56,3 @@ def _rows(found: QueryResult, name: str) -> SelectResult:
             f"{name} is for rows; the result of an ASK query is a boolean. Use json or xml."
         )
     return found
-
-
-def _plain(term: Term | None) -> str:
-    if term is None:
-        return ""
-    return str(term) if isinstance(term, Iri) else lexical(term)[0]

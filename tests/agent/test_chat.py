@@ -11,29 +11,13 @@ from pathlib import Path
 
 import pytest
 from prompt_toolkit.application import create_app_session
-from prompt_toolkit.completion import CompleteEvent
-from prompt_toolkit.document import Document
 from prompt_toolkit.input import create_pipe_input
 from prompt_toolkit.output import DummyOutput
 from rich.console import Console
 
 from hilt.agent import Agent, AgentConfig
-from hilt.agent.chat import EXAMPLES, Chat, run
-from hilt.agent.typed_lines import WordCompleter, read_lines
+from hilt.agent.chat import EXAMPLES, Chat, read_lines, run
 from hilt.sim.robot.interruption import Interruption
-
-
-@pytest.mark.parametrize(
-    ("typed", "offered"),
-    [("the Ha", ["hammer", "handle"]), ("", []), ("the ", []), ("/sc", ["/scene"])],
-)
-def test_words_are_completed_by_their_beginning(typed: str, offered: list[str]):
-    """Upper or lower case, sorted; nothing is offered for nothing."""
-    completer = WordCompleter(lambda: {"handle", "hammer", "mug", "/scene"})
-
-    found = completer.get_completions(Document(typed), CompleteEvent())
-
-    assert [each.text for each in found] == offered
 
 
 def conversation(keys: list[bytes], home: Path) -> str:
@@ -110,6 +94,17 @@ def test_ctrl_c_drops_the_line_and_nothing_else(monkeypatch: pytest.MonkeyPatch,
 
     assert lines == ["hello"]
     assert interrupted == ["once"]
+
+
+@pytest.mark.parametrize(
+    ("typed", "completed"), [("the Ham\t", "the hammer"), ("ha\t", "ha"), ("/sc\t", "/scene")]
+)
+def test_words_are_completed_by_their_beginning(typed: str, completed: str):
+    """Upper or lower case, as far as it is clear which one is meant."""
+    words = {"handle", "hammer", "mug", "/scene"}
+
+    with keys_typed(f"{typed}\r\x04"):
+        assert list(read_lines(lambda: "> ", lambda: words)) == [completed]
 
 
 def test_lines_are_read_where_no_history_can_be_kept(

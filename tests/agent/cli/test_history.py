@@ -264,12 +264,13 @@ def test_merge_reports_conflicts(run: Run, hilt: Run, tmp_path: Path):
 
     dry = document(hilt("merge", tmp_path / "kb", other, "--dry-run", "--json"))
     before = document(run("rules", "--json"))
-    code, out, _ = hilt("merge", tmp_path / "kb", other)
+    code, _, said = hilt("merge", tmp_path / "kb", other)
 
-    assert (len(before), len(dry["new"]), len(dry["conflicts"]), dry["dry_run"]) == (2, 1, 1, True)
+    (conflict,) = dry["conflicts"]
+    assert (len(before), dry["new"], dry["applied"]) == (2, 1, False)
     assert code == 0
-    assert "Took over 1 rule (" in out
-    assert "1 conflict" in out
+    assert f"Read 1 rule from {other}: 1 new, 0 already known, 1 conflicting." in said
+    assert f"usedFor(cutting) [0.95, 1.00]>: {conflict['weight']:.4f}" in said
     assert len(document(run("rules", "--json"))) == 3
 
 

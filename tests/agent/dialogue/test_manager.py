@@ -72,7 +72,7 @@ def test_walk_has_four_operations_at_each_node_in_preorder(taught: Agent):
     assert steps["pass/findObject"].percepts == {"knife": 1.0}
     grasp = steps["pass/graspObject"].constraint
     assert grasp is not None
-    assert (grasp.object, grasp.part, grasp.lower) == ("knife", "blade", 0.95)
+    assert (grasp.object, grasp.part, grasp.interval.lower) == ("knife", "blade", 0.95)
 
 
 def test_tool_is_chosen_by_what_the_action_needs(agent: Agent):

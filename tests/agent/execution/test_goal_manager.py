@@ -14,10 +14,10 @@ import pytest
 from hilt.agent.agent import Agent
 from hilt.agent.config import AgentConfig
 from hilt.agent.dialogue.reply import Reply
-from hilt.agent.execution.outcome import Constraint
 from hilt.inference.affordance import Affordances
 from hilt.inference.settings import Settings
 from hilt.inference.taxonomy import Taxonomy
+from hilt.inference.types import Candidate
 from hilt.kb.interval import Interval
 from hilt.kb.rule import Atom, Rule
 from hilt.sim.manipulation.motion_report import MotionReport
@@ -114,7 +114,7 @@ class Arm:
         return self._report("lower", self.held, driven=self.drives)
 
     def perform(
-        self, action: str, arguments: Mapping[str, Percept | str], constraint: Constraint | None
+        self, action: str, arguments: Mapping[str, Percept | str], constraint: Candidate | None
     ) -> MotionReport:
         """Do something of its own."""
         names = [each.name if isinstance(each, Percept) else each for each in arguments.values()]

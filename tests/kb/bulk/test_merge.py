@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 import pytest
@@ -21,22 +20,6 @@ from ..conftest import BLADE, CUTTING, HANDLE, teach, ticking
 AGAINST = replace(CUTTING, interval=Interval(0, 0.1))
 
 
-class Observer:
-    """Keeps what a merge reports about each rule."""
-
-    def __init__(self) -> None:
-        self.new: dict[str, Sequence[Rule]] = {}
-        self.different: list[str] = []
-
-    def add_new(self, rule: Rule, believed: Sequence[Rule]) -> None:
-        """Keep a new rule with the believed ones of its conclusion."""
-        self.new[rule.id] = believed
-
-    def add_different(self, rule: Rule) -> None:
-        """Keep a rule that has another status in the base."""
-        self.different.append(rule.id)
-
-
 def base_with(*rules: Rule) -> KnowledgeBase:
     """A base that was told rules."""
     base = KnowledgeBase(open_store("memory:"), clock=ticking())
@@ -46,29 +29,31 @@ def base_with(*rules: Rule) -> KnowledgeBase:
 
 def test_merge_brings_rules_history_and_conflicts():
     """The utterances of the other base come after those of this one."""
-    base, other, observer = base_with(AGAINST, HANDLE), base_with(CUTTING, BLADE), Observer()
+    base, other = base_with(AGAINST, HANDLE), base_with(CUTTING, BLADE)
     other.retract(BLADE.id, "Forget that.", "", "sam")
 
-    summary = merge(base, other.store, source="other", observer=observer)
+    summary = merge(base, other.store, source="other")
 
     assert (summary.new, summary.known, summary.conflicting) == (2, 0, 1)
     assert base.rule(BLADE.id).status == "retracted"
     assert [said.sequence for said in base.history()] == [1, 2, 3, 4, 5]
-    assert [rule.id for rule in observer.new[CUTTING.id]] == [AGAINST.id]
+    (found,) = summary.conflicts
+    assert (found.new.id, found.believed.id) == (CUTTING.id, AGAINST.id)
+    assert found.weight == pytest.approx(CUTTING.interval.lower * 0.9)
     assert list(check_invariants(base.store)) == []
 
 
 def test_merging_twice_changes_nothing():
     """What the base retracted stays retracted, and is reported as different."""
-    base, other, observer = base_with(), base_with(CUTTING, BLADE), Observer()
+    base, other = base_with(), base_with(CUTTING, BLADE)
     merge(base, other.store, source="other")
     base.retract(BLADE.id, "Forget that.", "", "sam")
     before = set(base.store.quads())
 
-    summary = merge(base, other.store, source="other", observer=observer)
+    summary = merge(base, other.store, source="other")
 
     assert (summary.new, summary.known, summary.utterances) == (0, 2, 0)
-    assert (observer.new, observer.different) == ({}, [BLADE.id])
+    assert [(rule.id, rule.status) for rule in summary.kept] == [(BLADE.id, "active")]
     assert set(base.store.quads()) == before
 
 

@@ -16,7 +16,6 @@ from rdflib import Graph
 from hilt.kb.bulk import exporter, importer
 from hilt.kb.bulk.exporter import write_statements
 from hilt.kb.formats import import_export
-from hilt.kb.formats.csv_table import read_table, write_table
 from hilt.kb.formats.file_streams import CheckedStream
 from hilt.kb.formats.graphml import graph_of, rules_of_graph
 from hilt.kb.formats.import_export import (
@@ -28,6 +27,7 @@ from hilt.kb.formats.import_export import (
 )
 from hilt.kb.formats.registry import FORMATS, RULE_FORMATS
 from hilt.kb.formats.rule_yaml import read_sheet, write_sheet
+from hilt.kb.formats.value_notation import read_table, write_table
 from hilt.kb.interval import Interval
 from hilt.kb.knowledge_base import KnowledgeBase
 from hilt.kb.rule import Rule, functional, grasping
@@ -224,6 +224,7 @@ def test_summary_tells_what_is_new_known_and_conflicting(
 
     assert (dry.new, dry.known, dry.conflicting, dry.untrusted) == (2, 1, 1, ("anna",))
     assert (dry.conflicts[0].new.id, dry.conflicts[0].believed.id) == (BLADE.id, against.id)
+    assert dry.conflicts[0].weight == BLADE.interval.conflict(against.interval) > 0.5
     assert contents(kb) == before
     wet = import_file(kb, tmp_path / "x.yaml")
     assert (wet.new, wet.known, wet.conflicting, wet.untrusted) == (2, 1, 1, ("anna",))
