@@ -5,9 +5,8 @@ An utterance is a control only as a whole, so "stop using the knife" and "never 
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
 
-from ..grammar.word_patterns import WordLists, load_word_lists
+from ..grammar.word_patterns import WordLists
 from .tokenizer import BREAK
 
 Named = Callable[[int, int], str | None]
@@ -65,9 +64,3 @@ class ControlPhrases:
         while (end := self.words.end("polite", words, place)) > place:
             place = end
         return place
-
-
-def load_controls(path: Path) -> ControlPhrases:
-    """Read the control phrases of a language; `DataError` where the file is not as expected."""
-    keys = {"groups": ("controls",), "patterns": ("polite",), "phrases": ("pronouns",)}
-    return ControlPhrases(load_word_lists(path, **keys))

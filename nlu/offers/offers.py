@@ -116,7 +116,7 @@ class OfferFinder:
         if mention.role == "affordance":
             return mention.name in self.checks.reader.words["acts"]
         words = tokens.words[mention.start : mention.end]
-        return mention.role != "act" and words in self.checks.phrases["gripping"]
+        return mention.role != "act" and self.checks.words.has("gripping", *words)
 
     def of_corrected(self, tokens: Tokens, context: UtteranceContext) -> tuple[Meaning, ...]:
         """Return the meanings that an utterance has with its misspelled words corrected."""
@@ -181,8 +181,8 @@ class OfferFinder:
 
     def _aloud(self, meaning: Meaning) -> str:
         first, *rest = self.realizer.realize(meaning).rstrip("?").split(" ")
-        denying = self.checks.phrases["negative"]
-        return " ".join([first, *(w.upper() if (w,) in denying else w for w in rest)])
+        is_denying = partial(self.checks.words.has, "negative")
+        return " ".join([first, *(w.upper() if is_denying(w) else w for w in rest)])
 
     def is_text(self, tokens: Tokens) -> bool:
         """Whether an utterance consists of words, not of too many, and most of them known."""
@@ -261,14 +261,14 @@ def choice_of(words: Phrase, count: int, path: Path) -> int | None:
 
     `path` is the file of the words that choose.
     """
-    lists = load_word_lists(path, groups=("numbers",), phrases=("last", "around", "none"))
+    lists = load_word_lists(path)
     if lists.has("none", *words):
         return 0
     # "The first one", but also "one": it is a number only where there is no other.
     named = tuple(word for word in words if not lists.has("around", word)) or words[-1:]
     if len(named) != 1:
         return None
-    if count > 1 and named in lists.phrases["last"]:
+    if count > 1 and lists.has("last", *named):
         return count
     numbers = (int(number) for number, _, _ in lists.of_group("numbers", named))
     return next((number for number in numbers if number <= count), None)
