@@ -27,7 +27,7 @@ from .grammar.combinators import CombinationTable
 from .grammar.grammar import load_grammar
 from .grammar.notation_reader import save_cache
 from .grammar.word_patterns import load_word_lists
-from .lexicon.control_phrases import ControlPhrases
+from .lexicon.discourse_markers import ControlPhrases
 from .lexicon.immutable_index import ImmutableIndex
 from .lexicon.inflection import Inflection, load_inflection
 from .lexicon.learned_lexicon import LearnedLexicon
@@ -65,7 +65,7 @@ from .semantics.meaning import (
     Misunderstanding,
     TrustStatement,
 )
-from .semantics.pragmatics import load_pragmatics
+from .semantics.predicates import load_pragmatics
 
 LANGUAGES_FOLDER = Path(__file__).parents[1] / "ontology"
 

@@ -16,7 +16,7 @@ from functools import cache
 from itertools import chain, pairwise
 
 from ..grammar.word_patterns import WordLists
-from ..lexicon.control_phrases import ControlPhrases
+from ..lexicon.discourse_markers import ControlPhrases
 from ..lexicon.tokenizer import BREAK, Token, Tokens
 from ..lexicon.unknown_words import KnownWords, is_word
 from ..lexicon.vocabulary import NewWord
