@@ -9,10 +9,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hilt.nlu.grammar.notation_reader import parse_term
 from hilt.nlu.grammar.terms import Application, Constant, Term, evaluate
 from hilt.nlu.semantics.predicates import PredicateForm, fill, form_of, load_pragmatics, match
 from hilt.ontology.errors import DataError
+
+from ..conftest import parse_term
 
 NAMES = st.sampled_from(["knife", "pass", "self", "partOf", "blade"])
 FORMS = st.recursive(
