@@ -12,7 +12,6 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 from itertools import islice, product
-from math import dist
 from pathlib import Path
 
 from ...ontology.errors import UnknownNameError
@@ -277,14 +276,6 @@ def choice_of(words: Phrase, count: int, path: Path) -> int | None:
 MAX_WORDS = 4  # how many known words are tried for an unknown one
 MAX_TEXTS = 12  # how many corrected utterances are tried
 
-_KEYS = {
-    letter: (row, column)
-    for row, letters in enumerate(("qwertyuiop", "asdfghjkl", "zxcvbnm"))
-    for column, letter in enumerate(letters)
-}
-_ELSEWHERE = (9, 9)  # the place of what is no letter of these
-_NEXT = 1.5  # neighbours are less apart, also diagonal ones
-
 
 def corrected_texts(tokens: Tokens, known: KnownWords) -> Iterator[str]:
     """Yield the utterance with the words corrected that are near known ones, likeliest first."""
@@ -308,14 +299,7 @@ def is_misspelled(tokens: Tokens, known: KnownWords) -> bool:
 
 def _known_slips(word: str, known: KnownWords) -> list[str]:
     found = dict.fromkeys(other for other in slips(word) if len(other) > 1 and known.has(other))
-    return sorted(found, key=lambda other: _is_far(word, other))[:MAX_WORDS]
-
-
-def _is_far(word: str, other: str) -> bool:
-    if len(word) != len(other) or sorted(word) == sorted(other):
-        return False
-    changed = (pair for pair in zip(word, other, strict=True) if pair[0] != pair[1])
-    return any(dist(_KEYS.get(one, _ELSEWHERE), _KEYS[two]) > _NEXT for one, two in changed)
+    return list(found)[:MAX_WORDS]
 
 
 def _replaced(tokens: Tokens, text: str, meant: dict[str, str]) -> str:
