@@ -267,6 +267,7 @@ class KindRelation(_Rule):
         object, confidence, revises, source: as of a `FunctionalRule`.
     """
 
+    props: ClassVar[tuple[str, ...]] = ()  # it holds of a kind as a whole
     kind_of: str
     object: str
     confidence: Confidence
