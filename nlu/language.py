@@ -28,9 +28,8 @@ from .grammar.grammar import load_grammar
 from .grammar.notation_reader import save_cache
 from .grammar.word_patterns import load_word_lists
 from .lexicon.discourse_markers import ControlPhrases
-from .lexicon.immutable_index import ImmutableIndex
 from .lexicon.inflection import Inflection, load_inflection
-from .lexicon.learned_lexicon import LearnedLexicon
+from .lexicon.learned_lexicon import ImmutableIndex, LearnedLexicon
 from .lexicon.lexicon import Lexicon
 from .lexicon.loader import LexiconBuilder
 from .lexicon.tokenizer import Tokens, tokenize

@@ -63,9 +63,9 @@ class SegmentReader:
             return pause != Pause.INSIDE or not before
         last = pieces[-1]
         words = tokens.words[last.start + last.lead : last.end]
-        signs = last.signs | {k for k in ("condition", "exception") if self._begins(k, words)}
+        signs = last.signs | {k for k in ("condition", "exception") if self.words.end(k, words)}
         is_own = last.form in _PERSONS or not signs.isdisjoint({"announced", "agent=speaker"})
-        if pause in _UNCLEAR and self._begins("concession", words):
+        if pause in _UNCLEAR and self.words.end("concession", words):
             return True
         doubting = self._signs["before_colon"] | {"degree"}
         if pause in _UNCLEAR and not all(each.signs.isdisjoint(doubting) for each in pieces):
@@ -81,7 +81,7 @@ class SegmentReader:
     def _adds_nothing(self, after: Sequence[UtterancePiece], mentions: Mentions, end: int) -> bool:
         words = mentions.tokens.words[end:]
         is_announced = all("announced" in each.signs for each in after)
-        if self._begins("joining", words) and not is_announced:
+        if self.words.end("joining", words) and not is_announced:
             return False
         return not mentions.names_something((end, len(mentions.tokens.items))) and all(
             each.form == MARKER or each.signs.isdisjoint(self._signs["after_segment"])
@@ -91,9 +91,6 @@ class SegmentReader:
     @property
     def _signs(self) -> Mapping[str, frozenset[str]]:
         return self.periphery.table.signs
-
-    def _begins(self, kind: str, words: Sequence[str]) -> bool:
-        return any(tuple(words[: len(each)]) == each for each in self.words.phrases(kind))
 
 
 def parts(tokens: Tokens) -> Iterator[Span]:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from ..lexicon.immutable_index import ImmutableIndex
+from ..lexicon.learned_lexicon import ImmutableIndex
 from ..lexicon.vocabulary import NewWord
 from .discourse import SOMETHING, Discourse
 from .fragments import FragmentValues, complete, question_on
