@@ -326,7 +326,8 @@ class Language:
 
     def chosen(self, text: str, count: int) -> int | None:
         """Return which of `count` choices a text takes, from 1; 0 for none, None for no answer."""
-        return choice_of(self._tokens(text).words, count, self.folder / "choices.yaml")
+        lists = load_word_lists(self.folder / "choices.yaml")
+        return choice_of(self._tokens(text).words, count, lists)
 
     def control(self, text: str) -> Control | None:
         """Return the control that a text is ("stop", "put it down"), None for any other text."""

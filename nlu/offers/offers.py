@@ -16,7 +16,7 @@ from pathlib import Path
 
 from ...ontology.errors import UnknownNameError
 from ..generation.realizer import Realizer
-from ..grammar.word_patterns import Phrase, load_word_lists
+from ..grammar.word_patterns import Phrase, WordLists
 from ..lexicon.misspelling import slips
 from ..lexicon.tokenizer import BREAK, MAX_TOKENS, Tokens
 from ..lexicon.unknown_words import MAX_NEW_WORDS, KnownWords
@@ -255,12 +255,8 @@ def load_model(path: Path) -> OfferModel:
     return OfferModel(tuple(map(shape_from, data["shapes"])), Ranker(weights))
 
 
-def choice_of(words: Phrase, count: int, path: Path) -> int | None:
-    """Return which of `count` choices words take, from 1 on: 0 for none, None for no answer.
-
-    `path` is the file of the words that choose.
-    """
-    lists = load_word_lists(path)
+def choice_of(words: Phrase, count: int, lists: WordLists) -> int | None:
+    """Return which of `count` choices words take, from 1 on: 0 for none, None for no answer."""
     if lists.has("none", *words):
         return 0
     # "The first one", but also "one": it is a number only where there is no other.
