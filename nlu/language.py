@@ -26,17 +26,17 @@ from .generation.templates import AnswerTemplates, Slot, load_answers
 from .grammar.combinators import CombinationTable
 from .grammar.grammar import load_grammar
 from .grammar.notation_reader import save_cache
-from .lexicon.control_phrases import ControlPhrases, load_controls
-from .lexicon.immutable_index import ImmutableIndex
+from .grammar.word_patterns import load_word_lists
+from .lexicon.discourse_markers import ControlPhrases
 from .lexicon.inflection import Inflection, load_inflection
-from .lexicon.learned_lexicon import LearnedLexicon
+from .lexicon.learned_lexicon import ImmutableIndex, LearnedLexicon
 from .lexicon.lexicon import Lexicon
 from .lexicon.loader import LexiconBuilder
 from .lexicon.tokenizer import Tokens, tokenize
 from .lexicon.unknown_words import KnownWords
 from .lexicon.vocabulary import NewWord, Vocabulary, household_vocabulary
-from .offers.checks import OPERATORS, OfferChecks, load_check_words
-from .offers.courtesies import Courtesy, CourtesyPhrases, answer_to, load_courtesies
+from .offers.checks import OPERATORS, OfferChecks
+from .offers.courtesies import Courtesy, CourtesyPhrases, answer_to
 from .offers.meaning_shapes import meaning_from_json
 from .offers.offers import OfferFinder, choice_of, is_misspelled, load_model
 from .offers.phrase_memory import NO_PHRASES, PhraseMemory, PhrasePattern, phrase_from
@@ -44,11 +44,11 @@ from .offers.utterance_segments import SegmentReader, parts
 from .parsing.clarification import Clarifier
 from .parsing.parser import SentenceParser
 from .parsing.periphery import PeripheryReader, load_table
-from .parsing.procedures import ProcedureReader, load_procedure_words
+from .parsing.procedures import ProcedureReader
 from .parsing.reading_filter import ReadingFilter
 from .parsing.strategies import UtteranceParser
 from .parsing.understanding import Understanding, UtteranceContext
-from .parsing.utterance_pieces import PieceReader, load_periphery
+from .parsing.utterance_pieces import PieceReader
 from .semantics.clause_features import load_features
 from .semantics.discourse import Discourse, after_offer
 from .semantics.interpretation import Interpreter
@@ -64,7 +64,7 @@ from .semantics.meaning import (
     Misunderstanding,
     TrustStatement,
 )
-from .semantics.pragmatics import load_pragmatics
+from .semantics.predicates import load_pragmatics
 
 LANGUAGES_FOLDER = Path(__file__).parents[1] / "ontology"
 
@@ -161,7 +161,7 @@ class Language:
             text: frozenset(tokenize(text, builder.contractions).words)
             for text in sentences["examples"].texts()
         }
-        controls = load_controls(folder / "controls.yaml")
+        controls = ControlPhrases(load_word_lists(folder / "controls.yaml"))
         parts = (parser, examples, answers, realizer, builder, inflection, degrees, controls)
         return cls(folder, *parts)
 
@@ -307,7 +307,7 @@ class Language:
     @cached_property
     def offers(self) -> OfferFinder:
         """What is offered for an utterance that is not understood."""
-        words = load_check_words(self.folder / "offers.yaml")
+        words = load_word_lists(self.folder / "offers.yaml")
         intervals = self.degrees.intervals
         return OfferFinder(
             load_model(self.folder / "offers.json"),
@@ -326,7 +326,8 @@ class Language:
 
     def chosen(self, text: str, count: int) -> int | None:
         """Return which of `count` choices a text takes, from 1; 0 for none, None for no answer."""
-        return choice_of(self._tokens(text).words, count, self.folder / "choices.yaml")
+        lists = load_word_lists(self.folder / "choices.yaml")
+        return choice_of(self._tokens(text).words, count, lists)
 
     def control(self, text: str) -> Control | None:
         """Return the control that a text is ("stop", "put it down"), None for any other text."""
@@ -351,7 +352,7 @@ class Language:
 
     @cached_property
     def _courtesies(self) -> CourtesyPhrases:
-        return load_courtesies(self.folder / "courtesies.yaml")
+        return CourtesyPhrases(load_word_lists(self.folder / "courtesies.yaml"))
 
     def _halt_within(self, text: str) -> Control | None:
         tokens = self._tokens(text)
@@ -386,17 +387,17 @@ class Language:
         known = KnownWords(self.parser.lexicon, self.builder)
         clarification = Clarifier(self.parser, known, self.answers, self.realizer, self.examples)
         reading_filter = ReadingFilter(known, self.parser.features)
-        words = load_procedure_words(self.folder / "procedures.yaml")
+        words = load_word_lists(self.folder / "procedures.yaml")
         procedures = ProcedureReader(words, self.parser, known, self.controls, self.frames)
         parts = (known, reading_filter, clarification, self._periphery(known), procedures)
         return UtteranceParser(self.parser, self.builder, *parts)
 
     def _periphery(self, known: KnownWords) -> PeripheryReader:
         builder = self.builder
-        words = load_check_words(self.folder / "offers.yaml")
+        words = load_word_lists(self.folder / "offers.yaml")
         reader = PieceReader(
-            load_periphery(self.folder / "periphery.yaml"),
-            {kind: words[kind] for kind in OPERATORS},
+            load_word_lists(self.folder / "periphery.yaml"),
+            {kind: words.phrases(kind) for kind in OPERATORS},
             builder.qualifier_phrases,
             self.parser.features,
             builder.discourse_markers,

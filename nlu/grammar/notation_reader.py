@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, cast
 from ...ontology.disk_cache import cache_folder, content_key, write_atomically
 from ...ontology.yaml_reader import YamlNode
 from .categories import AtomicCategory, BasicType, FunctionType, Functor, Type
-from .terms import Application, BoundVariable, Constant, Lambda, Term
+from .terms import Application, BoundVariable, Constant, Lambda
 
 if TYPE_CHECKING:
     from .notation_parser import Entry, Start, TermPair, UnaryRule, Value
@@ -50,11 +50,6 @@ def read_rule(field: YamlNode) -> TermPair:
 def read_type(field: YamlNode) -> Type:
     """Read a type: `e -> e -> t`."""
     return cast("Type", _lines().read(field, "type"))
-
-
-def parse_term(text: str) -> Term:
-    """Parse a lambda term that stands in no file; for tests and examples."""
-    return cast("Term", _lines().read(YamlNode(text, "<text>", 1, 0), "term"))
 
 
 def save_cache() -> None:

@@ -6,9 +6,9 @@ without silent moves, after Glushkov 1961): it is as long as the text, however m
 """
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cache, cached_property, lru_cache
 from itertools import chain, islice
 from pathlib import Path
 from types import MappingProxyType
@@ -213,25 +213,29 @@ def _missing(bracket: str, text: str) -> PatternError:
 
 
 Phrase = tuple[str, ...]
+_Step: TypeAlias = tuple[str, Steps]
 
 
 @dataclass(frozen=True)
 class WordLists:
-    """What one file lists.
+    """What one file lists, each key read when it is first asked for.
 
-    Attributes:
-        patterns: by key what each pattern stands for, if anything, and its graph.
-        phrases: single words and phrases by key.
+    A list has patterns, or phrases, which are spelled out; a mapping has what patterns stand for,
+    with the patterns. `DataError` where a key is missing or its value is not as expected.
     """
 
-    patterns: Mapping[str, Sequence[tuple[str, Steps]]]
-    phrases: Mapping[str, frozenset[Phrase]]
+    file: YamlNode
+
+    @cached_property
+    def phrases(self) -> Callable[[str], frozenset[Phrase]]:
+        """Returns the single words and phrases of a key."""
+        return cache(self._read_phrases)
 
     def of_group(
         self, key: str, words: Sequence[str], start: int = 0
     ) -> Iterator[tuple[str, int, Slots]]:
         """Yield what the patterns of a key stand for that begin at a place, with end and slots."""
-        known = self._by_first_word[key]
+        known = self._by_first_word(key)
         first = words[start] if start < len(words) else ""
         for name, step in known.get(first, known[""]):
             for end, slots in match_pattern((step,), words, start):
@@ -258,28 +262,39 @@ class WordLists:
 
     def names(self, key: str) -> Sequence[str]:
         """What the patterns of a key stand for, in the order of the file."""
-        return tuple(dict.fromkeys(name for name, _ in self.patterns[key]))
+        return tuple(self._field(key).entries())
 
     def has(self, key: str, *words: str) -> bool:
         """Whether some words are a phrase of a key."""
-        return words in self.phrases[key]
+        return words in self.phrases(key)
 
     def words(self, key: str) -> frozenset[str]:
         """The words of all phrases of a key."""
-        return frozenset(chain.from_iterable(self.phrases[key]))
+        return frozenset(chain.from_iterable(self.phrases(key)))
+
+    def _field(self, key: str) -> YamlNode:
+        return self.file.entries(required=(key,))[key]
+
+    def _read_phrases(self, key: str) -> frozenset[Phrase]:
+        return read_phrases(self._field(key))
 
     @cached_property
-    def _by_first_word(self) -> Mapping[str, Mapping[str, Sequence[tuple[str, tuple[str, Steps]]]]]:
-        found: dict[str, dict[str, list[tuple[str, tuple[str, Steps]]]]] = {}
-        for key, patterns in self.patterns.items():
-            steps = [
-                (n, step) for n, graph in patterns for step in graph if isinstance(step, tuple)
-            ]
-            found[key] = {
-                word: [each for each in steps if each[1][0] in {word, ANY, *SLOTS}]
-                for word in {"", *(step[0] for _, step in steps)}
-            }
-        return found
+    def _by_first_word(self) -> Callable[[str], Mapping[str, Sequence[tuple[str, _Step]]]]:
+        return cache(self._read_by_first_word)
+
+    def _read_by_first_word(self, key: str) -> Mapping[str, Sequence[tuple[str, _Step]]]:
+        field = self._field(key)
+        groups = field.entries() if isinstance(field.value, dict) else {"": field}
+        steps = [
+            (name, step)
+            for name, patterns in groups.items()
+            for step in chain.from_iterable(read_patterns(patterns))
+            if isinstance(step, tuple)
+        ]
+        return {
+            word: [each for each in steps if each[1][0] in {word, ANY, *SLOTS}]
+            for word in {"", *(step[0] for _, step in steps)}
+        }
 
 
 def places_of(phrase: Phrase, words: Sequence[str]) -> Iterator[int]:
@@ -289,20 +304,6 @@ def places_of(phrase: Phrase, words: Sequence[str]) -> Iterator[int]:
 
 
 @lru_cache(maxsize=16)
-def load_word_lists(
-    path: Path,
-    *,
-    patterns: tuple[str, ...] = (),
-    groups: tuple[str, ...] = (),
-    phrases: tuple[str, ...] = (),
-) -> WordLists:
-    """Return what a file lists under these keys; `DataError` says where it has others or errs."""
-    parts = read_yaml(path).entries(required=(*patterns, *groups, *phrases), optional=())
-    named = {key: parts[key].entries() for key in groups} | {k: {"": parts[k]} for k in patterns}
-    return WordLists(
-        {
-            key: [(name, graph) for name, field in of.items() for graph in read_patterns(field)]
-            for key, of in named.items()
-        },
-        {key: read_phrases(parts[key]) for key in phrases},
-    )
+def load_word_lists(path: Path) -> WordLists:
+    """Return what a file lists; `DataError` where it is no YAML."""
+    return WordLists(read_yaml(path))

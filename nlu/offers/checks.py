@@ -9,9 +9,8 @@ for the other checks are data (`offers.yaml`).
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from pathlib import Path
 
-from ..grammar.word_patterns import Phrase, load_word_lists, places_of
+from ..grammar.word_patterns import Phrase, WordLists, places_of
 from ..lexicon.tokenizer import BREAK
 from ..lexicon.vocabulary import NewWord
 from ..parsing.clause_spans import features_of_names
@@ -35,11 +34,6 @@ OPERATORS = ("negative", "implied_negation", "weak_negation", "condition", "exce
 """The lists of words on which a meaning may depend."""
 
 _SIGNS = (*OPERATORS, "by", "before_part")
-_WORD_LISTS = (
-    *_SIGNS,
-    *("unfinished", "recipient", "doer", "hearer", "asked", "at_end", "gripping", "joining"),
-    *("opening", "complement", "concession", "turning", "because", "placed"),
-)
 _QUOTES = frozenset('"“”„«»')
 _HEARER = frozenset({"addressee"})
 _ASKED = 3  # words after the beginning of a phrase that asks for something
@@ -49,7 +43,7 @@ _ASKED = 3  # words after the beginning of a phrase that asks for something
 class OfferChecks:
     """What an offer must keep of an utterance, by the words of each check in `offers.yaml`."""
 
-    phrases: Mapping[str, frozenset[Phrase]]
+    words: WordLists
     reader: FeatureReader
     licence: LicenceTable
 
@@ -116,11 +110,11 @@ class OfferChecks:
         for clause in (MAIN, CONDITION):
             for feature, values in features.of(clause).items():
                 found |= {f"{clause} {feature}={value}" for value in values}
-        return frozenset(found | ({"cut"} if words[-1:] in self.phrases["unfinished"] else set()))
+        return frozenset(found | ({"cut"} if self.words.has("unfinished", *words[-1:]) else set()))
 
     def _is_complete(self, meaning: Meaning, mentions: Mentions) -> bool:
         words, pauses = mentions.tokens.words, mentions.tokens.pauses
-        is_cut = not isinstance(meaning, Question) and (words[-1],) in self.phrases["unfinished"]
+        is_cut = not isinstance(meaning, Question) and self.words.has("unfinished", words[-1])
         doubled = (n for n, (one, two) in enumerate(pairwise(words), start=1) if one == two)
         return not is_cut and all(place in pauses for place in doubled)
 
@@ -148,7 +142,8 @@ class OfferChecks:
                 yield start, end
 
     def _clause_spans(self, mentions: Mentions) -> Iterator[Span]:
-        words, parting = mentions.tokens.words, self.phrases["turning"] | self.phrases["because"]
+        words = mentions.tokens.words
+        parting = self.words.phrases("turning") | self.words.phrases("because")
         for start, end in mentions.pieces:
             inner = [n for n in range(start + 1, end) if (words[n],) in parting]
             yield from pairwise((start, *inner, end))
@@ -241,7 +236,7 @@ class OfferChecks:
         for place, word in enumerate(mentions.tokens.words):
             if place in mentions.tokens.pauses or word == BREAK:
                 clause = MAIN
-            if (word,) in self.phrases["condition"]:
+            if self.words.has("condition", word):
                 clause = CONDITION
             yield word, "" if place in named else clause
 
@@ -249,12 +244,7 @@ class OfferChecks:
         return any(True for _ in self._places(kind, words))
 
     def _places(self, kind: str, words: Sequence[str]) -> Iterator[int]:
-        return (place for phrase in self.phrases[kind] for place in places_of(phrase, words))
-
-
-def load_check_words(path: Path) -> Mapping[str, frozenset[Phrase]]:
-    """Return the words of each check; `DataError` says where the file is not as expected."""
-    return load_word_lists(path, phrases=_WORD_LISTS).phrases
+        return (place for phrase in self.words.phrases(kind) for place in places_of(phrase, words))
 
 
 def _is_negative(meaning: Meaning) -> bool:

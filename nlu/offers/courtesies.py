@@ -8,9 +8,8 @@ trusted is found here too, by phrases: no grammar knows the names of strangers.
 
 from dataclasses import dataclass
 from itertools import takewhile
-from pathlib import Path
 
-from ..grammar.word_patterns import Phrase, WordLists, load_word_lists
+from ..grammar.word_patterns import Phrase, WordLists
 from ..lexicon.tokenizer import Token, Tokens
 from ..lexicon.unknown_words import KnownWords
 from ..semantics.discourse import Discourse
@@ -25,8 +24,6 @@ _LONGEST_ADDRESS = 3  # words of "my little helper"
 _LONGEST_COMPLEMENT = 6  # words of "for all your help this morning"
 _FORMAL = frozenset({"greeting", "thanks", "farewell"})
 _PEOPLE = ("RN", "HN")
-_PATTERNS = ("chatter", "openers", "introducing")
-_LISTS = ("before", "denying", "limiting", "stating", "verbs", "pronouns", "linking")
 
 _REPLIES = {"thanks": "welcome", "praise": "praised", "apology": "no_problem", "blame": "regrets"}
 """The answers to acknowledgements that are not called like them."""
@@ -168,9 +165,3 @@ class CourtesyPhrases:
 def _is_person(token: Token, known: KnownWords) -> bool:
     is_known = known.lexicon.is_name(token.word, _PEOPLE)
     return token.capital and (is_known or not known.has(token.word))
-
-
-def load_courtesies(path: Path) -> CourtesyPhrases:
-    """Return the courtesies of a language; `DataError` says where the file is not as expected."""
-    keys = {"groups": ("courtesies", "trust"), "patterns": _PATTERNS, "phrases": _LISTS}
-    return CourtesyPhrases(load_word_lists(path, **keys))

@@ -12,12 +12,11 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 from itertools import islice, product
-from math import dist
 from pathlib import Path
 
 from ...ontology.errors import UnknownNameError
 from ..generation.realizer import Realizer
-from ..grammar.word_patterns import Phrase, load_word_lists
+from ..grammar.word_patterns import Phrase, WordLists
 from ..lexicon.misspelling import slips
 from ..lexicon.tokenizer import BREAK, MAX_TOKENS, Tokens
 from ..lexicon.unknown_words import MAX_NEW_WORDS, KnownWords
@@ -116,7 +115,7 @@ class OfferFinder:
         if mention.role == "affordance":
             return mention.name in self.checks.reader.words["acts"]
         words = tokens.words[mention.start : mention.end]
-        return mention.role != "act" and words in self.checks.phrases["gripping"]
+        return mention.role != "act" and self.checks.words.has("gripping", *words)
 
     def of_corrected(self, tokens: Tokens, context: UtteranceContext) -> tuple[Meaning, ...]:
         """Return the meanings that an utterance has with its misspelled words corrected."""
@@ -181,8 +180,8 @@ class OfferFinder:
 
     def _aloud(self, meaning: Meaning) -> str:
         first, *rest = self.realizer.realize(meaning).rstrip("?").split(" ")
-        denying = self.checks.phrases["negative"]
-        return " ".join([first, *(w.upper() if (w,) in denying else w for w in rest)])
+        is_denying = partial(self.checks.words.has, "negative")
+        return " ".join([first, *(w.upper() if is_denying(w) else w for w in rest)])
 
     def is_text(self, tokens: Tokens) -> bool:
         """Whether an utterance consists of words, not of too many, and most of them known."""
@@ -256,19 +255,15 @@ def load_model(path: Path) -> OfferModel:
     return OfferModel(tuple(map(shape_from, data["shapes"])), Ranker(weights))
 
 
-def choice_of(words: Phrase, count: int, path: Path) -> int | None:
-    """Return which of `count` choices words take, from 1 on: 0 for none, None for no answer.
-
-    `path` is the file of the words that choose.
-    """
-    lists = load_word_lists(path, groups=("numbers",), phrases=("last", "around", "none"))
+def choice_of(words: Phrase, count: int, lists: WordLists) -> int | None:
+    """Return which of `count` choices words take, from 1 on: 0 for none, None for no answer."""
     if lists.has("none", *words):
         return 0
     # "The first one", but also "one": it is a number only where there is no other.
     named = tuple(word for word in words if not lists.has("around", word)) or words[-1:]
     if len(named) != 1:
         return None
-    if count > 1 and named in lists.phrases["last"]:
+    if count > 1 and lists.has("last", *named):
         return count
     numbers = (int(number) for number, _, _ in lists.of_group("numbers", named))
     return next((number for number in numbers if number <= count), None)
@@ -276,14 +271,6 @@ def choice_of(words: Phrase, count: int, path: Path) -> int | None:
 
 MAX_WORDS = 4  # how many known words are tried for an unknown one
 MAX_TEXTS = 12  # how many corrected utterances are tried
-
-_KEYS = {
-    letter: (row, column)
-    for row, letters in enumerate(("qwertyuiop", "asdfghjkl", "zxcvbnm"))
-    for column, letter in enumerate(letters)
-}
-_ELSEWHERE = (9, 9)  # the place of what is no letter of these
-_NEXT = 1.5  # neighbours are less apart, also diagonal ones
 
 
 def corrected_texts(tokens: Tokens, known: KnownWords) -> Iterator[str]:
@@ -308,14 +295,7 @@ def is_misspelled(tokens: Tokens, known: KnownWords) -> bool:
 
 def _known_slips(word: str, known: KnownWords) -> list[str]:
     found = dict.fromkeys(other for other in slips(word) if len(other) > 1 and known.has(other))
-    return sorted(found, key=lambda other: _is_far(word, other))[:MAX_WORDS]
-
-
-def _is_far(word: str, other: str) -> bool:
-    if len(word) != len(other) or sorted(word) == sorted(other):
-        return False
-    changed = (pair for pair in zip(word, other, strict=True) if pair[0] != pair[1])
-    return any(dist(_KEYS.get(one, _ELSEWHERE), _KEYS[two]) > _NEXT for one, two in changed)
+    return list(found)[:MAX_WORDS]
 
 
 def _replaced(tokens: Tokens, text: str, meant: dict[str, str]) -> str:

@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
+from ..grammar.word_patterns import WordLists
 from ..lexicon.tokenizer import BREAK, Tokens
 from ..parsing.periphery import PeripheryReader
 from ..parsing.utterance_pieces import HEARER, MARKER, OWN, PHRASE, Pause, UtterancePiece
@@ -30,12 +31,12 @@ class SegmentReader:
     Attributes:
         periphery: types what stands around a segment.
         expanded: returns tokens with their short forms written out, word by word.
-        phrases: the words of each check on offers.
+        words: the words of each check on offers.
     """
 
     periphery: PeripheryReader
     expanded: Callable[[Tokens], Tokens]
-    phrases: Mapping[str, frozenset[tuple[str, ...]]]
+    words: WordLists
 
     def found(self, mentions: Mentions) -> Iterator[Span]:
         """Yield the segments beside which nothing else is meant, the longest first."""
@@ -49,8 +50,9 @@ class SegmentReader:
 
     def _spans(self, tokens: Tokens) -> Iterator[Span]:
         words, count = tokens.words, len(tokens.items)
-        opened = {n + 1 for n in tokens.edges - {0} if words[n : n + 1] in self.phrases["opening"]}
-        opened |= {n for n in range(1, count) if words[n - 1 : n] in self.phrases["complement"]}
+        has = self.words.has
+        opened = {n + 1 for n in tokens.edges - {0} if has("opening", *words[n : n + 1])}
+        opened |= {n for n in range(1, count) if has("complement", words[n - 1])}
         found = ((start, end) for start in tokens.edges | opened for end in tokens.edges)
         kept = (s for s in found if s[1] - s[0] >= LEAST_WORDS and s != (0, count))
         yield from sorted(kept, key=lambda span: (span[0] - span[1], span))
@@ -61,14 +63,14 @@ class SegmentReader:
             return pause != Pause.INSIDE or not before
         last = pieces[-1]
         words = tokens.words[last.start + last.lead : last.end]
-        signs = last.signs | {k for k in ("condition", "exception") if self._begins(k, words)}
+        signs = last.signs | {k for k in ("condition", "exception") if self.words.end(k, words)}
         is_own = last.form in _PERSONS or not signs.isdisjoint({"announced", "agent=speaker"})
-        if pause in _UNCLEAR and self._begins("concession", words):
+        if pause in _UNCLEAR and self.words.end("concession", words):
             return True
         doubting = self._signs["before_colon"] | {"degree"}
         if pause in _UNCLEAR and not all(each.signs.isdisjoint(doubting) for each in pieces):
             return False
-        if "announced" in signs or words[-1:] in self.phrases["at_end"]:
+        if "announced" in signs or self.words.has("at_end", *words[-1:]):
             signs -= self._signs["outweighed"]
         if last.form == PHRASE and pause not in {Pause.BUT, Pause.SO} and "restricting" in signs:
             return False
@@ -79,7 +81,7 @@ class SegmentReader:
     def _adds_nothing(self, after: Sequence[UtterancePiece], mentions: Mentions, end: int) -> bool:
         words = mentions.tokens.words[end:]
         is_announced = all("announced" in each.signs for each in after)
-        if self._begins("joining", words) and not is_announced:
+        if self.words.end("joining", words) and not is_announced:
             return False
         return not mentions.names_something((end, len(mentions.tokens.items))) and all(
             each.form == MARKER or each.signs.isdisjoint(self._signs["after_segment"])
@@ -89,9 +91,6 @@ class SegmentReader:
     @property
     def _signs(self) -> Mapping[str, frozenset[str]]:
         return self.periphery.table.signs
-
-    def _begins(self, kind: str, words: Sequence[str]) -> bool:
-        return any(tuple(words[: len(each)]) == each for each in self.phrases[kind])
 
 
 def parts(tokens: Tokens) -> Iterator[Span]:

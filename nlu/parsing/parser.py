@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from ..grammar.categories import Functor
 from ..grammar.combinators import CombinationTable
 from ..grammar.grammar import Grammar
-from ..lexicon.control_phrases import ControlPhrases
+from ..lexicon.discourse_markers import ControlPhrases
 from ..lexicon.learned_lexicon import LearnedLexicon
 from ..lexicon.lexicon import Entry
 from ..lexicon.tokenizer import Tokens
@@ -24,8 +24,15 @@ from ..semantics.interpretation import KIND_FORMS, Interpreter, short_answer
 from ..semantics.licence_table import LicenceTable
 from ..semantics.meaning import Answer, Confidence, Meaning, NormStatement
 from ..semantics.norm_interpretation import meaning_of
-from ..semantics.pragmatics import CERTAIN, Intention, Pragmatics
-from ..semantics.predicates import PredicateForm, UninterpretableError, form_of, load_predicates
+from ..semantics.predicates import (
+    CERTAIN,
+    Intention,
+    Pragmatics,
+    PredicateForm,
+    UninterpretableError,
+    form_of,
+    load_predicates,
+)
 from .chart import Chart, Derivation, lexical_entries, subderivations
 from .understanding import Reading, UtteranceContext
 

@@ -14,10 +14,9 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from itertools import chain, pairwise
-from pathlib import Path
 
-from ..grammar.word_patterns import WordLists, load_word_lists
-from ..lexicon.control_phrases import ControlPhrases
+from ..grammar.word_patterns import WordLists
+from ..lexicon.discourse_markers import ControlPhrases
 from ..lexicon.tokenizer import BREAK, Token, Tokens
 from ..lexicon.unknown_words import KnownWords, is_word
 from ..lexicon.vocabulary import NewWord
@@ -51,11 +50,6 @@ _ACTS = ("CP", "(CP", "((CP", "C/", "B/", "(B", "UV", "CG", "K")  # how those of
 _ANYTHING = "anythingNamed"  # the object of an action that is taught for any
 _TOOL = "tool"  # the kind of whatever has a use
 _OPENING = ("order", "only_if", "unless", "if")  # what a clause begins with
-_PATTERNS = (
-    *(*_OPENING, "behind", "heads", "asked", "tails", "again", "times", "another", "stopping"),
-    *("how", "forget"),
-)
-_GROUPS, _LISTS = ("states", "failures"), ("links", "particles")
 _NOBODY = UtteranceContext("speaker", "self", Discourse())
 
 Clause = Act | ActionCondition | FailureReaction
@@ -471,11 +465,6 @@ class _Clauses:
         found = self.read(bare, state)
         steps = tuple(each for each, _ in found or () if isinstance(each, Act))
         return FailureReaction(causes, steps=steps) if len(steps) == len(found or "-") else None
-
-
-def load_procedure_words(path: Path) -> WordLists:
-    """Read the words of procedures; `DataError` says where the file is not as expected."""
-    return load_word_lists(path, patterns=_PATTERNS, groups=_GROUPS, phrases=_LISTS)
 
 
 def _skipped(words: WordLists, tokens: Tokens) -> int:

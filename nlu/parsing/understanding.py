@@ -13,8 +13,7 @@ from ..lexicon.vocabulary import NewWord
 from ..semantics.clause_features import UtteranceFeatures
 from ..semantics.discourse import Discourse, update_discourse
 from ..semantics.meaning import TEACHING, Confidence, Json, Meaning
-from ..semantics.pragmatics import CERTAIN
-from ..semantics.predicates import PredicateForm
+from ..semantics.predicates import CERTAIN, PredicateForm
 from .chart import Derivation, DerivationStep, derivation_step
 
 

@@ -12,9 +12,8 @@ from dataclasses import dataclass
 from enum import IntEnum, auto
 from functools import cached_property
 from itertools import pairwise
-from pathlib import Path
 
-from ..grammar.word_patterns import Phrase, WordLists, load_word_lists
+from ..grammar.word_patterns import Phrase, WordLists
 from ..lexicon.discourse_markers import DiscourseMarkers
 from ..lexicon.tokenizer import BREAK, Tokens
 from ..lexicon.unknown_words import KnownWords
@@ -48,12 +47,6 @@ LEAST_WORDS = 3  # the least length of a core [words]
 
 FORMS = (REASON, PURPOSE, ASIDE, OWN, HEARER, IMPERSONAL)
 _LEADS: Mapping[str, Pause] = {"so": Pause.SO, "but": Pause.BUT, "and": Pause.WEAK}
-_PATTERNS = (*_LEADS, *FORMS, "presenting", "temporal", PROPERTY)
-_LISTS = (
-    *("unwanted", "finite", "restricting", "auxiliary", "speaker", "speech", "knowledge"),
-    *("unreal", "person", "listener", "wanting", "possessive", "asking", "complement", "thinking"),
-    "generic",
-)
 _DASHES = frozenset(":–—")
 _QUOTED = re.compile(r"[\"“”„«»]|(?<!\w)'\w[^']*'(?!\w)")
 _PEOPLE = ("RN", "HN")
@@ -85,11 +78,6 @@ class UtterancePiece:
     def core_start(self) -> int:
         """Where a core begins that begins with this piece."""
         return self.start + self.lead
-
-
-def load_periphery(path: Path) -> WordLists:
-    """Return the words of `periphery.yaml`; `DataError` says where the file is not as expected."""
-    return load_word_lists(path, patterns=_PATTERNS, phrases=_LISTS)
 
 
 @dataclass(frozen=True, repr=False)
@@ -181,7 +169,7 @@ class PieceReader:
         is_finite = any(self.words.has(key, word) for word in words for key in ("finite", "speech"))
         if has_subject or is_finite:
             return True
-        is_restricting = words[:1] in self.words.phrases["restricting"]
+        is_restricting = self.words.has("restricting", *words[:1])
         return (self._is_act(words[0]) and not is_restricting) or any(
             self._may_be_verb(one, two)
             for one, two in pairwise(words)
@@ -257,7 +245,7 @@ class PieceReader:
     @cached_property
     def _operators(self) -> Mapping[str, Sequence[tuple[Phrase, str]]]:
         found: dict[str, list[tuple[Phrase, str]]] = {}
-        unreal = {key: self.words.phrases[key] for key in ("unreal", "unwanted")}
+        unreal = {key: self.words.phrases(key) for key in ("unreal", "unwanted")}
         for kind, phrases in {**self.operators, **unreal, "degree": self.degrees}.items():
             for phrase in phrases:
                 found.setdefault(phrase[0], []).append((phrase, kind))

@@ -10,23 +10,22 @@ from .meaning import (
     Acknowledgement,
     AskBack,
     Command,
+    KindStatement,
     Meaning,
     Misunderstanding,
+    Norm,
+    NormStatement,
     ObjectReference,
     Question,
+    Retraction,
     Rule,
     Statement,
     ToolCommand,
+    TopicStatement,
 )
 from .predicates import PredicateForm
 
 SOMETHING = frozenset({"something", "anything"})
-
-_HILT = PredicateForm("self")
-_OBJECT_FIRST = frozenset(
-    {"usesOf", "about", "see", "source", "why", "whyNot", "topic", "exceptions", "inHand"}
-)
-_OBJECT_SECOND = frozenset({"pass", "pickUp", "pointTo", "grasp", "use", "need", "have"})
 
 
 @dataclass(frozen=True)
@@ -91,12 +90,12 @@ def update_discourse(meaning: Meaning, content: PredicateForm, discourse: Discou
         case _:
             pass
     discourse = replace(discourse.accessible, person=person, asks_why=asks_why)
-    mentioned = None if isinstance(meaning, Command) else _mentioned_object(content)
-    named = tuple(dict.fromkeys(_named_objects(meaning)))
-    if mentioned is not None:
-        named = named if len(named) > 1 else (mentioned,)
+    named = list(_named_objects(meaning))
+    if isinstance(meaning, Question):  # it names a kind, but "it" is "the red mug"
+        described = [part for part in content if part.name == "having"]
+        named = [next((part for part in described if each in part), each) for each in named]
     if named:
-        discourse = discourse.naming(*named, last=mentioned)
+        discourse = discourse.naming(*dict.fromkeys(named), last=named[-1])
     match meaning:
         case Statement(rules=rules):
             last = replace(rules[-1], source=None)  # what completes it are the speaker's own words
@@ -126,45 +125,37 @@ def after_offer(choices: Sequence[Meaning | str], discourse: Discourse) -> Disco
 
 
 def _named_objects(meaning: Meaning) -> Iterator[PredicateForm]:
-    named: Sequence[tuple[str | None, tuple[str, ...]]] = ()
+    for named in _references(meaning):
+        form = PredicateForm.named((named.object or ANY_OBJECT).replace(ANY_OBJECT, "something"))
+        if named.used_for:
+            form = PredicateForm("usedFor", (form, use_form(named.used_for, named.material)))
+        for prop in named.props:
+            form = PredicateForm("having", (form, PredicateForm.named(prop)))
+        if form.name not in SOMETHING:
+            yield form
+
+
+def _references(meaning: Meaning) -> Iterator[ObjectReference]:
     match meaning:
-        case Statement(rules=rules):
-            named = [(rule.object, rule.props) for rule in rules]
-        case Command(target=ObjectReference(used_for=str(use)) as target):
-            uses = (PredicateForm("something"), use_form(use, target.material))
-            yield _with_props(PredicateForm("usedFor", uses), target.props)
-        case Command(target=ObjectReference(object=name, props=props)):
-            named = [(name, props)]
-        case ToolCommand(patient=name) | Question(object=name):
-            named = [(name, ())]
+        case Statement(rules=rules) | KindStatement(rules=rules):
+            yield from (ObjectReference(rule.object, props=rule.props) for rule in rules)
+        case Retraction(rule=rule) if rule:
+            yield ObjectReference(rule.object, props=rule.props)
+        case NormStatement(norms=norms):
+            for norm in norms:
+                yield from _references(norm.act)
+        case Question(norm=Norm(act=act)):
+            yield from _references(act)
+        case Question(ask="how" | "see", affordance=str(use), material=material):
+            yield ObjectReference(used_for=use, material=material)
+        case Question(object=str(name)) | TopicStatement(name) | Retraction(about=str(name)):
+            yield ObjectReference(name)
+        case Command(target=thing) if not thing.not_used_for:
+            yield thing
+        case ToolCommand(patient=name):
+            yield ObjectReference(name)
         case _:
             pass
-    for name, props in named:
-        if name and name != ANY_OBJECT:
-            yield _with_props(PredicateForm.named(name), props)
-
-
-def _with_props(form: PredicateForm, props: tuple[str, ...]) -> PredicateForm:
-    for prop in props:
-        form = PredicateForm("having", (form, PredicateForm.named(prop)))
-    return form
-
-
-def _mentioned_object(form: PredicateForm) -> PredicateForm | None:
-    if form.name == "partOf":
-        return form.arguments[1]
-    if form.name == "and":
-        return _mentioned_object(form.arguments[-1])
-    if form.name == "implies" and form.arguments[1].name != "graspObject":
-        return form.arguments[0]
-    within = next(filter(None, map(_mentioned_object, form.arguments)), None)
-    if form.name in _OBJECT_FIRST and form.arguments and not within:
-        return form.arguments[0]
-    is_act = form.name in _OBJECT_SECOND or form.arguments[:1] == (_HILT,)
-    if is_act and len(form.arguments) > 1:
-        # Of an act with a tool it is what it is done to, if that was named.
-        return next((each for each in form.arguments[1:] if each.name not in SOMETHING), None)
-    return within
 
 
 def use_form(use: str, material: str | None) -> PredicateForm:

@@ -8,9 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import chain
 
-from ..lexicon.immutable_index import ImmutableIndex
+from ..lexicon.learned_lexicon import ImmutableIndex
 from ..lexicon.vocabulary import NewWord
 from .discourse import SOMETHING, Discourse
 from .fragments import FragmentValues, complete, question_on
@@ -55,12 +54,14 @@ class Interpreter:
         tool_acts: acts done with a tool, each with the affordance that the tool must have.
         acts: further acts on one object that were learned.
         new_acts: the acts that new words of an utterance name.
+        is_general: whether commands may be about any object, as in norms.
     """
 
     intervals: Mapping[str, Confidence]
     tool_acts: ImmutableIndex[str, str]
     acts: ImmutableIndex[str, str]
     new_acts: frozenset[str] = frozenset()
+    is_general: bool = False
 
     def with_words(self, words: Sequence[NewWord]) -> Interpreter:
         """Return this interpreter with the acts that new words name."""
@@ -86,7 +87,7 @@ class Interpreter:
             case "wantBelieve":
                 return self._statement(content)
             case "want":
-                return self._command(content)
+                return self.command(content)
             case "wantKnow":
                 return self._question(content)
             case "wantRevise":
@@ -105,26 +106,12 @@ class Interpreter:
         return said
 
     def _stated(self, form: PredicateForm) -> Statement | KindStatement:
-        if _is_of_kinds(form):
-            return KindStatement(tuple(dict.fromkeys(self._relations(form))))
-        return Statement(tuple(dict.fromkeys(self._rules(form))))
-
-    def _relations(self, form: PredicateForm) -> Iterator[KindRelation]:
-        if form.name not in KIND_FORMS:
-            *source, content = form.arguments if form.name == "says" else (form,)
-            parts = content.arguments if content.name == "and" else (content,)
-            for relation in chain.from_iterable(map(self._relations, parts)):
-                yield replace(relation, source=name_of(source[0])) if source else relation
-            return
-        thing, kind, degree = form.arguments
-        if thing.name == "both":
-            for each in thing.arguments:
-                yield from self._relations(PredicateForm(form.name, (each, kind, degree)))
-            return
-        (name, props), above = kind_and_properties(thing), _kind(kind)
-        if props or ANY_OBJECT in {name, above} or name == above:
-            raise UninterpretableError("of_which_object", asks=True)
-        yield KindRelation(above, name, self.intervals[degree.name])
+        said = dict.fromkeys(self._rules(form))
+        kinds = tuple(each for each in said if isinstance(each, KindRelation))
+        rules = tuple(each for each in said if not isinstance(each, KindRelation))
+        if kinds and rules:
+            raise UninterpretableError("not_a_rule")
+        return KindStatement(kinds) if kinds else Statement(rules)
 
     def _order_beside_rule(self, order: PredicateForm, rule: PredicateForm) -> UninterpretableError:
         part, target = self._part_of_object(order.arguments[1])
@@ -133,7 +120,7 @@ class Interpreter:
         key = "contradiction" if is_denied else "one_thing_at_a_time"
         return UninterpretableError(key, asks=is_denied)
 
-    def _rules(self, form: PredicateForm) -> Iterator[Rule]:
+    def _rules(self, form: PredicateForm) -> Iterator[Rule | KindRelation]:
         if form.name == "and":
             for part in form.arguments:
                 yield from self._rules(part)
@@ -143,12 +130,25 @@ class Interpreter:
                 if rule.source:
                     raise UninterpretableError("whose_words", asks=True)
                 yield replace(rule, source=name_of(person))
+        elif form.name in KIND_FORMS:
+            yield from self._relations(*form.arguments)
         elif form.name != "implies":
             raise UninterpretableError("not_a_rule")
         elif form.arguments[1].name == "graspObject":
             yield self._action_rule(form)
         else:
             yield self._functional_rule(form)
+
+    def _relations(self, *form: PredicateForm) -> Iterator[KindRelation]:
+        thing, kind, degree = form
+        if thing.name == "both":
+            for each in thing.arguments:
+                yield from self._relations(each, kind, degree)
+            return
+        (name, props), above = kind_and_properties(thing), _kind(kind)
+        if props or ANY_OBJECT in {name, above} or name == above:
+            raise UninterpretableError("of_which_object", asks=True)
+        yield KindRelation(above, name, self.intervals[degree.name])
 
     def _correction(self, form: PredicateForm, discourse: Discourse) -> Meaning:
         if form.name == "retractAbout":
@@ -158,9 +158,7 @@ class Interpreter:
         if form.name in {"retract", "retractTold"} and not form.arguments:
             return Retraction(is_of_told=form.name == "retractTold")
         if form.name == "retract":
-            told = form.arguments[0]
-            is_kind = told.name in KIND_FORMS
-            return Retraction(next(self._relations(told)) if is_kind else self._one_rule(told))
+            return Retraction(self._one_rule(form.arguments[0]))
         if form.name == "correct" and form.arguments[0].name in {"implies", "and", *KIND_FORMS}:
             return with_rules(self._stated(form.arguments[0]), revises=True)
         return self._fragment(form, discourse)
@@ -207,9 +205,10 @@ class Interpreter:
             case _:
                 return replace(fragment, confidence=self.intervals[value.name])
 
-    def _command(self, form: PredicateForm) -> Command | ToolCommand:
+    def command(self, form: PredicateForm) -> Command | ToolCommand:
+        """Return the command of a form such as `pass(self,knife)`; else `UninterpretableError`."""
         if form.name == "not":
-            return replace(self._command(form.arguments[0]), negated=True)
+            return replace(self.command(form.arguments[0]), negated=True)
         if form.name == "holding":
             return self._command_with_part(form)
         if form.name == "graspObject":
@@ -218,8 +217,8 @@ class Interpreter:
         if form.name in self.tool_acts:
             return self._tool_command(form)
         most = 3 if form.name == "pass" else 2
-        if not self.is_act_on_object(form.name) or len(form.arguments) > most:
-            raise UninterpretableError("one_thing_at_a_time")
+        if not self.is_act_on_object(form.name) or not 2 <= len(form.arguments) <= most:
+            raise UninterpretableError("no_act" if self.is_general else "one_thing_at_a_time")
         target = self._reference(form.arguments[1])
         if target == ObjectReference(ANY_OBJECT, other=True):
             raise UninterpretableError("which_thing", asks=True)
@@ -254,12 +253,12 @@ class Interpreter:
             affordance, material = _use(used_for[0].arguments[1])
             uses = (affordance, None) if used_for[0].name == "usedFor" else (None, affordance)
             return ObjectReference(None, *uses, props, material, other)
-        if form.name in SOMETHING and not props and not other:
+        if form.name in SOMETHING and not (props or other or self.is_general):
             raise UninterpretableError("which_thing", asks=True)
         return ObjectReference(object=kind_and_properties(form)[0], props=props, other=other)
 
     def _command_with_part(self, form: PredicateForm) -> Command:
-        command = self._command(form.arguments[0])
+        command = self.command(form.arguments[0])
         part, owner = part_and_owner(form.arguments[1])
         if not isinstance(command, Command) or command.part is not None:
             raise UninterpretableError("one_thing_at_a_time")
@@ -274,19 +273,23 @@ class Interpreter:
 
     def _tool_command(self, form: PredicateForm) -> ToolCommand:
         patient, props = kind_and_properties(form.arguments[1])
-        if patient == ANY_OBJECT or props:
+        if (props or patient == ANY_OBJECT) and not self.is_general:
             raise UninterpretableError("on_what", asks=True, goal=form.name)
+        if props:
+            raise UninterpretableError("one_thing_at_a_time")
         if len(form.arguments) < 3 or form.arguments[2].name in SOMETHING:
             tool = ObjectReference(used_for=self.tool_acts[form.name])
         else:
             tool = self._reference(form.arguments[2])
         return ToolCommand(form.name, patient, tool)
 
-    def _one_rule(self, form: PredicateForm, problem: str = "one_rule_at_a_time") -> Rule:
-        rules = list(self._rules(form))
-        if len(rules) != 1:
+    def _one_rule(
+        self, form: PredicateForm, problem: str = "one_rule_at_a_time"
+    ) -> Rule | KindRelation:
+        rule, *others = self._rules(form)
+        if others:
             raise UninterpretableError(problem)
-        return rules[0]
+        return rule
 
     def _functional_rule(self, form: PredicateForm) -> FunctionalRule:
         noun, use, degree = form.arguments
@@ -366,7 +369,10 @@ class Interpreter:
                 return _question_on_target(ask, self._reference(thing))
 
     def _question_on_rule(self, ask: str, form: PredicateForm) -> Question:
-        return question_on(self._one_rule(form, "one_thing_at_a_time"), ask)
+        rule = self._one_rule(form, "one_thing_at_a_time")
+        if isinstance(rule, KindRelation):
+            raise UninterpretableError("not_a_rule")
+        return question_on(rule, ask)
 
     def _question_on_act(self, ask: str, act: PredicateForm) -> Question:
         part = None
@@ -396,12 +402,6 @@ class Interpreter:
         if form.name in acts or form.name in self.tool_acts:
             return self._question_on_act(ask, form)
         return Question(ask, object=_kind(form))
-
-
-def _is_of_kinds(form: PredicateForm) -> bool:
-    parts = form.arguments if form.name == "and" else form.arguments[1:]
-    is_joined = form.name in {"and", "says"}
-    return all(map(_is_of_kinds, parts)) if is_joined else form.name in KIND_FORMS
 
 
 def _use(form: PredicateForm) -> tuple[str, str | None]:

@@ -104,12 +104,12 @@ class ActionRule(_Rule):
 Rule = FunctionalRule | ActionRule
 
 
-def is_contradictory(rules: Sequence[Rule]) -> bool:
+def is_contradictory(rules: Sequence[Rule | KindRelation]) -> bool:
     """Return whether of some rules, in the order they were said, one contradicts another.
 
     A rule on grasping after one on an action with the same grip is about that action, too.
     """
-    said: dict[Rule, Confidence] = {}
+    said: dict[Rule | KindRelation, Confidence] = {}
     for rule in rules:
         bare = replace(rule, confidence=(0.0, 1.0))
         about = [each for each in said if each == bare or _restates(bare, each)]
@@ -119,7 +119,7 @@ def is_contradictory(rules: Sequence[Rule]) -> bool:
     return False
 
 
-def _restates(general: Rule, rule: Rule) -> bool:
+def _restates(general: Rule | KindRelation, rule: Rule | KindRelation) -> bool:
     if not (isinstance(general, ActionRule) and isinstance(rule, ActionRule)):
         return False
     return general.context == "grasp" and replace(rule, context="grasp") == general
@@ -267,6 +267,7 @@ class KindRelation(_Rule):
         object, confidence, revises, source: as of a `FunctionalRule`.
     """
 
+    props: ClassVar[tuple[str, ...]] = ()  # it holds of a kind as a whole
     kind_of: str
     object: str
     confidence: Confidence

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from .discourse import Discourse
-from .interpretation import Interpreter, kind_and_properties, name_of, part_and_owner
+from .interpretation import Interpreter, kind_and_properties, name_of
 from .meaning import (
     ANY_OBJECT,
     ActionRule,
@@ -36,13 +36,13 @@ def meaning_of(intention: PredicateForm, interpreter: Interpreter, discourse: Di
     if intention.name == "wantRevise" and content.name == "correct":
         content = content.arguments[0]
     content = content.mapped(lambda part: _given_to(part, intention.arguments[0]))
+    reader = _NormReader(replace(interpreter, is_general=True), discourse)
     if _is_norm(content):
-        norms = tuple(dict.fromkeys(_NormReader(interpreter, discourse).norms(content)))
-        return NormStatement(norms)
+        return NormStatement(tuple(dict.fromkeys(reader.norms(content))))
     if content.name == "whatForbidden":
         return Question("forbidden")
     if content.name == "isAllowed":
-        (norm, *others) = _NormReader(interpreter, discourse).norms(content.arguments[0])
+        (norm, *others) = reader.norms(content.arguments[0])
         if others:
             raise UninterpretableError("one_thing_at_a_time")
         return Question("may", norm=norm)
@@ -131,39 +131,17 @@ class _NormReader:
             yield Norm("forbidden" if rule.denies else "obliged", act, usual)
 
     def _act(self, form: PredicateForm, name: str) -> Command | ToolCommand:
-        if form.name == "not":
-            form = form.arguments[0]
-        if form.name == "graspObject":
-            place = form.arguments[1]
-            return Command("grasp", _reference(place.arguments[1]), part=part_and_owner(place)[0])
-        if form.name == "holding":
-            act, place = form.arguments
-            return replace(_command(self._act(act, name)), part=part_and_owner(place)[0])
-        if form.name in self.interpreter.tool_acts:
-            patient, props = kind_and_properties(form.arguments[1])
-            if props:
-                raise UninterpretableError("one_thing_at_a_time")
-            if len(form.arguments) < 3:
-                need = self.interpreter.tool_acts[form.name]
-                return ToolCommand(form.name, patient, ObjectReference(used_for=need))
-            if patient == ANY_OBJECT or name == "permitted":  # it says what the tool is used for
+        act = self.interpreter.command(form.arguments[0] if form.name == "not" else form)
+        if any(part.name in {"usedFor", "notUsedFor", "other"} for part in form):
+            raise UninterpretableError("norm_on_use", asks=True)
+        if isinstance(act, ToolCommand) and act.tool.object:
+            says_its_use = name == "permitted" or act.patient == ANY_OBJECT
+            if says_its_use:
                 raise UninterpretableError("say_the_use")
-            return ToolCommand(form.name, patient, _reference(form.arguments[2]))
-        if not self.interpreter.is_act_on_object(form.name) or len(form.arguments) < 2:
-            raise UninterpretableError("no_act")
-        _, thing, *others = form.arguments
-        recipient = name_of(others[0]) if others else None
-        return Command(form.name, _reference(thing), recipient=recipient)
+        return act
 
 
 def _command(act: Command | ToolCommand) -> Command:
     if not isinstance(act, Command):
         raise UninterpretableError("one_thing_at_a_time")
     return act
-
-
-def _reference(form: PredicateForm) -> ObjectReference:
-    if any(part.name in {"usedFor", "notUsedFor", "other"} for part in form):
-        raise UninterpretableError("norm_on_use", asks=True)
-    name, props = kind_and_properties(form)
-    return ObjectReference(name, props=props)

@@ -14,7 +14,6 @@ from hilt.nlu.grammar.notation_parser import Start, parse
 from hilt.nlu.grammar.notation_reader import (
     MAX_CHARACTERS,
     NotationCache,
-    parse_term,
     read_entry,
     read_rule,
     read_type,
@@ -23,6 +22,8 @@ from hilt.nlu.grammar.notation_reader import (
 from hilt.nlu.grammar.terms import Application, BoundVariable, Constant, Lambda, normal_form
 from hilt.ontology.errors import DataError
 from hilt.ontology.yaml_reader import YamlNode
+
+from ..conftest import parse_term
 
 
 def line(text: str) -> YamlNode:
@@ -121,7 +122,7 @@ def test_no_line_nests_too_deeply() -> None:
     assert normal_form(parse_term(functions)) == parse_term(functions)
     assert str(normal_form(parse_term(calls))) == calls
     with pytest.raises(DataError, match=f"at most {MAX_CHARACTERS} characters, found"):
-        parse_term(f"f({calls})")
+        read_entry(line(f"NP : f({calls})"))
 
 
 def test_only_known_basic_types_are_read() -> None:

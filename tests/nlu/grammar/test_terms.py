@@ -7,7 +7,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hilt.nlu.grammar.categories import BasicType, FunctionType, Type, check_type
-from hilt.nlu.grammar.notation_reader import parse_term
 from hilt.nlu.grammar.terms import (
     Application,
     BoundVariable,
@@ -21,6 +20,8 @@ from hilt.nlu.grammar.terms import (
     replace_constants,
     show,
 )
+
+from ..conftest import parse_term
 
 E = BasicType("e")
 TYPES = st.recursive(st.just(E), lambda inner: st.builds(FunctionType, inner, inner), max_leaves=4)

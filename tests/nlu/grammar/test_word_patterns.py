@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
-from hilt.nlu.grammar.word_patterns import spellings, variants
+from hilt.nlu.grammar.word_patterns import load_word_lists, read_patterns, spellings, variants
+from hilt.nlu.language import LANGUAGES_FOLDER
 from hilt.ontology.errors import DataError
 from hilt.ontology.yaml_reader import YamlNode
+
+WORD_LISTS = ("choices", "controls", "courtesies", "offers", "periphery", "procedures")
+LANGUAGES = sorted(path.parent for path in LANGUAGES_FOLDER.glob("*/lexicon.yaml"))
 
 
 def expanded(text: str) -> list[str]:
@@ -61,3 +67,27 @@ def test_a_wrong_pattern_with_gaps_is_refused(pattern: str) -> None:
     """The same mistakes are errors as without gaps."""
     with pytest.raises(DataError, match="expected"):
         variants(YamlNode(pattern, "<text>", 1, 1))
+
+
+@pytest.mark.parametrize("name", WORD_LISTS)
+@pytest.mark.parametrize("folder", LANGUAGES, ids=lambda folder: folder.name)
+def test_all_languages_have_the_word_lists_of_english(folder: Path, name: str) -> None:
+    """A key too few or too many would be noticed only when it is used, or never."""
+    lists, english = (
+        load_word_lists(each / f"{name}.yaml").file.entries()
+        for each in (folder, LANGUAGES_FOLDER / "english")
+    )
+    assert lists.keys() == english.keys()
+    for key, field in lists.items():
+        groups = field.entries() if isinstance(field.value, dict) else {key: field}
+        assert all(map(read_patterns, groups.values()))
+
+
+def test_a_missing_word_list_is_an_error(tmp_path: Path) -> None:
+    """Its key is read when it is first used."""
+    path = tmp_path / "choices.yaml"
+    path.write_text("last: [last]\n", encoding="utf-8")
+    lists = load_word_lists(path)
+    assert lists.has("last", "last")
+    with pytest.raises(DataError, match='the key "none" is missing; found last'):
+        lists.has("none", "neither")

@@ -70,6 +70,24 @@ def test_it_is_not_one_of_several(language: Language, said: str):
     assert session.hear(said)[0].kind == "ask_back"
 
 
+@pytest.mark.parametrize(
+    ("before", "target"),
+    [
+        ("why did you hold the knife by the blade?", {"object": "knife"}),
+        ("a ladle is a kind of spoon", {"object": "ladle"}),
+        ("can you pound the nail with the hammer?", {"object": "nail"}),
+        ("do you see the red mug?", {"object": "mug", "props": ["red"]}),
+        ("never pick up the mug", {"object": "mug"}),
+        ("forget that a knife is used for cutting", {"object": "knife"}),
+    ],
+)
+def test_it_is_what_any_turn_named(language: Language, before: str, target: dict[str, object]):
+    """Questions, commands, norms, kinds and what is retracted all name an object."""
+    understood, _ = Session(language).after([before]).hear("pass it to me")
+
+    assert understood.meaning.as_json() == {"goal": "pass", "target": target}
+
+
 @pytest.mark.parametrize("pause", [". ", ", "])
 def test_correction_in_one_breath_leaves_what_was_meant(language: Language, pause: str):
     """The use that was taken back is neither believed nor denied."""
