@@ -26,6 +26,7 @@ class Reply:
         ending: how the request ended; "done" for a statement that is accepted.
         rules: the rules that were learned, or that the answer rests on.
         seed: the seed of everything random in it.
+        heard: how surely a recogniser heard what was meant, in [0, 1].
     """
 
     text: str
@@ -36,6 +37,7 @@ class Reply:
     rules: tuple[Rule, ...] = ()
     result: GoalResult | None = None
     seed: int = 0
+    heard: float = 1.0
 
     @property
     def is_done(self) -> bool:
