@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Generator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -19,6 +19,12 @@ from .options import AsJson, Kb, Speaker, app, example, with_config
 
 if TYPE_CHECKING:
     from ..agent import Agent
+
+
+Sounds = Annotated[
+    list[Path] | None,
+    typer.Argument(metavar="[FILE.wav]...", help="With --speech: sounds in place of a microphone."),
+]
 
 
 @app.command(epilog=example("demo --no-sim"))
@@ -116,13 +122,33 @@ def ask(
 
 @app.command(epilog=example("chat --no-sim"))
 @with_config(*options.EVERY)
-def chat(*, config: AgentConfig, kb: Kb = None, speaker: options.Host = None) -> None:
+def chat(
+    sounds: Sounds = None,
+    *,
+    config: AgentConfig,
+    kb: Kb = None,
+    speaker: options.Host = None,
+    speech: Annotated[bool, typer.Option("--speech", help="Listen, do not read.")] = False,
+    speak: Annotated[bool, typer.Option("--speak", help="Speak the answers, too.")] = False,
+    voice: Annotated[str, typer.Option(help="espeak, or a plug-in, NAME[:REST].")] = "espeak",
+    recogniser: options.Recognisers = None,
+    keep_sound: options.KeptSound = None,
+) -> None:
     """Talk: teach, ask and command, a line each; /help shows what can be said."""
     from ..agent import Agent
     from ..chat import run
 
-    with Agent.open(kb, config) as agent:
-        run(agent, terminal(), sys.stdin, speaker)
+    if not speech and (sounds or speak or recogniser or keep_sound):
+        raise typer.BadParameter("Sounds and voices need --speech.")
+    with Agent.open(kb, config) as agent, ExitStack() as opened:
+        talk = None
+        if speech:
+            from ..speech.talk import open_talk
+
+            parts = (sounds or (), recogniser or (), agent.dialogue.conversation.language)
+            spoken_by = voice if speak else ""
+            talk = opened.enter_context(open_talk(*parts, voice=spoken_by, kept_in=keep_sound))
+        run(agent, terminal(), sys.stdin, speaker, talk)
 
 
 @app.command(epilog=example("actions --json"))

@@ -9,22 +9,12 @@ from typing import Annotated
 import typer
 
 from .. import presentation
+from . import options
 from .common import exit_with, print_json, terminal
 from .options import AsJson, UserLexicon, app, example
 
 File = Annotated[Path | None, typer.Argument(metavar="FILE.wav", help="A sound to listen to.")]
 Microphone = Annotated[bool, typer.Option("--microphone", help="Listen to one utterance.")]
-Recognisers = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--recogniser",
-        metavar="NAME[:REST]",
-        help="moonshine, pocketsphinx, or a plug-in; may be repeated. By default those two.",
-    ),
-]
-KeptSound = Annotated[
-    Path | None, typer.Option("--keep-sound", help="Keep what is said in this folder.")
-]
 
 
 @app.command(epilog=example("listen command.wav"))
@@ -32,8 +22,8 @@ def listen(
     file: File = None,
     *,
     from_microphone: Microphone = False,
-    recogniser: Recognisers = None,
-    keep_sound: KeptSound = None,
+    recogniser: options.Recognisers = None,
+    keep_sound: options.KeptSound = None,
     lexicon: UserLexicon = None,
     as_json: AsJson = False,
 ) -> None:
@@ -43,13 +33,14 @@ def listen(
     from ...nlu.language import Language
     from ..speech.listening import Listener
     from ..speech.sound import Sound, microphone
+    from ..speech.talk import keep
 
     listener = Listener.open(recogniser or (), Language.load(extra_lexicon=lexicon))
     with nullcontext(iter([Sound.read(file)])) if file else microphone() as sounds:
         sound = next(sounds)
-    if keep_sound:
-        sound.write(keep_sound / "1.wav")
     heard = listener.hear(sound)
+    if keep_sound:
+        keep(sound, heard, keep_sound)
     understood = listener.language.understand(heard.text, heard=heard.heard)
     if as_json:
         print_json(heard.as_json() | {"understood": understood.as_json()})

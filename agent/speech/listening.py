@@ -101,7 +101,7 @@ class Listener:
         texts = dict.fromkeys(each.text for listed in found.values() for each in listed)
         understood = {text: self.language.understand(text, discourse=discourse) for text in texts}
         best = [each[0].text if each else "" for each in found.values()]
-        means = {text: _key(each) for text, each in understood.items()} | {"": "nothing"}
+        means = {text: meaning_key(each) for text, each in understood.items()} | {"": "nothing"}
         first = {means[text]: text for text in reversed(texts) if means[text]}
         return [
             HeardMeaning(
@@ -145,7 +145,8 @@ def _likeness(text: str, best: Iterable[str]) -> float:
     return sum(alike[:-1]) / max(1, len(alike) - 1)  # without its own
 
 
-def _key(understood: Understanding) -> str:
+def meaning_key(understood: Understanding) -> str:
+    """Return what texts that mean the same have in common; empty for what is not clear."""
     is_clear = understood.kind not in {"error", "ask_back"}
     return json.dumps(understood.meaning.as_json(), sort_keys=True) if is_clear else ""
 
@@ -153,7 +154,9 @@ def _key(understood: Understanding) -> str:
 @cache
 def _weights() -> Mapping[str, float]:
     nodes = read_yaml(_CALIBRATION).entries(required=("weights",))["weights"]
-    return {name: each.number() for name, each in nodes.entries(required=FEATURES).items()}
+    return {
+        name: each.number() for name, each in nodes.entries(required=FEATURES, optional=()).items()
+    }
 
 
 def find_recogniser(name: str, language: Language) -> SpeechRecogniser:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Generator, Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from queue import SimpleQueue
@@ -142,7 +142,8 @@ def utterances(blocks: Iterable[bytes], began: Callable[[], object]) -> Iterator
         spoken += voiced or b""
         is_full = len(spoken) + len(block) > LONGEST_S * RATE * 2
         if spoken and (is_full or not endpointer.in_speech):
-            yield Sound((np.frombuffer(bytes(spoken), "<i2") / 32768).astype(np.float32))
+            with suppress(DataError):  # too faint
+                yield Sound((np.frombuffer(bytes(spoken), "<i2") / 32768).astype(np.float32))
             spoken.clear()
 
 
