@@ -26,8 +26,8 @@ from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
-
 import yaml
+
 from hilt.agent.speech import listening
 from hilt.agent.speech.listening import FEATURES, RECOGNISERS, Listener, find_recogniser
 from hilt.agent.speech.phonetic_repair import SoundRepair

@@ -17,7 +17,7 @@ class MoonshineRecogniser:
 
     def __init__(self, language: Language) -> None:
         with extra_required("speech", "moonshine-voice"):
-            from moonshine_voice import ModelArch, Transcriber, get_model_path
+            from moonshine_voice import ModelArch, Transcriber, get_model_path  # pyright: ignore[reportMissingImports]
 
         options = {"vad_threshold": "0", "return_audio_data": "false"}  # 0: nothing is cut away
         self._transcriber = Transcriber(str(get_model_path()), ModelArch.TINY, options=options)

@@ -41,7 +41,7 @@ class PocketSphinxRecogniser:
     def learn(self, language: Language) -> None:
         """Take the words of a language that are known now."""
         with extra_required("speech", "pocketsphinx"):
-            from pocketsphinx import Decoder
+            from pocketsphinx import Decoder  # pyright: ignore[reportMissingImports]
 
         rng = random.Random(0)  # noqa: S311 - no secret
         examples = [" ".join(re.findall(r"[a-z']+", each.lower())) for each in language.examples]
@@ -68,8 +68,8 @@ class PocketSphinxRecogniser:
 
 
 def _write_model(folder: Path, said: Sequence[str]) -> None:
-    from pocketsphinx import get_model_path
-    from pocketsphinx.lm import ArpaBoLM
+    from pocketsphinx import get_model_path  # pyright: ignore[reportMissingImports]
+    from pocketsphinx.lm import ArpaBoLM  # pyright: ignore[reportMissingImports]
 
     known: dict[str, list[str]] = defaultdict(list)
     dictionary = Path(get_model_path("en-us/cmudict-en-us.dict"))

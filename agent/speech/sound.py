@@ -149,7 +149,7 @@ def utterances(blocks: Iterable[bytes], began: Callable[[], object]) -> Iterator
 
 def _endpointer() -> Any:
     with extra_required("speech", "pocketsphinx"):
-        from pocketsphinx import Endpointer
+        from pocketsphinx import Endpointer  # pyright: ignore[reportMissingImports]
 
     return Endpointer(window=0.6, sample_rate=RATE)  # also what it keeps of before the beginning
 
@@ -172,7 +172,7 @@ def open_stream(kind: str, rate: int, **options: Any) -> Any:
     """Open a stream of the sound card; DataError if there is none, MissingExtraError."""
     try:
         with extra_required("speech", "sounddevice"):
-            import sounddevice
+            import sounddevice  # pyright: ignore[reportMissingImports]
     except OSError as error:  # the library of the system
         problem = "PortAudio is not installed (Debian: libportaudio2)."
         raise DataError(problem, source=MICROPHONE) from error

@@ -78,7 +78,7 @@ def _spoken(text: str) -> tuple[int, bytes]:
 @cache  # the library has one state for all
 def _espeak() -> tuple[Any, int]:
     with extra_required("speech", "espeakng-loader"):
-        import espeakng_loader
+        import espeakng_loader  # pyright: ignore[reportMissingImports]
 
     library: Any = ctypes.CDLL(espeakng_loader.get_library_path())
     data = espeakng_loader.get_data_path().encode()
