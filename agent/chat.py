@@ -67,7 +67,7 @@ def run(
     except (EOFError, KeyboardInterrupt):
         out.print()
         return  # who it is, was not told
-    chat = Chat(agent, out, speaker, is_interactive, talk)
+    chat = Chat(agent, out, speaker, talk.is_live if talk else is_interactive, talk)
     if talk:
         chat.listen(talk)
         return

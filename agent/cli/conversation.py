@@ -21,12 +21,6 @@ if TYPE_CHECKING:
     from ..agent import Agent
 
 
-Sounds = Annotated[
-    list[Path] | None,
-    typer.Argument(metavar="[FILE.wav]...", help="With --speech: sounds in place of a microphone."),
-]
-
-
 @app.command(epilog=example("demo --no-sim"))
 @with_config("seed", *options.ROBOT)
 def demo(
@@ -123,12 +117,14 @@ def ask(
 @app.command(epilog=example("chat --no-sim"))
 @with_config(*options.EVERY)
 def chat(
-    sounds: Sounds = None,
     *,
     config: AgentConfig,
     kb: Kb = None,
     speaker: options.Host = None,
     speech: Annotated[bool, typer.Option("--speech", help="Listen, do not read.")] = False,
+    sound: Annotated[
+        list[Path] | None, typer.Option(help="Listen to this .wav file; may be repeated.")
+    ] = None,
     speak: Annotated[bool, typer.Option("--speak", help="Speak the answers, too.")] = False,
     voice: Annotated[str, typer.Option(help="espeak, or a plug-in, NAME[:REST].")] = "espeak",
     recogniser: options.Recognisers = None,
@@ -138,14 +134,14 @@ def chat(
     from ..agent import Agent
     from ..chat import run
 
-    if not speech and (sounds or speak or recogniser or keep_sound):
+    if not speech and (sound or speak or recogniser or keep_sound):
         raise typer.BadParameter("Sounds and voices need --speech.")
     with Agent.open(kb, config) as agent, ExitStack() as opened:
         talk = None
         if speech:
             from ..speech.talk import open_talk
 
-            parts = (sounds or (), recogniser or (), agent.dialogue.conversation.language)
+            parts = (sound or (), recogniser or (), agent.dialogue.conversation.language)
             spoken_by = voice if speak else ""
             talk = opened.enter_context(open_talk(*parts, voice=spoken_by, kept_in=keep_sound))
         run(agent, terminal(), sys.stdin, speaker, talk)

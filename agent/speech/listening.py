@@ -86,7 +86,7 @@ class Listener:
         shares, rest = dict[str, float](), 1.0
         for each in ranked:
             shares[each.text] = min(each.certainty, rest)
-            rest -= shares[each.text]
+            rest = max(0.0, rest - shares[each.text])
         if not ranked:
             shares = {each[0].text: 0.0 for each in found.values() if each}
         listed = tuple(Transcript(*each) for each in shares.items())

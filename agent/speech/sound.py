@@ -12,12 +12,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...ontology.errors import DataError, IntervalError, extra_required
+from ...ontology.errors import DataError, IntervalError, MissingExtraError, extra_required
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 RATE = 16_000  # samples a second
+BLOCK = 480  # samples that the voice detection takes: 30 ms
 LONGEST_S = 30.0
 MICROPHONE = "microphone"
 _SILENT = 1e-3  # the root mean square of the loudest tenth of a second: -60 dB
@@ -134,7 +135,11 @@ def utterances(blocks: Iterable[bytes], began: Callable[[], object]) -> Iterator
 
     The voice detection is that of WebRTC. An utterance ends at a pause, or after 30 s.
     """
-    endpointer, spoken = _endpointer(), bytearray()
+    with extra_required("speech", "pocketsphinx"):
+        from pocketsphinx import Endpointer  # pyright: ignore[reportMissingImports]
+
+    # Its window is also what it keeps of the time before the first word.
+    endpointer, spoken = Endpointer(window=0.6, sample_rate=RATE), bytearray()
     for block in blocks:
         voiced = endpointer.process(block)
         if voiced and not spoken:
@@ -147,23 +152,15 @@ def utterances(blocks: Iterable[bytes], began: Callable[[], object]) -> Iterator
             spoken.clear()
 
 
-def _endpointer() -> Any:
-    with extra_required("speech", "pocketsphinx"):
-        from pocketsphinx import Endpointer  # pyright: ignore[reportMissingImports]
-
-    return Endpointer(window=0.6, sample_rate=RATE)  # also what it keeps of before the beginning
-
-
 @contextmanager
 def microphone(began: Callable[[], object] = lambda: None) -> Generator[Iterator[Sound]]:
     """The utterances that are spoken during the block; DataError if there is no microphone."""
     blocks: SimpleQueue[bytes] = SimpleQueue()
-    size = _endpointer().frame_bytes // 2
 
     def take(data: Any, *_: object) -> None:
         blocks.put(bytes(data))
 
-    format = {"channels": 1, "dtype": "int16", "blocksize": size}
+    format = {"channels": 1, "dtype": "int16", "blocksize": BLOCK}
     with open_stream("RawInputStream", RATE, callback=take, **format):
         yield utterances(iter(blocks.get, None), began)
 
@@ -173,11 +170,10 @@ def open_stream(kind: str, rate: int, **options: Any) -> Any:
     try:
         with extra_required("speech", "sounddevice"):
             import sounddevice  # pyright: ignore[reportMissingImports]
-    except OSError as error:  # the library of the system
-        problem = "PortAudio is not installed (Debian: libportaudio2)."
-        raise DataError(problem, source=MICROPHONE) from error
-    try:
+
         return getattr(sounddevice, kind)(rate, **options)
-    except (sounddevice.PortAudioError, ValueError) as error:
+    except MissingExtraError:
+        raise
+    except Exception as error:  # of PortAudio, which is missing or finds no such device
         device = MICROPHONE if kind == "RawInputStream" else "loudspeaker"
         raise DataError(f"there is none to be used ({error}).", source=device) from error

@@ -35,6 +35,11 @@ class Talk:
     kept_in: Path | None
     is_interrupted: Event
 
+    @property
+    def is_live(self) -> bool:
+        """Whether somebody speaks now, who may say "stop" while a command is carried out."""
+        return not isinstance(self.sounds, Sequence)
+
     def heard(
         self, state: Callable[[], tuple[Language, Discourse]], report: Callable[[str], object]
     ) -> Iterator[Heard]:

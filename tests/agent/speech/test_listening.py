@@ -61,7 +61,7 @@ def scripted(language: Language, *found: Sequence[Transcript]) -> Heard:
 def test_spoken_sentences_are_understood_or_asked_about(
     listener: Listener, say: Say, tmp_path: Path
 ):
-    """Half is sure at once and three quarters are offered; what is sure is right, with noise too."""
+    """Half is sure at once, three quarters are offered; what is sure is right, with noise too."""
     sure, offered, wrong = {None: 0, 10.0: 0}, 0, []
     for text in SENTENCES:
         clear = Sound.read(say(text, tmp_path / "said.wav"))
