@@ -174,10 +174,9 @@ class Chat:
 
     def _converse(self, line: str, heard: Heard | None = None) -> None:
         self._waiting = [each for each in self._waiting if not each.done()]
-        known, texts = self.agent.dialogue.conversation.language.control, [line]
-        texts += [each.text for each in heard.alternatives] if heard else []
-        halts = (known(text) for text in texts[1:])
-        halt = next((each for each in halts if each and each.is_halt), None)
+        known = self.agent.dialogue.conversation.language.control
+        found = [known(each.text) for each in heard.alternatives] if heard else []
+        halt = next((each for each in found if each and each.is_halt), None)
         control = (halt or known(line)) if self._waiting else None
         if control is None:
             if self.agent.interruption.is_paused:
@@ -223,7 +222,9 @@ class Chat:
             if reply.ending == "refused" and self.agent.base.trust(reply.speaker) is None:
                 self.out.print(Text(self.hint(reply.speaker), "dim"))
             if self.talk:
-                self._do(partial(self.talk.say, reply.said))
+                speaking = partial(self.talk.say, reply.said)
+                # In turn, and so that somebody can be heard meanwhile.
+                self._worker.submit(speaking) if self.is_interactive else speaking()
         if film:
             self.show_file("film", film)
 
