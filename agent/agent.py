@@ -25,6 +25,7 @@ from ..inference.taxonomy import Taxonomy
 from ..kb.knowledge_base import KnowledgeBase
 from ..nlu.language import Language
 from ..ontology.actions import Actions
+from ..ontology.errors import MissingExtraError
 from ..ontology.logs import timed
 from ..sim.robot.interruption import Interruption
 from . import episodes, protocols
@@ -183,11 +184,10 @@ class Agent(AbstractContextManager["Agent"]):
             return self.dialogue.hear_aside(*wanted, speaker=speaker, heard=heard, keep=keep)
         if self.interruption.is_paused or wanted:
             self.interrupt("stop")
-        given = {"speaker": speaker, "only": only, "heard": heard, "keep": keep}
-        hear = partial(self.dialogue.hear, text, alternatives=alternatives, **given)
+        hear = partial(self.dialogue.hear, text, speaker=speaker, only=only, keep=keep)
         with self._hearing:
             self.interruption.clear()
-            return self._filmed_reply(text, hear)
+            return self._filmed_reply(text, partial(hear, heard=heard, alternatives=alternatives))
 
     def _filmed_reply(self, text: str, hear: Callable[[], Reply]) -> Reply:
         if self._film:
@@ -204,7 +204,10 @@ class Agent(AbstractContextManager["Agent"]):
         from .speech.phonetic_repair import SoundRepair
 
         if self._repair is None or self._repair.language is not language:
-            self._repair = SoundRepair(language)
+            try:
+                self._repair = SoundRepair(language)
+            except MissingExtraError:  # what sounds like it is only a help
+                return ()
         return [each.text for each in self._repair.candidates(text, names)]
 
     @property

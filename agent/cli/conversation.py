@@ -14,7 +14,15 @@ import typer
 from .. import presentation
 from ..config import AgentConfig
 from . import options
-from .common import converse, exit_with, open_for_reading, print_json, show, terminal
+from .common import (
+    converse,
+    exit_with,
+    open_for_reading,
+    print_json,
+    read_alternatives,
+    show,
+    terminal,
+)
 from .options import AsJson, Kb, Speaker, app, example, with_config
 
 if TYPE_CHECKING:
@@ -52,13 +60,15 @@ def tell(
     kb: Kb = None,
     speaker: Speaker = "sam",
     heard: options.Heard = 1.0,
+    alternatives: options.Alternatives = None,
     as_json: AsJson = False,
 ) -> None:
     """Teach a rule: "A knife is used for cutting"."""
     from ..agent import Agent
 
+    said = read_alternatives(alternatives, text)
     with Agent.open(kb, config) as agent:
-        converse(agent, text, speaker, "tell", heard=heard, as_json=as_json)
+        converse(agent, text, speaker, "tell", heard=heard, alternatives=said, as_json=as_json)
 
 
 @app.command(epilog=example('do "pass me something used for cutting" --no-sim'))
@@ -70,14 +80,16 @@ def do(
     kb: Kb = None,
     speaker: Speaker = "sam",
     heard: options.Heard = 1.0,
+    alternatives: options.Alternatives = None,
     record: options.Record = None,
     as_json: AsJson = False,
 ) -> None:
     """Ask for something to be done: "pass me something used for cutting"."""
     from ..agent import Agent
 
+    said = read_alternatives(alternatives, text)
     with Agent.open(kb, config) as agent, _filmed(agent, record):
-        converse(agent, text, speaker, "do", heard=heard, as_json=as_json)
+        converse(agent, text, speaker, "do", heard=heard, alternatives=said, as_json=as_json)
 
 
 @contextmanager

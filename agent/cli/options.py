@@ -98,6 +98,15 @@ Recognisers = Annotated[
 KeptSound = Annotated[
     Path | None, typer.Option("--keep-sound", help="Keep what is said, as sound, in this folder.")
 ]
+Alternatives = Annotated[
+    str | None,
+    typer.Option(
+        "--alternatives",
+        metavar="JSON",
+        help="What a recogniser may have heard: a list of [text, score], scores in [0, 1]; @FILE "
+        'reads a file, "-" stdin. Then what is not sure is read back.',
+    ),
+]
 DryRun = Annotated[
     bool, typer.Option("--dry-run", help="Only check, and report what would change.")
 ]

@@ -28,7 +28,7 @@ from .action_lessons import ActionLessons
 from .belief_revision import BeliefRevision
 from .clarification import ClarificationDialogue, PartAgreements
 from .conversation import Conversation, UnderstoodTurn
-from .hearing import Alternative, SoundsLike, SpokenDialogue, like_nothing, weigh
+from .hearing import Alternative, SoundsLike, SpokenUtterance, meanings_heard, weigh
 from .norm_dialogue import NormDialogue
 from .questions import answer
 from .reply import OpenQuestion, Reply
@@ -67,13 +67,13 @@ class DialogueManager:
         *,
         judge: Callable[[Request], NormVerdict],
         actions: Actions,
-        sounds_like: SoundsLike = like_nothing,
+        sounds_like: SoundsLike,
     ) -> None:
         self.conversation = conversation
         self._beliefs = BeliefRevision(conversation)
         self.lessons = ActionLessons(conversation, actions)
         self._clarification = ClarificationDialogue(conversation, self.hear, self._respond)
-        self._spoken = SpokenDialogue(conversation, self.hear, self._respond, sounds_like)
+        self._sounds_like = sounds_like
         self._agreements = PartAgreements(lambda: goals().affordances)
         self.contexts: dict[Atom, Interval] = {}
         self._goals = goals
@@ -127,7 +127,12 @@ class DialogueManager:
         self.conversation.listener = speaker
         if alternatives:
             scores = weigh(text, heard, alternatives)
-            return self._spoken.reply(text, scores, speaker, only, keep=keep)
+            pending = self.conversation.open_question
+            pending = pending if pending and pending.asked == speaker else None
+            found = meanings_heard(text, scores, self.conversation, speaker, pending)
+            hear = partial(self.hear, speaker=speaker, only=only, keep=keep)
+            parts = (found, self.conversation, pending, hear, self._sounds_like, keep)
+            return SpokenUtterance(*parts).reply()
         reply = self._clarification.short_answer(text, speaker, heard=heard, keep=keep)
         if reply:
             self.conversation.last_said = reply.said

@@ -115,6 +115,7 @@ class OpenQuestion:
         tell: called with the text of any other answer; it returns None where it does not fit.
         needs_yes: whether "okay" only acknowledges it, and does not agree.
         word: the word that may be a slip, if it is asked about one.
+        meanings: what the choices mean, where it reads back what was heard.
     """
 
     asked: str
@@ -125,6 +126,7 @@ class OpenQuestion:
     tell: Callable[[str], Reply | None] | None = None
     needs_yes: bool = False
     word: str = ""
+    meanings: tuple[object, ...] = ()
 
     def reply_to(self, answer: Answer) -> Reply | None:
         """Return the reply to a short answer; None where it does not fit."""
