@@ -15,6 +15,7 @@ from __future__ import annotations
 import argparse
 import json
 import random
+import re
 import subprocess
 import tempfile
 import time
@@ -218,16 +219,32 @@ def outcome(row: Row, repair: SoundRepair) -> str:
     return "after a question" if wanted in list(choices)[:3] else "asked"
 
 
+def words_of(text: str) -> str:
+    """A text without marks and capitals."""
+    return " ".join(re.findall(r"[a-z']+", text.lower()))
+
+
+def modelled() -> set[str]:
+    """The sentences from which the language model of PocketSphinx is made, as it draws them."""
+    drawn = sentences(LANGUAGE, 20_000, random.Random(0))
+    return {words_of(text) for text in (*drawn, *LANGUAGE.examples)}
+
+
 def table(path: Path) -> None:
-    """Print how often recordings are right at once, after a question, only asked, or wrong."""
+    """Print how often recordings are right at once, after a question, only asked, or wrong.
+
+    Sentences from which the language model was made, word for word, are counted apart.
+    """
     counts, repair, rows = (
         defaultdict[tuple[str, str], Counter[str]](Counter),
         SoundRepair(LANGUAGE),
         read(path),
     )
+    known = modelled()
     for row in rows:
+        kind = row["kind"] + ", modelled" * (words_of(row["text"]) in known)
         noise = "clean" if row["noise"] is None else f"{row['noise']} dB"
-        counts[row["kind"], noise][outcome(row, repair)] += 1
+        counts[kind, noise][outcome(row, repair)] += 1
     print("| sentences | noise | n | at once | after a question | asked | wrong |\n|" + "---|" * 7)
     for (kind, noise), counted in sorted(counts.items(), key=str):
         n = counted.total()
