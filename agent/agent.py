@@ -9,10 +9,10 @@ The simulated body is made at the first command: teaching and asking need no rob
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Collection, Generator, Iterable, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from threading import Lock
 from typing import TYPE_CHECKING
@@ -24,13 +24,14 @@ from ..inference.norms import ALLOWED, NormChecker, NormVerdict
 from ..inference.taxonomy import Taxonomy
 from ..kb.knowledge_base import KnowledgeBase
 from ..nlu.language import Language
-from ..nlu.semantics.meaning import Command, Control, ToolCommand
 from ..ontology.actions import Actions
+from ..ontology.errors import MissingExtraError
 from ..ontology.logs import timed
 from ..sim.robot.interruption import Interruption
 from . import episodes, protocols
 from .config import AgentConfig, actions_with, load_language, open_base
 from .dialogue.conversation import Conversation
+from .dialogue.hearing import Alternative, reaction, weigh
 from .dialogue.manager import DialogueManager
 from .dialogue.reply import Reply
 from .dialogue.translation import action_words
@@ -45,6 +46,7 @@ if TYPE_CHECKING:
     from ..sim.body import Body
     from ..sim.scene.scene import Scene
     from .presentation.video import Film
+    from .speech.phonetic_repair import SoundRepair
 
 
 class Agent(AbstractContextManager["Agent"]):
@@ -90,6 +92,7 @@ class Agent(AbstractContextManager["Agent"]):
         self.watchers: list[Callable[[WalkStep], None]] = []
         self._hearing = Lock()
         self._film: Film | None = None
+        self._repair: SoundRepair | None = None
         self._last_episode: str | None = None
         self._is_repeatable = True  # whether episodes alone changed the world
         conversation = Conversation(
@@ -106,6 +109,7 @@ class Agent(AbstractContextManager["Agent"]):
             self._record_episode,
             judge=self.judge,
             actions=actions,
+            sounds_like=self._sounds_like,
         )
         self.dialogue.contexts.update(config.context_intervals())
 
@@ -152,6 +156,7 @@ class Agent(AbstractContextManager["Agent"]):
         speaker: str = "sam",
         only: str | None = None,
         heard: float = 1.0,
+        alternatives: Sequence[Alternative] = (),
         keep: bool = True,
     ) -> Reply:
         """Understand one utterance, act on it, and return the reply.
@@ -164,32 +169,46 @@ class Agent(AbstractContextManager["Agent"]):
             speaker: who says it.
             only: "tell", "do" or "ask" to accept statements, commands or questions only.
             heard: the confidence of the speech recogniser, in [0, 1].
+            alternatives: what a recogniser heard instead, or the text with what else it may have
+                been, each with its score in [0, 1]. Then only what is sure is believed or done at
+                once, and all else is read back (`agent/dialogue/hearing.py`).
             keep: whether a command is written to the history and kept as an episode.
+
+        ValidationError if a score is not in [0, 1].
         """
-        said = (
-            self.dialogue.conversation.language.understand(text).meaning if self.is_busy else None
-        )
-        if isinstance(said, Control) and said.control in {"wait", "continue"}:
-            self.interrupt(said.control)
-            return self.dialogue.hear_aside(text, said, speaker=speaker, heard=heard, keep=keep)
-        # "Stop passing me the knife" stops that, too.
-        is_forbidden = isinstance(said, (Command, ToolCommand)) and said.negated
-        if self.interruption.is_paused or isinstance(said, Control) or is_forbidden:
+        scores = weigh(text, heard, alternatives) if alternatives else {text: 1.0}
+        language, is_spoken = self.dialogue.conversation.language, bool(alternatives)
+        wanted = reaction(text, scores, language, is_spoken=is_spoken) if self.is_busy else None
+        if wanted and wanted[1].control in {"wait", "continue"}:
+            self.interrupt(wanted[1].control)
+            return self.dialogue.hear_aside(*wanted, speaker=speaker, heard=heard, keep=keep)
+        if self.interruption.is_paused or wanted:
             self.interrupt("stop")
+        hear = partial(self.dialogue.hear, text, speaker=speaker, only=only, keep=keep)
         with self._hearing:
             self.interruption.clear()
-            return self._hear(text, speaker, only, heard, keep)
+            return self._filmed_reply(text, partial(hear, heard=heard, alternatives=alternatives))
 
-    def _hear(self, text: str, speaker: str, only: str | None, heard: float, keep: bool) -> Reply:
+    def _filmed_reply(self, text: str, hear: Callable[[], Reply]) -> Reply:
         if self._film:
             self._film.begin(text)
-        reply = self.dialogue.hear(text, speaker=speaker, only=only, heard=heard, keep=keep)
+        reply = hear()
         if reply.understanding.kind == "control":
             self._is_repeatable = False
         if self._film:
             self._film.end(reply.said)
             reply = reply.with_pictures(str(self._film.path))
         return reply
+
+    def _sounds_like(self, language: Language, text: str, names: Collection[str]) -> Iterable[str]:
+        from .speech.phonetic_repair import SoundRepair
+
+        if self._repair is None or self._repair.language is not language:
+            try:
+                self._repair = SoundRepair(language)
+            except MissingExtraError:  # what sounds like it is only a help
+                return ()
+        return [each.text for each in self._repair.candidates(text, names)]
 
     @property
     def is_busy(self) -> bool:

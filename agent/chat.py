@@ -12,9 +12,10 @@ from collections.abc import Callable, Collection, Iterator, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor, wait
 from contextlib import nullcontext
 from dataclasses import dataclass, field
+from functools import partial
 from itertools import count
 from pathlib import Path
-from typing import NamedTuple, TextIO
+from typing import TYPE_CHECKING, NamedTuple, TextIO
 
 from platformdirs import user_state_path
 from prompt_toolkit import PromptSession, prompt
@@ -35,6 +36,10 @@ from .presentation import console as shown
 from .presentation.plain_text import printable
 from .presentation.progress import doing, view
 
+if TYPE_CHECKING:
+    from .speech.listening import Heard
+    from .speech.talk import Talk
+
 QUIT = "/quit"
 QUIT_WORDS = {QUIT, "/exit", "quit", "exit"}
 PATIENCE = 1.5  # [s] until the next line can be typed although the last one is not answered
@@ -52,8 +57,10 @@ _WORD = re.compile(r"[^\s,.;:!?\"']+")
 _TRUST = re.compile(r"(.+?)((?: +\d*\.?\d+){0,2})")
 
 
-def run(agent: Agent, out: Console, source: TextIO, speaker: str | None = None) -> None:
-    """Converse until the lines end or `/quit` is entered.
+def run(
+    agent: Agent, out: Console, source: TextIO, speaker: str | None = None, talk: Talk | None = None
+) -> None:
+    """Converse until the lines, or the sounds of a talk, end or `/quit` is entered.
 
     Without a speaker it is the owner of the base; who that is, is asked on a terminal.
     """
@@ -65,7 +72,10 @@ def run(agent: Agent, out: Console, source: TextIO, speaker: str | None = None) 
     except (EOFError, KeyboardInterrupt):
         out.print()
         return  # who it is, was not told
-    chat = Chat(agent, out, speaker, is_interactive)
+    chat = Chat(agent, out, speaker, talk.is_live if talk else is_interactive, talk)
+    if talk:
+        chat.listen(talk)
+        return
     said = read_lines(chat.prompt, chat.completable, chat.interrupt) if is_interactive else source
     for line in (line.removeprefix("\ufeff").strip() for line in said):
         if line in QUIT_WORDS:
@@ -146,6 +156,7 @@ class Chat:
     out: Console
     speaker: str
     is_interactive: bool
+    talk: Talk | None = None  # what it hears and speaks with
     _worker: ThreadPoolExecutor = field(default_factory=lambda: ThreadPoolExecutor(1))
     _waiting: list[Future[None]] = field(default_factory=list[Future[None]])
     _is_interrupted: bool = False  # by a control whose answer is not there yet
@@ -166,6 +177,17 @@ class Chat:
             self._do(lambda: self._run(_COMMANDS[name], rest.strip()))
         else:
             self.out.print(Text(f"There is no {name}. Say /help to see what there is."))
+
+    def listen(self, talk: Talk) -> None:
+        """Answer what is heard until the sounds end, or Ctrl-C is pressed."""
+        now = self.agent.dialogue.conversation
+        try:
+            for heard in talk.heard(lambda: (now.language, now.discourse), self.out.print):
+                self.out.print(Text(f"{self.prompt()}{heard.text}"))
+                self._converse(heard.text, heard)
+        except KeyboardInterrupt:
+            self.interrupt()
+        self.close()
 
     def completable(self) -> set[str]:
         """Return the words that the Tab key can complete."""
@@ -192,18 +214,21 @@ class Chat:
         except HiltError as error:
             self.out.print(Text(str(error)))
 
-    def _converse(self, line: str) -> None:
+    def _converse(self, line: str, heard: Heard | None = None) -> None:
         self._waiting = [each for each in self._waiting if not each.done()]
-        control = self.agent.dialogue.conversation.language.control(line) if self._waiting else None
+        known = self.agent.dialogue.conversation.language.control
+        found = [known(each.text) for each in heard.alternatives] if heard else []
+        halt = next((each for each in found if each and each.is_halt), None)
+        control = (halt or known(line)) if self._waiting else None
         if control is None:
             if self.agent.interruption.is_paused:
                 self.agent.interrupt()  # what is said in a pause ends the command
-            self._do(lambda: self._hear(line))
+            self._do(lambda: self._hear(line, heard))
             return
         if control.control not in {"wait", "continue"}:
             self._drop_waiting()
             self._is_interrupted = True
-        self._hear(line)
+        self._hear(line, heard)
         self._is_interrupted = False
 
     def _drop_waiting(self) -> None:
@@ -218,17 +243,17 @@ class Chat:
         self._waiting.append(done)
         try:
             with self.out.status("..."):
-                wait([done], PATIENCE)
+                wait([done], 0 if self.talk else PATIENCE)
         except KeyboardInterrupt:
             self.interrupt()
         if done.done():
             done.result()
 
-    def _hear(self, line: str) -> None:
+    def _hear(self, line: str, heard: Heard | None = None) -> None:
         film, self.film = self.film, None
         try:
             with self.agent.filmed(film) if film else nullcontext():
-                reply = self._watched(line)
+                reply = self._watched(line, heard)
         except HiltError as error:  # a text that cannot be stored, a film that cannot be written
             self.out.print(Text(str(error)))
             return
@@ -238,15 +263,21 @@ class Chat:
             self.out.print(spoken if self.is_interactive else shown.turn(reply))
             if reply.ending == "refused" and self.agent.base.trust(reply.speaker) is None:
                 self.out.print(Text(self.hint(reply.speaker), "dim"))
+            if self.talk:
+                speaking = partial(self.talk.say, reply.said)
+                # In turn, and so that somebody can be heard meanwhile.
+                self._worker.submit(speaking) if self.is_interactive else speaking()
         if film:
             self.show_file("film", film)
 
-    def _watched(self, line: str) -> Reply:
+    def _watched(self, line: str, heard: Heard | None) -> Reply:
+        likely = [(each.text, each.score) for each in heard.alternatives] if heard else []
+        certainty = heard.heard if heard else 1.0
         is_shown = self.is_interactive and self.agent.simulate
         watchers = self.agent.watchers
         watchers += [self._report] * is_shown
         try:
-            return self.agent.hear(line, speaker=self.speaker)
+            return self.agent.hear(line, speaker=self.speaker, heard=certainty, alternatives=likely)
         finally:
             watchers[:] = [each for each in watchers if each != self._report]
 

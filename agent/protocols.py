@@ -1,4 +1,4 @@
-"""Protocols for other vision systems, motion stacks and language parts.
+"""Protocols for other vision systems, motion stacks, language parts, recognisers and voices.
 
 The simulated body of `hilt.sim` implements `Vision` and `Motion`. What they exchange are frozen
 values: a `Percept` for an object in view, a `MotionReport` for an attempted action, a `Meaning` for
@@ -8,6 +8,8 @@ an utterance. A failure is a report with a reason, never an exception.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from pathlib import Path
+from threading import Event
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 from ..sim.manipulation.motion_report import MotionReport
@@ -15,8 +17,10 @@ from ..sim.vision.percept import Percept
 
 if TYPE_CHECKING:
     from ..inference.types import Candidate
+    from ..nlu.language import Language
     from ..nlu.semantics.meaning import Meaning
     from .execution.outcome import AnswerContent
+    from .speech.sound import Sound, Transcript
 
 
 class Vision(Protocol):
@@ -119,4 +123,33 @@ class Dialogue(Protocol):
 
     def say(self, answer: AnswerContent, spoken: str) -> str:
         """Return the wording of an answer."""
+        ...
+
+
+class SpeechRecogniser(Protocol):
+    """Finds the words in a sound."""
+
+    @property
+    def name(self) -> str:
+        """What it is called in the calibration and in the history."""
+        ...
+
+    def recognise(self, sound: Sound) -> Sequence[Transcript]:
+        """Return the texts that may have been said, best first; none for a sound without words."""
+        ...
+
+    def learn(self, language: Language) -> None:
+        """Take note of the words that are known now; one with words of its own does nothing."""
+        ...
+
+
+class Voice(Protocol):
+    """Speaks."""
+
+    def say(self, text: str, cancelled: Event) -> None:
+        """Speak until all is said, or the event is set."""
+        ...
+
+    def save(self, text: str, path: Path) -> None:
+        """Write a text as a WAV file."""
         ...

@@ -365,6 +365,10 @@ class Language:
         is_bare = not any(self._courtesies.has_content(each, known) or each.asks for each in found)
         return Control("wait") if "wait" in halts and is_bare else None
 
+    def denies(self, text: str) -> bool:
+        """Whether a text has words that deny something, as "not", or come close to it."""
+        return self.offers.checks.denies(self._tokens(text).words)
+
     def reasons(self, text: str) -> tuple[str, ...]:
         """Return the properties that a text gives as a reason: "because it is heavy"."""
         tokens = self._tokens(text)

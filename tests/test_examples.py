@@ -115,6 +115,28 @@ def test_robot_is_plugged_in(workshop: Callable[..., tuple[str, str]]):
 
 
 @pytest.mark.parametrize(
+    ("command", "error"),
+    [
+        (
+            ("listen", "x.wav", "--recogniser", "workshop-vosk:none"),
+            "hilt: none: expected the folder of a model of Vosk.",
+        ),
+        (("listen", "x.wav", "--recogniser", "ear"), "Known: workshop-vosk."),
+    ],
+)
+def test_recogniser_is_plugged_in(
+    workshop: Callable[..., tuple[str, str]], command: tuple[str, ...], error: str
+):
+    """It gets what stands behind its name; without its model it says so in a line."""
+    pytest.importorskip("pocketsphinx", reason='the extra "speech" is not installed')
+
+    printed = workshop(*command)[1]
+
+    assert error in printed
+    assert len(printed.splitlines()) == 1
+
+
+@pytest.mark.parametrize(
     ("options", "error"),
     [
         (("--vision", "camera"), "Known: learned, learned:FILE, mask, workshop-camera."),

@@ -9,13 +9,14 @@ import shlex
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import AbstractContextManager, nullcontext
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TextIO, cast
 
 import typer
 
 from ...ontology.errors import DataError, HiltError, StoreError, ValidationError
-from ...ontology.yaml_reader import read_text
+from ...ontology.yaml_reader import YamlNode, parse_yaml, read_text
 from .. import config, config_files, presentation
 from ..config import open_base
 from ..presentation.plain_text import printable
@@ -125,16 +126,19 @@ def converse(
     only: Literal["tell", "do", "ask"],
     *,
     heard: float = 1.0,
+    alternatives: Sequence[tuple[str, float]] = (),
     as_json: bool,
 ) -> None:
     """Say each utterance and print its reply at once; exit with code 1 unless all were done."""
     done = True
     for said in utterances(text):
         with spinner(said):
-            reply = agent.hear(said, speaker=speaker, only=only, heard=heard)
+            hear = partial(agent.hear, speaker=speaker, only=only)
+            reply = hear(said, heard=heard, alternatives=alternatives)
         done = done and reply.is_done
         if as_json or text == STDIN:
-            print_json(getattr(reply, f"as_{only}_json")())
+            certainty = {"heard": round(reply.heard, 6)} if alternatives else {}
+            print_json(getattr(reply, f"as_{only}_json")() | certainty)
         elif reply.ending == "not_understood":
             report_error(reply.said)
         else:
@@ -162,6 +166,43 @@ def utterances(text: str) -> Iterator[str]:
         yield text
         return
     yield from (line.strip() for line in _lines(sys.stdin.buffer) if line.strip())
+
+
+def read_alternatives(given: str | None, text: str) -> tuple[tuple[str, float], ...]:
+    """Return the texts that may have been said, with their scores in [0, 1], from JSON.
+
+    It is given itself, as @FILE, or as "-" for stdin. DataError where it is wrong.
+    """
+    if given is None:
+        return ()
+    if text == STDIN:
+        raise typer.BadParameter("--alternatives goes with one utterance, not with stdin.")
+    source = {STDIN: "<stdin>"}.get(given, given[1:] if given[:1] == "@" else "--alternatives")
+    document = read_text(Path(source)) if given[:1] == "@" else given
+    document = "\n".join(_lines(sys.stdin.buffer)) if given == STDIN else document
+    try:
+        values = json.loads(document)
+    except json.JSONDecodeError as error:
+        problem, line, column = f"is not JSON: {error.msg}.", error.lineno, error.colno
+        raise DataError(problem, source=source, line=line, column=column) from error
+    found = parse_yaml(document, source=source)  # for the place of what is wrong
+    nodes = found.items()
+    if not nodes:
+        raise found.fail("expected at least one text with its score.")
+    return tuple(map(_alternative, values, nodes))
+
+
+def _alternative(value: object, node: YamlNode) -> tuple[str, float]:
+    match value:
+        case [str(text), int() | float() as score] | {
+            "text": str(text),
+            "score": int() | float() as score,
+        }:
+            if 0 <= score <= 1 and not isinstance(score, bool):
+                return text, float(score)
+        case _:
+            pass
+    raise node.fail('expected [TEXT, SCORE] or {"text": TEXT, "score": SCORE}, a score in [0, 1].')
 
 
 def _lines(stream: Iterable[bytes]) -> Iterator[str]:

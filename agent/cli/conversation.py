@@ -4,17 +4,25 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Generator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from .. import presentation
 from ..config import AgentConfig
 from . import options
-from .common import converse, exit_with, open_for_reading, print_json, show, terminal
+from .common import (
+    converse,
+    exit_with,
+    open_for_reading,
+    print_json,
+    read_alternatives,
+    show,
+    terminal,
+)
 from .options import AsJson, Kb, Speaker, app, example, with_config
 
 if TYPE_CHECKING:
@@ -52,13 +60,15 @@ def tell(
     kb: Kb = None,
     speaker: Speaker = "sam",
     heard: options.Heard = 1.0,
+    alternatives: options.Alternatives = None,
     as_json: AsJson = False,
 ) -> None:
     """Teach a rule: "A knife is used for cutting"."""
     from ..agent import Agent
 
+    said = read_alternatives(alternatives, text)
     with Agent.open(kb, config) as agent:
-        converse(agent, text, speaker, "tell", heard=heard, as_json=as_json)
+        converse(agent, text, speaker, "tell", heard=heard, alternatives=said, as_json=as_json)
 
 
 @app.command(epilog=example('do "pass me something used for cutting" --no-sim'))
@@ -70,14 +80,16 @@ def do(
     kb: Kb = None,
     speaker: Speaker = "sam",
     heard: options.Heard = 1.0,
+    alternatives: options.Alternatives = None,
     record: options.Record = None,
     as_json: AsJson = False,
 ) -> None:
     """Ask for something to be done: "pass me something used for cutting"."""
     from ..agent import Agent
 
+    said = read_alternatives(alternatives, text)
     with Agent.open(kb, config) as agent, _filmed(agent, record):
-        converse(agent, text, speaker, "do", heard=heard, as_json=as_json)
+        converse(agent, text, speaker, "do", heard=heard, alternatives=said, as_json=as_json)
 
 
 @contextmanager
@@ -116,13 +128,35 @@ def ask(
 
 @app.command(epilog=example("chat --no-sim"))
 @with_config(*options.EVERY)
-def chat(*, config: AgentConfig, kb: Kb = None, speaker: options.Host = None) -> None:
+def chat(
+    *,
+    config: AgentConfig,
+    kb: Kb = None,
+    speaker: options.Host = None,
+    speech: Annotated[bool, typer.Option("--speech", help="Listen, do not read.")] = False,
+    sound: Annotated[
+        list[Path] | None, typer.Option(help="Listen to this .wav file; may be repeated.")
+    ] = None,
+    speak: Annotated[bool, typer.Option("--speak", help="Speak the answers, too.")] = False,
+    voice: Annotated[str, typer.Option(help="espeak, or a plug-in, NAME[:REST].")] = "espeak",
+    recogniser: options.Recognisers = None,
+    keep_sound: options.KeptSound = None,
+) -> None:
     """Talk: teach, ask and command, a line each; /help shows what can be said."""
     from ..agent import Agent
     from ..chat import run
 
-    with Agent.open(kb, config) as agent:
-        run(agent, terminal(), sys.stdin, speaker)
+    if not speech and (sound or speak or recogniser or keep_sound):
+        raise typer.BadParameter("Sounds and voices need --speech.")
+    with Agent.open(kb, config) as agent, ExitStack() as opened:
+        talk = None
+        if speech:
+            from ..speech.talk import open_talk
+
+            parts = (sound or (), recogniser or (), agent.dialogue.conversation.language)
+            spoken_by = voice if speak else ""
+            talk = opened.enter_context(open_talk(*parts, voice=spoken_by, kept_in=keep_sound))
+        run(agent, terminal(), sys.stdin, speaker, talk)
 
 
 @app.command(epilog=example("actions --json"))

@@ -87,6 +87,26 @@ Host = Annotated[
 Heard = Annotated[
     float, typer.Option("--heard", min=0.0, max=1.0, help="How surely a recogniser heard it.")
 ]
+Recognisers = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--recogniser",
+        metavar="NAME[:REST]",
+        help="moonshine, pocketsphinx, or a plug-in; may be repeated. By default these two.",
+    ),
+]
+KeptSound = Annotated[
+    Path | None, typer.Option("--keep-sound", help="Keep what is said, as sound, in this folder.")
+]
+Alternatives = Annotated[
+    str | None,
+    typer.Option(
+        "--alternatives",
+        metavar="JSON",
+        help="What a recogniser may have heard: a list of [text, score], scores in [0, 1]; @FILE "
+        'reads a file, "-" stdin. Then what is not sure is read back.',
+    ),
+]
 DryRun = Annotated[
     bool, typer.Option("--dry-run", help="Only check, and report what would change.")
 ]

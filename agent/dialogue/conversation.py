@@ -276,8 +276,9 @@ class Conversation:
 
     def reply(self, turn: UnderstoodTurn, spoken: str) -> Reply:
         """Return the reply to a turn with an answer in words; the history is not written."""
-        understood = turn.understood
-        return Reply(understood.text, turn.speaker, understood, spoken, "done", seed=self._seed)
+        text, seed, heard = turn.understood.text, self._seed, turn.heard
+        said = (text, turn.speaker, turn.understood, spoken)
+        return Reply(*said, "done", seed=seed, heard=heard)
 
     def answered(self, turn: UnderstoodTurn, key: str, ending: Ending, **slots: Slot) -> Reply:
         """Write a turn to the history, and return its reply with the answer of this template."""

@@ -28,6 +28,7 @@ from .action_lessons import ActionLessons
 from .belief_revision import BeliefRevision
 from .clarification import ClarificationDialogue, PartAgreements
 from .conversation import Conversation, UnderstoodTurn
+from .hearing import Alternative, SoundsLike, SpokenUtterance, meanings_heard, weigh
 from .norm_dialogue import NormDialogue
 from .questions import answer
 from .reply import OpenQuestion, Reply
@@ -50,6 +51,7 @@ class DialogueManager:
             it is to be kept.
         judge: returns what the norms say of a request.
         actions: those that the robot comes with.
+        sounds_like: finds what may have been said where a hearing is not understood.
 
     Attributes:
         conversation: what was said and done so far, and who speaks.
@@ -65,11 +67,13 @@ class DialogueManager:
         *,
         judge: Callable[[Request], NormVerdict],
         actions: Actions,
+        sounds_like: SoundsLike,
     ) -> None:
         self.conversation = conversation
         self._beliefs = BeliefRevision(conversation)
         self.lessons = ActionLessons(conversation, actions)
         self._clarification = ClarificationDialogue(conversation, self.hear, self._respond)
+        self._sounds_like = sounds_like
         self._agreements = PartAgreements(lambda: goals().affordances)
         self.contexts: dict[Atom, Interval] = {}
         self._goals = goals
@@ -107,6 +111,7 @@ class DialogueManager:
         speaker: str,
         only: str | None = None,
         heard: float = 1.0,
+        alternatives: Sequence[Alternative] = (),
         keep: bool = True,
         accepted: Collection[str] = (),
     ) -> Reply:
@@ -120,6 +125,14 @@ class DialogueManager:
             self.lessons.read()
         speaker = self.conversation.people.speaker(self.conversation.base.match_speaker(speaker))
         self.conversation.listener = speaker
+        if alternatives:
+            scores = weigh(text, heard, alternatives)
+            pending = self.conversation.open_question
+            pending = pending if pending and pending.asked == speaker else None
+            found = meanings_heard(text, scores, self.conversation, speaker, pending)
+            hear = partial(self.hear, speaker=speaker, only=only, keep=keep)
+            parts = (found, self.conversation, pending, hear, self._sounds_like, keep)
+            return SpokenUtterance(*parts).reply()
         reply = self._clarification.short_answer(text, speaker, heard=heard, keep=keep)
         if reply:
             self.conversation.last_said = reply.said

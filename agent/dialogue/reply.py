@@ -26,6 +26,7 @@ class Reply:
         ending: how the request ended; "done" for a statement that is accepted.
         rules: the rules that were learned, or that the answer rests on.
         seed: the seed of everything random in it.
+        heard: how surely a recogniser heard what was meant, in [0, 1].
     """
 
     text: str
@@ -36,6 +37,7 @@ class Reply:
     rules: tuple[Rule, ...] = ()
     result: GoalResult | None = None
     seed: int = 0
+    heard: float = 1.0
 
     @property
     def is_done(self) -> bool:
@@ -113,6 +115,7 @@ class OpenQuestion:
         tell: called with the text of any other answer; it returns None where it does not fit.
         needs_yes: whether "okay" only acknowledges it, and does not agree.
         word: the word that may be a slip, if it is asked about one.
+        meanings: what the choices mean, where it reads back what was heard.
     """
 
     asked: str
@@ -123,6 +126,7 @@ class OpenQuestion:
     tell: Callable[[str], Reply | None] | None = None
     needs_yes: bool = False
     word: str = ""
+    meanings: tuple[object, ...] = ()
 
     def reply_to(self, answer: Answer) -> Reply | None:
         """Return the reply to a short answer; None where it does not fit."""

@@ -45,6 +45,7 @@ if TYPE_CHECKING:
     from ..dialogue.reply import Reply
     from ..execution.outcome import Decision, GoalResult, WalkStep, WorldOutcome
     from ..replay import ReplayResult
+    from ..speech.listening import Heard
 
 Quote = Callable[[int], str]  # the text of an utterance by its number
 SHOWN_DIGITS = 8  # of the id of a rule; 4 are enough to name it when they are unique
@@ -121,6 +122,12 @@ def turn(reply: Reply) -> RenderableType:
     meant = ("", Text(reply.understanding.pragmatics, "dim"))
     answer = (Text("Hilt", "bold green"), printable(reply.said))
     return grid((said, meant, answer) if meant[1] else (said, answer))
+
+
+def heard(found: Heard) -> RenderableType:
+    """What may have been said, best first, with the certainty of each text."""
+    rows = ((each.text, f"{each.score:.2f}") for each in found.alternatives)
+    return table(("text", "certainty"), rows)
 
 
 def understanding(found: Understanding) -> RenderableType:

@@ -33,6 +33,7 @@ from .mentions import Mentions, Span
 OPERATORS = ("negative", "implied_negation", "weak_negation", "condition", "exception", "doubtful")
 """The lists of words on which a meaning may depend."""
 
+_DENYING = ("negative", "implied_negation", "weak_negation", "exception")
 _SIGNS = (*OPERATORS, "by", "before_part")
 _QUOTES = frozenset('"“”„«»')
 _HEARER = frozenset({"addressee"})
@@ -96,6 +97,10 @@ class OfferChecks:
         aside = self.reader.features((), around)
         return self.licence.outcome(meaning, aside) == ACCEPT
 
+    def denies(self, words: Sequence[str]) -> bool:
+        """Whether words deny something, limit it by an exception, or say what comes close."""
+        return any(self._has(kind, words) for kind in _DENYING)
+
     def clause_features(self, mentions: Mentions, asides: Sequence[Span]) -> UtteranceFeatures:
         """The features of the clauses of an utterance that names this."""
         words = mentions.tokens.words
@@ -128,7 +133,7 @@ class OfferChecks:
         if not beside.issuperset(self._places("weak_negation", words)):
             return False
         count = len(set(self._places("negative", words)) - beside)
-        signs = int(_is_negative(meaning))
+        signs = int(is_negative(meaning))
         return count == signs or (count == signs + 1 and only_revises(meaning))
 
     def _reasons(self, meaning: Meaning, mentions: Mentions) -> Iterator[Span]:
@@ -189,7 +194,7 @@ class OfferChecks:
         if isinstance(meaning, Statement):
             told = {rule.confidence for rule in meaning.rules}
             return not said or (len(said) == 1 and told == said)
-        return all(_is_negative(meaning) and upper < LIKELY for _, upper in said)
+        return all(is_negative(meaning) and upper < LIKELY for _, upper in said)
 
     def _keeps_condition(self, meaning: Meaning, mentions: Mentions) -> bool:
         if self.spoken("exception", mentions) or self.spoken("doubtful", mentions):
@@ -247,7 +252,8 @@ class OfferChecks:
         return (place for phrase in self.words.phrases(kind) for place in places_of(phrase, words))
 
 
-def _is_negative(meaning: Meaning) -> bool:
+def is_negative(meaning: Meaning) -> bool:
+    """Whether a meaning says that something is not so, not to be done or not to be taken."""
     match meaning:
         case Statement(rules):
             return any(rule.denies for rule in rules)

@@ -1,5 +1,7 @@
 """Plug-ins for Hilt: a camera and an arm without a simulator, a robot, and a store.
 
+`hilt_workshop.speech` has a recogniser and a voice.
+
 Its `pyproject.toml` names each in a group of entry points. Replace the bodies of the methods by
 calls into your own system.
 """

@@ -121,6 +121,51 @@ def test_do_prints_the_contract(taught: Hilt):
     assert set(document["steps"][1]) >= {"node", "features", "percepts", "constraint"}
 
 
+def test_alternatives_are_read_back_with_their_certainty(hilt: Hilt, tmp_path: Path):
+    """Of what may have been heard nothing is believed that is not sure; a file may hold it."""
+    file = tmp_path / "heard.json"
+    file.write_text('[["A knife is used for cutting", 0.6], {"text": "x", "score": 1e-05}]')
+
+    asked = hilt("tell", "--json", LESSONS[0], "--alternatives", f"@{file}")
+
+    assert (asked.code, asked.document["accepted"], asked.document["heard"]) == (1, False, 0.6)
+    sure = hilt("tell", "--json", LESSONS[0], "--alternatives", f'[["{LESSONS[0]}", 0.95]]')
+    assert (sure.code, sure.document["accepted"], sure.document["heard"]) == (0, True, 0.95)
+    done = hilt("do", "--no-sim", "--json", "stop", "--alternatives", '[["stop", 0]]').document
+    assert (done["outcome"], done["heard"]) == ("done", 0)
+
+
+@pytest.mark.parametrize(
+    ("given", "place", "problem"),
+    [
+        ('[["a", 0.5], ["b", 2]]', "--alternatives:1:14", "a score in [0, 1]"),
+        ('[["a", 0.5], ["b", true]]', "--alternatives:1:14", "a score in [0, 1]"),
+        ('[["a", 0.5], ["b", NaN]]', "--alternatives:1:14", "a score in [0, 1]"),
+        ('[{"text": "a"}]', "--alternatives:1:2", "a score in [0, 1]"),
+        ('[["a", 0.5]', "--alternatives:1:12", "is not JSON"),
+        ('{"a": 1}', "--alternatives:1:1", "expected a list"),
+        ("[]", "--alternatives:1:1", "at least one text"),
+        ("@missing.json", "missing.json", "cannot be read"),
+    ],
+)
+def test_wrong_alternatives_are_reported_with_their_place(
+    hilt: Hilt, given: str, place: str, problem: str
+):
+    """A line on stderr says where and what was expected, and nothing is heard."""
+    failed = hilt("tell", "a", "--alternatives", given)
+
+    assert (failed.code, failed.out) == (2, "")
+    assert failed.err.startswith(f"hilt: {place}") and problem in failed.err
+    assert failed.err.count("\n") == 1
+
+
+def test_alternatives_go_with_one_utterance(hilt: Hilt):
+    """Lines of stdin have none."""
+    failed = hilt("tell", "-", "--alternatives", '[["a", 1]]')
+
+    assert failed.code == 2 and "one utterance" in failed.err
+
+
 def test_rejected_candidates_are_listed_with_reasons(hilt: Hilt):
     """What was not chosen is told, with why."""
     hilt("tell", "A knife is used for cutting")

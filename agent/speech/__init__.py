@@ -1,0 +1,1 @@
+"""Speech in and out: sounds, recognisers, what they heard together, and voices."""

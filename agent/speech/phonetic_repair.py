@@ -1,0 +1,256 @@
+"""Repair by sound: the sentences of the grammar that sound most like what a recogniser wrote.
+
+A neural recogniser errs in spelling rather than in sound: "the night" is "the knife". The words
+become phones by the CMU Pronouncing Dictionary that PocketSphinx brings, and the nearest sentences
+are searched among those made of the word pairs of Hilt's own grammar: what a word costs on any span
+of phones (Levenshtein 1966), the best way on from each place by dynamic programming backwards, and
+with these exact costs the best sentences by A* (Soong & Huang 1991). They are only ever offered.
+"""
+
+from __future__ import annotations
+
+import random
+import re
+from collections import Counter, defaultdict
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from heapq import heappop, heappush
+from importlib.util import find_spec
+from itertools import combinations, count, islice, pairwise
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from ...nlu.jsgf import sentences
+from ...nlu.language import Language
+from ...nlu.semantics.meaning import Meaning
+from ...ontology.errors import extra_required
+from ...ontology.yaml_reader import read_text, read_yaml
+
+GAP, NEAR, VOWEL, OTHER = 0.8, 0.4, 0.7, 1.0  # costs of a lost or added phone, and of others for it
+PAIR = 0.25  # what a word pair costs: this times its negative log probability
+BONUS = 0.3  # what a likely word costs less
+MOST_COST = 0.5  # of a candidate, per phone
+MOST_PHONES = 90  # of a text that is repaired
+MOST_CANDIDATES = 10
+
+_SENTENCES, _SEED = 20_000, 0  # from which the word pairs are counted
+_LONGER = 3  # by how many phones a word may be heard longer than it is
+_STEPS, _BRANCHES = 600, 30  # of the search at most, and at each of them
+_NEVER = 1e4
+_EDGE = ""  # stands for a word before and after a sentence
+
+Phones = tuple[str, ...]
+Floats = npt.NDArray[np.float32]
+
+
+@dataclass(frozen=True)
+class RepairCandidate:
+    """A sentence that a text may have been.
+
+    Attributes:
+        cost: how far its sound is from that of the text, per phone.
+        margin: how much nearer it is than the next one with another meaning, per phone.
+    """
+
+    text: str
+    cost: float
+    margin: float
+
+
+class SoundRepair:
+    """Finds sentences by their sound, with the words that a language knows.
+
+    MissingExtraError without the dictionary of pronunciations. Making one takes about a second.
+    """
+
+    def __init__(self, language: Language) -> None:
+        self.language, self._sounds = language, _load_sounds()
+        pairs = Counter[tuple[str, str]]()
+        for sentence in sentences(language, _SENTENCES, random.Random(_SEED)):  # noqa: S311
+            pairs.update(pairwise([_EDGE, *sentence.split(), _EDGE]))
+        self._words = sorted({word for pair in pairs for word in pair})  # _EDGE is the first
+        numbers = self._numbers = {word: number for number, word in enumerate(self._words)}
+        times = np.zeros((len(numbers), len(numbers)))
+        for (before, word), said in pairs.items():
+            times[numbers[before], numbers[word]] = said
+        with np.errstate(divide="ignore"):
+            costs = -PAIR * np.log(times / times.sum(axis=1, keepdims=True))
+        self._pair_costs = np.minimum(costs, _NEVER).astype(np.float32)  # by word and next word
+        self._may_be_left_out = np.array([word in self._sounds.articles for word in self._words])
+        self._groups = list(self._words_by_length())
+
+    def candidates(self, text: str, names: Collection[str] = ()) -> list[RepairCandidate]:
+        """Return the sentences of different meanings that sound like a text, the nearest first.
+
+        They are at most `MOST_CANDIDATES`; the words of some names are likelier than others.
+        """
+        phones = len(self._heard(text))
+        found: dict[Meaning, tuple[str, float]] = {}
+        for cost, sentence in self.nearest(text, names):
+            understood = self.language.understand(sentence)
+            if cost <= MOST_COST * phones and understood.kind not in {"error", "ask_back"}:
+                found.setdefault(understood.meaning, (sentence, cost / phones))
+        ranked = pairwise([*found.values(), (_EDGE, np.inf)])
+        return [RepairCandidate(said, cost, after - cost) for (said, cost), (_, after) in ranked]
+
+    def nearest(self, text: str, names: Collection[str] = ()) -> list[tuple[float, str]]:
+        """Return the sentences that sound most like a text, with what they cost in all."""
+        heard = self._heard(text)
+        if not 0 < len(heard) <= MOST_PHONES:
+            return []
+        costs = self._span_costs(heard)
+        likely = {word for name in names for word in name.split()} & self._numbers.keys()
+        costs[:, [self._numbers[word] for word in likely]] -= BONUS
+        return list(islice(self._best(costs), MOST_CANDIDATES))
+
+    def _heard(self, text: str) -> list[tuple[int, float]]:
+        words = re.findall(r"[\w']+", text)
+        return [each for word in words for each in self._sounds.of_word(word)[0]]
+
+    def _words_by_length(self) -> Iterator[tuple[list[int], npt.NDArray[np.int64], Floats]]:
+        groups = defaultdict[tuple[int, int], list[tuple[int, list[tuple[int, float]]]]](list)
+        for number, word in enumerate(self._words[1:], start=1):
+            for variant, phones in enumerate(self._sounds.of_word(word)):
+                groups[variant, len(phones)].append((number, phones))
+        for group in groups.values():
+            values = np.array([phones for _, phones in group])
+            words = [number for number, _ in group]
+            yield words, values[..., 0].astype(int), values[..., 1].astype(np.float32)
+
+    def _span_costs(self, heard: Sequence[tuple[int, float]]) -> Floats:
+        """Return what a word costs that is heard as so many phones: by place, word and number."""
+        phones, gaps = [phone for phone, _ in heard], [GAP * weight for _, weight in heard]
+        most = max(spoken.shape[1] for _, spoken, _ in self._groups) + _LONGER
+        costs = np.full((len(heard) + 1, len(self._words), most + 1), _NEVER, np.float32)
+        for words, spoken, weights in self._groups:
+            wide = spoken.shape[1] + _LONGER
+            span = np.arange(len(heard) + 1)[:, None] + np.arange(wide)
+            near = self._sounds.distances[np.pad(phones, (0, wide))[span]]
+            alone = np.pad(np.array(gaps, np.float32), (0, wide), constant_values=_NEVER)[span]
+            added = np.pad(np.cumsum(alone, axis=1), ((0, 0), (1, 0)))[:, None]
+            rows = np.repeat(added, len(words), axis=1)
+            for phone, weight in zip(spoken.T, weights.T[..., None], strict=True):
+                changed = rows[..., :-1] + near[:, :, phone].swapaxes(1, 2) * weight
+                rows = rows + GAP * weight
+                rows[..., 1:] = np.minimum(rows[..., 1:], changed)
+                rows = np.minimum.accumulate(rows - added, axis=2) + added
+            costs[:, words, : wide + 1] = np.minimum(costs[:, words, : wide + 1], rows)
+        costs[:, ~self._may_be_left_out, 0] = _NEVER
+        return costs
+
+    def _ways_on(self, costs: Floats) -> Floats:
+        """Return the least cost from each place to the end, with each word as the next one."""
+        (places, words, wide), skipped = costs.shape, np.flatnonzero(self._may_be_left_out)
+        after = np.full((places + wide, words), _NEVER, np.float32)  # by place and word before it
+        after[places - 1] = self._pair_costs[:, 0]
+        ways = np.full((places, words), _NEVER, np.float32)
+        for place in reversed(range(places - 1)):
+            ways[place] = (costs[place, :, 1:] + after[place + 1 : place + wide].T).min(axis=1)
+            after[place] = (self._pair_costs + ways[place]).min(axis=1)
+            left_out = costs[place, skipped, 0] + after[place, skipped]
+            ways[place, skipped] = np.minimum(ways[place, skipped], left_out)
+            after[place] = (self._pair_costs + ways[place]).min(axis=1)
+        return ways
+
+    def _best(self, costs: Floats) -> Iterator[tuple[float, str]]:
+        ways, order = self._ways_on(costs), count()
+        reached = np.where(np.arange(len(costs)) == 0, 0, _NEVER).astype(np.float32)
+        heap: list[tuple[float, int, tuple[int, ...], Floats]] = [(0, next(order), (0,), reached)]
+        for _ in range(_STEPS):
+            total, _, said, reached = heappop(heap)
+            last = said[-1]
+            if len(said) > 1 and last == 0:
+                yield total, " ".join(self._words[word] for word in said[1:-1])
+            else:
+                if len(said) > 1:
+                    reached = (
+                        _after_word(reached, costs[:, last]) + self._pair_costs[said[-2], last]
+                    )
+                totals = (reached[:, None] + ways).min(axis=0) + self._pair_costs[last]
+                totals[0] = reached[-1] + self._pair_costs[last, 0]
+                for word in np.argsort(totals)[:_BRANCHES].tolist():
+                    if totals[word] < _NEVER:
+                        new = (float(totals[word]), next(order), (*said, word), reached)
+                        heappush(heap, new)
+            if not heap:
+                return
+
+
+def _after_word(reached: Floats, costs: Floats) -> Floats:
+    found = np.full_like(reached, _NEVER)
+    for phones, cost in enumerate(costs.T[: len(reached)]):
+        until = len(reached) - phones
+        found[phones:] = np.minimum(found[phones:], reached[:until] + cost[:until])
+    return found
+
+
+@dataclass(frozen=True)
+class _Sounds:
+    """The phones of words, and how far each phone is from each other one, in [0, 1]."""
+
+    words: Mapping[str, Sequence[Phones]]
+    letters: Mapping[str, Phones]
+    numbers: Mapping[str, int]
+    distances: Floats
+    articles: frozenset[str]
+    endings: frozenset[str]
+
+    def of_word(self, word: str) -> list[list[tuple[int, float]]]:
+        """Return the pronunciations of a word: numbers of phones, and how much each counts.
+
+        A word that is not in the dictionary sounds as its letters do; the endings of inflected
+        words and articles count half.
+        """
+        spelled = re.findall("|".join(self.letters), word.lower())
+        variants = self.words.get(word.lower()) or [
+            sum((self.letters[each] for each in spelled), ())
+        ]
+        whole = 0.5 if word.lower() in self.articles else 1.0
+        return [
+            [
+                (
+                    self.numbers[phone],
+                    0.5 if 0 < n == len(phones) - 1 and phone in self.endings else whole,
+                )
+                for n, phone in enumerate(phones)
+            ]
+            for phones in variants
+        ]
+
+
+@lru_cache(maxsize=1)
+def _load_sounds() -> _Sounds:
+    names = ("vowels", "endings", "articles", "near", "letters")
+    fields = read_yaml(Path(__file__).with_name("phones.yaml")).entries(required=names, optional=())
+    vowels, endings, articles = (frozenset(fields[name].texts()) for name in names[:3])
+    letters = {
+        key: tuple(str(node.value).split()) for key, node in fields["letters"].entries().items()
+    }
+    pairs = {pair for each in fields["near"].items() for pair in combinations(each.texts(), 2)}
+    words = _read_dictionary()
+    phones = sorted({phone for variants in words.values() for each in variants for phone in each})
+    numbers = {phone: number for number, phone in enumerate(phones)}
+
+    def distance(one: str, other: str) -> float:
+        if not pairs.isdisjoint({(one, other), (other, one)}):
+            return NEAR
+        return (one != other) * (VOWEL if {one, other} <= vowels else OTHER)
+
+    distances = np.array([[distance(one, other) for other in phones] for one in phones], np.float32)
+    return _Sounds(words, letters, numbers, distances, articles, endings)
+
+
+def _read_dictionary() -> Mapping[str, Sequence[Phones]]:
+    with extra_required("speech", "pocketsphinx"):
+        found = find_spec("pocketsphinx")
+        if found is None or found.origin is None:
+            raise ImportError
+    file = Path(found.origin).parent / "model" / "en-us" / "cmudict-en-us.dict"
+    words = defaultdict[str, list[Phones]](list)
+    for line in read_text(file).splitlines():
+        word, *phones = line.split()
+        words[word.partition("(")[0]].append(tuple(phones))
+    return words

@@ -1,0 +1,102 @@
+"""PocketSphinx with word triples of Hilt's own grammar (Huggins-Daines et al. 2006).
+
+Its language model is made anew when words are learned, and kept in the cache. Of what the grammar
+has it hears more than recognisers of any English; of anything else it makes such a sentence, too.
+"""
+
+from __future__ import annotations
+
+import random
+import re
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
+from itertools import islice
+from pathlib import Path
+
+import numpy as np
+
+from ...nlu.jsgf import sentences
+from ...nlu.language import Language
+from ...ontology.disk_cache import cache_folder, cached, content_key
+from ...ontology.errors import extra_required
+from .sound import RATE, Sound, Transcript
+
+ALTERNATIVES = 10
+_SENTENCES = 20_000  # of the grammar, by chance
+_REPEATED = 20  # how often an example of the language is among them
+_SEARCHED = 200  # of the best paths, most of which differ in their times only
+_SILENCE = np.zeros(int(0.3 * RATE), "<i2").tobytes()
+_ENDINGS = {"ing": "IH NG", "er": "ER", "ed": "D", "ly": "L IY", "y": "IY", "s": "Z"}
+
+
+class PocketSphinxRecogniser:
+    """PocketSphinx for what a language has now; MissingExtraError if it is not installed."""
+
+    name = "pocketsphinx"
+
+    def __init__(self, language: Language) -> None:
+        self._model = Path()
+        self.learn(language)
+
+    def learn(self, language: Language) -> None:
+        """Take the words of a language that are known now."""
+        with extra_required("speech", "pocketsphinx"):
+            from pocketsphinx import Decoder  # pyright: ignore[reportMissingImports]
+
+        rng = random.Random(0)  # noqa: S311 - no secret
+        examples = [" ".join(re.findall(r"[a-z']+", each.lower())) for each in language.examples]
+        said = [*sentences(language, _SENTENCES, rng), *examples * _REPEATED]
+        folder = cache_folder() / "speech" / content_key("\n".join(said).encode())
+        model = cached(folder, lambda draft: _write_model(draft, said))
+        if model != self._model:
+            files = {"lm": str(model / "model.arpa"), "dict": str(model / "words.dict")}
+            self._decoder, self._model = Decoder(**files, loglevel="FATAL"), model
+
+    def recognise(self, sound: Sound) -> tuple[Transcript, ...]:
+        """Return up to ten texts, each with its share of the likelihood of all of them."""
+        decoder = self._decoder
+        decoder.start_utt()
+        decoder.process_raw(_SILENCE + sound.pcm + _SILENCE, full_utt=True)
+        decoder.end_utt()
+        best = decoder.hyp()
+        found = {best.hypstr: best.score} if best and best.hypstr else {}
+        for each in filter(None, islice(decoder.nbest(), _SEARCHED) if found else ()):
+            found.setdefault(each.hypstr, min(each.score, best.score))
+        first = [each for each in found.items() if each[0]][:ALTERNATIVES]
+        total = sum(score for _, score in first)
+        return tuple(Transcript(text, score / total) for text, score in first)
+
+
+def _write_model(folder: Path, said: Sequence[str]) -> None:
+    from pocketsphinx import get_model_path  # pyright: ignore[reportMissingImports]
+    from pocketsphinx.lm import ArpaBoLM  # pyright: ignore[reportMissingImports]
+
+    known: dict[str, list[str]] = defaultdict(list)
+    dictionary = Path(get_model_path("en-us/cmudict-en-us.dict"))
+    for line in dictionary.read_text(encoding="utf-8").splitlines():
+        word, _, phones = line.partition(" ")
+        known[word.partition("(")[0]].append(phones)  # "a(2)" is another way to say "a"
+    spelt = {word: spell(word, known) for word in sorted(set(" ".join(said).split()))}
+    lines = [
+        f"{word}({n}) {phones}\n" if n > 1 else f"{word} {phones}\n"
+        for word, ways in spelt.items()
+        for n, phones in enumerate(ways, start=1)
+    ]
+    folder.mkdir()
+    (folder / "words.dict").write_text("".join(lines), encoding="utf-8")
+    speakable = [text for text in said if all(spelt[word] for word in text.split())]
+    model = ArpaBoLM(text="\n".join(speakable), add_start=True)
+    model.compute()
+    model.write_file(str(folder / "model.arpa"))
+
+
+def spell(word: str, known: Mapping[str, Sequence[str]]) -> Sequence[str]:
+    """Return how a word is said, in phones: a known one, or one of two parts ("tea spoon")."""
+    if word in known:
+        return known[word]
+    for at in range(len(word) - 1, 2, -1):
+        first, last = word[:at], word[at:]
+        rest = known[last][0] if len(last) > 2 and last in known else _ENDINGS.get(last)
+        if first in known and rest:
+            return [f"{known[first][0]} {rest}"]
+    return []
