@@ -128,7 +128,7 @@ def meanings_heard(
     for each, score in scores.items():
         understood = conversation.understand(each, speaker, heard=1.0)
         said = _said(understood, conversation, pending)
-        new = tuple(word.said for word in understood.new_words)
+        new = _new_words(understood)
         if said != understood.meaning:  # a short answer, whose words may all be new
             words = map(str.lower, _WORD.findall(each) if said else ())
             new = tuple(word for word in words if word not in conversation.language.lexicon)
@@ -218,7 +218,7 @@ class SpokenUtterance:
         if best is self.found[0] and best.understood.kind == "acknowledgement":
             return self.hear(best.text)
         understood = best.understood
-        if understood.kind in _HARMLESS and best.said == understood.meaning:
+        if understood.kind in _HARMLESS and best.said == understood.meaning and not best.new_words:
             speaker, heard = understood.speaker, best.certainty
             again = self.conversation.understand(best.text, speaker, heard=heard)
             is_sure = again.meaning == understood.meaning
@@ -242,22 +242,23 @@ class SpokenUtterance:
         if first in new and first.certainty >= SURE:
             return self._offer([first])
         if first not in known:
-            known += self._sounding(first, {each.said for each in known})
+            known += self._likely(first, {each.said for each in known})
         choices = [*known[: MAX_CHOICES - bool(new)], *new][:MAX_CHOICES]
-        asked = first.understood.meaning
-        offers = asked.choices if isinstance(asked, meaning.AskBack) else [asked]
-        if choices or all(isinstance(each, str) for each in offers):
+        if choices or first.understood.kind == "ask_back":
             return self._offer(choices or [first])
-        return self._carry_out(first)  # which says what is not understood, or what is offered
+        return self._carry_out(first)  # which says what is not understood
 
-    def _sounding(self, first: MeaningHeard, known: Collection[object]) -> Iterator[MeaningHeard]:
+    def _likely(self, first: MeaningHeard, known: Collection[object]) -> Iterator[MeaningHeard]:
         conversation, speaker = self.conversation, first.understood.speaker
+        asked = () if first.understood.reading else getattr(first.understood.meaning, "choices", ())
+        offers = [conversation.language.generate(e) for e in asked if not isinstance(e, str)]
         names = [name for rule in conversation.topic for name in (rule.object, rule.part) if name]
         names += conversation.visible()
-        for text in self.sounds_like(conversation.language, first.text, names):
-            understood = conversation.understand(text, speaker, heard=1.0)
-            if understood.meaning not in known:
-                yield MeaningHeard(text, 0.0, understood, understood.meaning)
+        sounding = self.sounds_like(conversation.language, first.text, names)
+        for text in (*sounding, *offers):
+            said = conversation.understand(text, speaker, heard=1.0)
+            if said.meaning not in known:
+                yield MeaningHeard(text, 0.0, said, said.meaning, _new_words(said))
 
     def _offer(self, choices: Sequence[MeaningHeard]) -> Reply:
         conversation, is_one = self.conversation, len(choices) == 1
@@ -289,6 +290,11 @@ class SpokenUtterance:
             return self._offer([each])
         self.conversation.open_question = pending
         return self.hear(each.text, accepted=each.new_words)
+
+
+def _new_words(understood: Understanding) -> tuple[str, ...]:
+    asked = understood.reading if understood.kind == "ask_back" else None
+    return tuple(word.said for word in (asked or understood).new_words)
 
 
 def _is_halt(said: object) -> TypeGuard[meaning.Control]:

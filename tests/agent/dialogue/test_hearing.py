@@ -187,6 +187,19 @@ def test_new_word_as_an_answer_is_spelt_out(agent: Agent):
     assert [rule.argument.name for rule in agent.base.rules()] == ["cutting"]
 
 
+@pytest.mark.parametrize(
+    "text", ["a whistle might be used for coaching", "a wistle iz what you use four coaching"]
+)
+def test_new_word_in_what_is_offered_is_spelt_out(agent: Agent, text: str):
+    """Whatever Hilt asks about such a text, no word is learned that it has not spelt out."""
+    asked = [spoken(agent, (text, 1.0)).said]
+    for _ in range(3):
+        asked.append(spoken(agent, ("yes", 0.5)).said)
+
+    spelt = " ".join(asked)
+    assert all("-".join(word.said) in spelt for word in agent.base.words())
+
+
 def test_questions_are_answered_from_the_usual_bound_on(taught: Agent):
     """What changes nothing needs only the certainty that a typed text with `heard` needs."""
     assert spoken(taught, ("what is a knife used for", 0.6)).said == "A knife is used for cutting."
