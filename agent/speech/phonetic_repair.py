@@ -16,7 +16,6 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from heapq import heappop, heappush
-from importlib.util import find_spec
 from itertools import combinations, count, islice, pairwise
 from pathlib import Path
 
@@ -26,8 +25,8 @@ import numpy.typing as npt
 from ...nlu.jsgf import sentences
 from ...nlu.language import Language
 from ...nlu.semantics.meaning import Meaning
-from ...ontology.errors import extra_required
-from ...ontology.yaml_reader import read_text, read_yaml
+from ...ontology.yaml_reader import read_yaml
+from .pocketsphinx import pronunciations
 
 GAP, NEAR, VOWEL, OTHER = 0.8, 0.4, 0.7, 1.0  # costs of a lost or added phone, and of others for it
 PAIR = 0.25  # what a word pair costs: this times its negative log probability
@@ -223,14 +222,14 @@ class _Sounds:
 
 @lru_cache(maxsize=1)
 def _load_sounds() -> _Sounds:
-    names = ("vowels", "endings", "articles", "near", "letters")
+    known, names = pronunciations(), ("vowels", "endings", "articles", "near", "letters")
     fields = read_yaml(Path(__file__).with_name("phones.yaml")).entries(required=names, optional=())
     vowels, endings, articles = (frozenset(fields[name].texts()) for name in names[:3])
     letters = {
         key: tuple(str(node.value).split()) for key, node in fields["letters"].entries().items()
     }
     pairs = {pair for each in fields["near"].items() for pair in combinations(each.texts(), 2)}
-    words = _read_dictionary()
+    words = {word: [tuple(each.split()) for each in ways] for word, ways in known.items()}
     phones = sorted({phone for variants in words.values() for each in variants for phone in each})
     numbers = {phone: number for number, phone in enumerate(phones)}
 
@@ -241,16 +240,3 @@ def _load_sounds() -> _Sounds:
 
     distances = np.array([[distance(one, other) for other in phones] for one in phones], np.float32)
     return _Sounds(words, letters, numbers, distances, articles, endings)
-
-
-def _read_dictionary() -> Mapping[str, Sequence[Phones]]:
-    with extra_required("speech", "pocketsphinx"):
-        found = find_spec("pocketsphinx")
-        if found is None or found.origin is None:
-            raise ImportError
-    file = Path(found.origin).parent / "model" / "en-us" / "cmudict-en-us.dict"
-    words = defaultdict[str, list[Phones]](list)
-    for line in read_text(file).splitlines():
-        word, *phones = line.split()
-        words[word.partition("(")[0]].append(tuple(phones))
-    return words

@@ -19,6 +19,7 @@ from ...nlu.jsgf import sentences
 from ...nlu.language import Language
 from ...ontology.disk_cache import cache_folder, cached, content_key
 from ...ontology.errors import extra_required
+from ...ontology.yaml_reader import read_text
 from .sound import RATE, Sound, Transcript
 
 ALTERNATIVES = 10
@@ -68,14 +69,9 @@ class PocketSphinxRecogniser:
 
 
 def _write_model(folder: Path, said: Sequence[str]) -> None:
-    from pocketsphinx import get_model_path  # pyright: ignore[reportMissingImports]
     from pocketsphinx.lm import ArpaBoLM  # pyright: ignore[reportMissingImports]
 
-    known: dict[str, list[str]] = defaultdict(list)
-    dictionary = Path(get_model_path("en-us/cmudict-en-us.dict"))
-    for line in dictionary.read_text(encoding="utf-8").splitlines():
-        word, _, phones = line.partition(" ")
-        known[word.partition("(")[0]].append(phones)  # "a(2)" is another way to say "a"
+    known = pronunciations()
     spelt = {word: spell(word, known) for word in sorted(set(" ".join(said).split()))}
     lines = [
         f"{word}({n}) {phones}\n" if n > 1 else f"{word} {phones}\n"
@@ -88,6 +84,21 @@ def _write_model(folder: Path, said: Sequence[str]) -> None:
     model = ArpaBoLM(text="\n".join(speakable), add_start=True)
     model.compute()
     model.write_file(str(folder / "model.arpa"))
+
+
+def pronunciations() -> Mapping[str, Sequence[str]]:
+    """Return the CMU Pronouncing Dictionary: the ways to say a word, each its phones with spaces.
+
+    MissingExtraError if PocketSphinx, which brings it, is not installed.
+    """
+    with extra_required("speech", "pocketsphinx"):
+        from pocketsphinx import get_model_path  # pyright: ignore[reportMissingImports]
+
+    known = defaultdict[str, list[str]](list)
+    for line in read_text(Path(get_model_path("en-us/cmudict-en-us.dict"))).splitlines():
+        word, _, phones = line.partition(" ")
+        known[word.partition("(")[0]].append(phones)  # "a(2)" is another way to say "a"
+    return known
 
 
 def spell(word: str, known: Mapping[str, Sequence[str]]) -> Sequence[str]:
