@@ -71,7 +71,8 @@ def _spoken(text: str) -> tuple[int, bytes]:
 
     said = text.encode() + b"\0"
     library.espeak_SetSynthCallback(keep)
-    library.espeak_Synth(said, len(said), 0, 1, 0, 1, None, None)  # all characters, in UTF-8
+    size = ctypes.c_size_t(len(said))
+    library.espeak_Synth(said, size, 0, 1, 0, 1, None, None)  # all characters, in UTF-8
     return rate, b"".join(pieces)
 
 
@@ -82,6 +83,6 @@ def _espeak() -> tuple[Any, int]:
 
     library: Any = ctypes.CDLL(espeakng_loader.get_library_path())
     data = espeakng_loader.get_data_path().encode()
-    rate = library.espeak_Initialize(1, 0, data, 0)  # 1: samples are given to the callback
+    rate = library.espeak_Initialize(2, 0, data, 0)  # 2: the callback has all when it returns
     library.espeak_SetVoiceByName(b"en-us")
     return library, rate
