@@ -262,7 +262,7 @@ class SpokenUtterance:
 
     def _offer(self, choices: Sequence[MeaningHeard]) -> Reply:
         conversation, is_one = self.conversation, len(choices) == 1
-        said = [each.text.rstrip(" .?!") for each in choices]
+        said = [each.text.rstrip(" .?!,") for each in choices]
         numbered = ". ".join(f"{number}. {each}" for number, each in enumerate(said, start=1))
         question = conversation.say(spoken("did_you_say", said=said[0] if is_one else numbered))
         new = ", ".join("-".join(word.replace(" ", "")) for word in choices[0].new_words)
