@@ -94,8 +94,8 @@ def evaluate(  # noqa: PLR0917 - every option is a parameter
     from ..evaluation.experiment import make_experiment
     from ..evaluation.reports.export import check_format, write_report
     from ..evaluation.reports.summary import EvaluationReport
-    from ..evaluation.runners.experiment_run import make_runner, run_experiment
     from ..evaluation.runners.journal import RunJournal
+    from ..evaluation.runners.runner import make_runner, run_experiment
 
     given = {
         "sim": sim or None,
