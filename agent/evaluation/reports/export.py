@@ -20,7 +20,7 @@ from platform import python_version
 from ....ontology.disk_cache import write_atomically
 from ....ontology.errors import DataError, MissingExtraError, StoreError, extra_required
 from ..experiment import Case, Experiment, Json
-from ..experiments.command_experiment import DecisionExperiment
+from ..experiments.decisions import DecisionExperiment
 from .summary import EvaluationReport, as_text
 
 FORMATS = (".html", ".json", ".csv")

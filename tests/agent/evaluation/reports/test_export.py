@@ -14,8 +14,8 @@ import pytest
 
 from hilt.agent.cli import main
 from hilt.agent.evaluation.experiment import Case, CaseResult, TimedResult
+from hilt.agent.evaluation.experiments.decisions import PaperExperiment
 from hilt.agent.evaluation.experiments.noise_robustness import NoiseExperiment
-from hilt.agent.evaluation.experiments.paper import PaperExperiment
 from hilt.agent.evaluation.reports.export import COLOURS, plot_curve, render_page, write_report
 from hilt.agent.evaluation.reports.summary import EvaluationReport
 from hilt.agent.evaluation.runners.runner import run_experiment
