@@ -17,7 +17,7 @@ from hilt.agent.evaluation.experiment import (
 from hilt.agent.evaluation.experiments.decisions import PaperExperiment, SituationsExperiment
 from hilt.agent.evaluation.experiments.ground_truth import CorrectChoices
 from hilt.agent.evaluation.learning_scenarios import LEVELS, load_scenarios
-from hilt.agent.evaluation.reports.summary import EvaluationReport
+from hilt.agent.evaluation.reports.report import EvaluationReport
 from hilt.agent.evaluation.runners.runner import run_experiment
 
 A, B = load_scenarios()
