@@ -26,7 +26,7 @@ from ...config import AgentConfig
 from ...dialogue.reply import Reply
 from ..experiment import Case, CaseResult, Experiment, Json
 from ..learning_scenarios import ACTIONS, LearningScenario, command, grasp_sentence, load_scenarios
-from .ground_truth import CorrectChoices, explain_reply, judge_command, judge_grasp
+from .ground_truth import CorrectChoices, explain_reply, judge_command
 
 GAP = 0.05  # [m]; room for two fingers and a little more: decisions are tested, not clutter
 PRINCIPLES = {1, 2, 3, 4}
@@ -204,7 +204,10 @@ class GraspExperiment(Experiment):
         with Agent.open("memory:", AgentConfig(scene=f"objects:{name}", seed=seed)) as agent:
             agent.hear(grasp_sentence(name, context, part), only="tell")
             reply = agent.hear(f"{ACTIONS[context]} the {name}", only="do")
-        return judge_grasp(case, name, part, reply)
+        truth = CorrectChoices(frozenset({name}), 0, {name: frozenset({part})})
+        result = judge_command(case, truth, reply)
+        facts = result.facts | {"why": explain_reply(reply)}
+        return replace(result, right=facts.get("success", False), kind="grasp", facts=facts)
 
 
 def teach(scenario: LearningScenario, agent: Agent) -> Agent:
