@@ -32,7 +32,7 @@ from hilt.agent.agent import Agent
 from hilt.agent.config import AgentConfig, household, load_language, open_base
 from hilt.agent.dialogue.reply import Reply
 from hilt.agent.evaluation.experiment import Case, CaseResult, Experiment
-from hilt.agent.evaluation.experiments.noise_curves import Z
+from hilt.agent.evaluation.experiments.noise_robustness import Z
 from hilt.agent.evaluation.learning_scenarios import grasp_sentence
 from hilt.agent.execution.embodiment import Embodiment
 from hilt.agent.execution.outcome import Json

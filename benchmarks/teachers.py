@@ -21,7 +21,7 @@ from typing import ClassVar
 
 from hilt.agent.agent import Agent
 from hilt.agent.config import household
-from hilt.agent.evaluation.experiments.paper import PaperExperiment
+from hilt.agent.evaluation.experiments.decisions import PaperExperiment
 from hilt.agent.evaluation.learning_scenarios import CONTEXTS, load_scenarios, rule_sentence
 
 TRUST: Mapping[str, str] = {"sam": "1", "ann": "0.9", "bob": "0.75", "eve": "0.5"}

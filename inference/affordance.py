@@ -8,7 +8,7 @@ equal conclusions, and lambda against the threshold of the context (section 2).
 Rules with the same antecedent are fused before modus ponens: the antecedent is one piece of
 evidence and would otherwise be counted once for each rule. With perfect detection both orders give
 the same result. `NodeRules` selects the rules of one node for one goal; more specific rules
-override general ones (`specificity`).
+override general ones (`node_rules`).
 """
 
 from collections import defaultdict
@@ -20,10 +20,9 @@ from ..kb.interval import CERTAIN, VACUOUS
 from ..kb.rule import GRASP_OBJECT, KIND_OF, Atom, Rule
 from .decision import DecisionRule, ObjectRules
 from .experience import NO_TRIALS, Experience, OutcomeCounts
-from .node_rules import FIND, NodeRules, acting_for, features_of, implied_atoms
+from .node_rules import FIND, ImpliedAtoms, NodeRules, acting_for, features_of, implied_atoms
 from .proof import Proof, derive
 from .settings import Settings
-from .specificity import MATERIAL, ImpliedAtoms
 from .taxonomy import FLAT, Taxonomy
 from .types import Candidate, Goal, Inference, Observation
 
@@ -205,7 +204,7 @@ class Affordances:
 
 def _evidence_atoms(rule: Rule) -> frozenset[Atom]:
     """Return the antecedent without the material: rules for another material never get here."""
-    return frozenset(a for a in features_of(rule) | rule.contexts if a.kind != MATERIAL)
+    return frozenset(a for a in features_of(rule) | rule.contexts if a.kind != "material")
 
 
 def _evidence(atom: Atom, here: NodeRules, seen: Observation, shown: ImpliedAtoms) -> Proof:

@@ -22,15 +22,13 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Protocol, TypeAlias
+from itertools import product
+from typing import Protocol, TypeAlias
 
 from ..kb.rule import KIND_OF, Atom, Rule
-from ..ontology.objects import ObjectType, ObjectTypes
+from ..ontology.objects import ObjectType, ObjectTypes, PartType
 from .affordance import RuleSource
 from .proof import Json
-
-if TYPE_CHECKING:
-    import networkx as nx
 
 CAUTION = 0.8  # discount of a conclusion by similarity alone
 LEAST_SIMILARITY = 0.3  # below this nothing is induced
@@ -38,6 +36,7 @@ INDUCER = "induction"  # the speaker of induced rules
 GRIP = "grip"  # the role of a part for holding, on which no use rests
 
 Classes: TypeAlias = "Mapping[str, str | None]"  # a class of objects -> its superclass
+Traits = frozenset[str]  # what an object or part has: its features and superclasses
 
 
 class TaughtRules(RuleSource, Protocol):
@@ -84,14 +83,14 @@ def induce(
     maps a class of objects to its superclass.
     """
     taught = list(rules)
-    graph = ontology_graph(objects, classes or {})
+    traits = {name: _traits(name, objects, classes or {}) for name in objects}
     known = {_topic(rule) for rule in taught}
     general = [r for r in taught if r.object is None and not r.interval.is_vacuous]
     found: dict[tuple[object, ...], InducedRule] = {}
     for rule in taught:
         needed = needed_features(rule, taught, objects) if rule.affordance else frozenset[str]()
         for name, kind in objects.items():
-            induced = _transferred(rule, name, objects, graph, needed)
+            induced = _transferred(rule, name, objects, traits, needed)
             if induced is None or not known.isdisjoint(_topics(induced.rule)):
                 continue
             if any(_covers(each, induced.rule, kind) for each in general):
@@ -128,32 +127,9 @@ class InducedRuleSource:
         return [*self.source.rules_at_nodes(nodes), *added]
 
 
-def ontology_graph(objects: ObjectTypes, classes: Classes) -> nx.DiGraph[str]:
-    """Return the graph with edges from objects and parts to their features and superclasses."""
-    import networkx as nx  # imported here: it takes half a second to load
-
-    graph: nx.DiGraph[str] = nx.DiGraph()
-    graph.add_nodes_from(classes)
-    graph.add_edges_from((name, above) for name, above in classes.items() if above)
-    for name, kind in objects.items():
-        graph.add_edges_from((name, f"property:{prop}") for prop in kind.properties)
-        if kind.is_a:
-            graph.add_edge(name, kind.is_a)
-        for part in kind.parts.values():
-            node = f"{name}.{part.name}"
-            graph.add_edge(node, f"role:{part.role}")
-            graph.add_edges_from((node, f"property:{prop}") for prop in part.properties)
-    return graph
-
-
-def similarity(one: str, other: str, graph: nx.DiGraph[str]) -> tuple[float, tuple[str, ...]]:
-    """Return the similarity of two nodes, |A ∩ B| / |A ∪ B| in [0, 1], and what they share."""
-    import networkx as nx
-
-    if one not in graph or other not in graph:
-        return 0.0, ()
-    has_one, has_other = nx.descendants(graph, one), nx.descendants(graph, other)
-    union, shared = has_one | has_other, has_one & has_other
+def similarity(one: Traits, other: Traits) -> tuple[float, tuple[str, ...]]:
+    """Return the similarity of two sets, |A ∩ B| / |A ∪ B| in [0, 1], and what they share."""
+    union, shared = one | other, one & other
     return (len(shared) / len(union) if union else 0.0), tuple(sorted(shared))
 
 
@@ -179,11 +155,21 @@ def needed_features(rule: Rule, rules: Iterable[Rule], objects: ObjectTypes) -> 
 
 
 def _features(kind: ObjectType) -> frozenset[str]:
-    working = [part for part in kind.parts.values() if part.role != GRIP]
-    properties = {*kind.properties, *(prop for part in working for prop in part.properties)}
-    roles = (f"role:{part.role}" for part in working)
+    properties = (f"property:{prop}" for prop in kind.properties)
     parts = (f"part:{name}" for name in kind.parts)
-    return frozenset((*(f"property:{prop}" for prop in properties), *parts, *roles))
+    working = (_part_traits(part) for part in kind.parts.values() if part.role != GRIP)
+    return frozenset[str]().union(properties, parts, *working)
+
+
+def _traits(name: str, objects: ObjectTypes, classes: Classes) -> Traits:
+    kind = objects.get(name)
+    above = kind.is_a if kind else classes.get(name)
+    own = frozenset(f"property:{prop}" for prop in (kind.properties if kind else ()))
+    return own | {above} | _traits(above, objects, classes) if above else own
+
+
+def _part_traits(part: PartType) -> Traits:
+    return frozenset({f"role:{part.role}", *(f"property:{prop}" for prop in part.properties)})
 
 
 def _covers(general: Rule, induced: Rule, kind: ObjectType) -> bool:
@@ -196,21 +182,21 @@ def _covers(general: Rule, induced: Rule, kind: ObjectType) -> bool:
 
 
 def _transferred(
-    rule: Rule, name: str, objects: ObjectTypes, graph: nx.DiGraph[str], needed: frozenset[str]
+    rule: Rule, name: str, objects: ObjectTypes, traits: Mapping[str, Traits], needed: Traits
 ) -> InducedRule | None:
     if rule.object is None or rule.object == name or rule.object not in objects:
         return None
     is_of_object = rule.kind == "norm" or rule.functor == KIND_OF  # not of what is like it
     if is_of_object or not objects[name].graspable or not rule.asserts:
         return None
-    alike, shared = similarity(rule.object, name, graph)
+    alike, shared = similarity(traits[rule.object], traits[name])
     argument = rule.argument
     if rule.affordance:
         if not needed or not needed <= _features(objects[name]):
             return None
         alike = max(alike, LEAST_SIMILARITY)  # what matters for the use is the same
     if rule.part:
-        part, alike_part, shared_part = _corresponding_part(rule, name, objects, graph)
+        part, alike_part, shared_part = _corresponding_part(rule, name, objects)
         if part is None:
             return None
         argument = Atom("part", part)
@@ -230,24 +216,23 @@ def _transferred(
 
 
 def _corresponding_part(
-    rule: Rule, name: str, objects: ObjectTypes, graph: nx.DiGraph[str]
+    rule: Rule, name: str, objects: ObjectTypes
 ) -> tuple[str | None, float, tuple[str, ...]]:
-    import networkx as nx
+    import networkx as nx  # imported here: it takes half a second to load
 
-    source = objects[rule.object or ""]
+    source, target = objects[rule.object or ""], objects[name]
     if rule.part is None or rule.part not in source.parts:
         return None, 0.0, ()
     pairs: nx.Graph[tuple[str, str]] = nx.Graph()
-    for one in source.parts:
-        for other in objects[name].parts:
-            alike, _ = similarity(f"{source.name}.{one}", f"{name}.{other}", graph)
-            pairs.add_edge(("one", one), ("other", other), weight=alike)
+    for one, other in product(source.parts.values(), target.parts.values()):
+        alike, _ = similarity(_part_traits(one), _part_traits(other))
+        pairs.add_edge(("one", one.name), ("other", other.name), weight=alike)
     matching = [dict(pair) for pair in nx.max_weight_matching(pairs, maxcardinality=True)]
     best = next((pair["other"] for pair in matching if pair["one"] == rule.part), None)
     if best is None:
         return None, 0.0, ()
-    nodes = f"{source.name}.{rule.part}", f"{name}.{best}"
-    return best, *similarity(*nodes, graph)
+    found = _part_traits(source.parts[rule.part]), _part_traits(target.parts[best])
+    return best, *similarity(*found)
 
 
 def _topic(rule: Rule) -> tuple[object, ...]:

@@ -2,7 +2,7 @@
 
 A norm applies to an act if its action is one of those that the act belongs to, and its features and
 other contexts hold. A prohibition, or an obligation that is not met, stands unless a permission
-that applies overrides it: of two norms in conflict the more specific one prevails (`specificity`),
+that applies overrides it: of two norms in conflict the more specific one prevails (`node_rules`),
 then the one of the more trusted speaker, then the later one.
 """
 
@@ -17,9 +17,8 @@ from ..kb.interval import CERTAIN, EPSILON, Interval
 from ..kb.rule import FORBIDDEN, NORMS, OBLIGED, PERMITTED, Atom, Rule
 from .affordance import Affordances
 from .interval_operators import Operators
-from .node_rules import implied_atoms
+from .node_rules import ImpliedAtoms, Specificity, implied_atoms
 from .proof import Json, Proof, derive
-from .specificity import ImpliedAtoms, Specificity
 from .taxonomy import Taxonomy
 
 PUT_DOWN = "putDown"  # what empties the hand, which is no action tree

@@ -1,7 +1,7 @@
 """The is-a hierarchy of objects, parts, actions and places, along which rules are inherited.
 
 A bread knife is a knife, so rules about knives apply to it unless there is a rule about bread
-knives: more specific rules override general ones (`specificity`). Distances are numbers of is-a
+knives: more specific rules override general ones (`node_rules`). Distances are numbers of is-a
 steps.
 """
 

@@ -1,12 +1,11 @@
 from .body import Body
-from .manipulation.motion_report import REASONS, MotionReport
+from .manipulation.motion_report import MotionReport
 from .robot.models import RobotType, find_robot, load_robots
 from .scene.scene import Placement, Scene, parse_scene
 from .scene.world import World
 from .vision.percept import Percept
 
 __all__ = [
-    "REASONS",
     "Body",
     "MotionReport",
     "Percept",

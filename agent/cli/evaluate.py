@@ -13,7 +13,7 @@ from .common import exit_with, print_json, terminal
 from .options import AsJson, Seed, app, example
 
 if TYPE_CHECKING:
-    from ..evaluation.reports.summary import EvaluationReport
+    from ..evaluation.reports.report import EvaluationReport
 
 What = Annotated[
     str | None,
@@ -92,10 +92,9 @@ def evaluate(  # noqa: PLR0917 - every option is a parameter
     if resume and out is None:
         raise typer.BadParameter("--resume needs --out, the folder of the run.")
     from ..evaluation.experiment import make_experiment
-    from ..evaluation.reports.export import check_format, write_report
-    from ..evaluation.reports.summary import EvaluationReport
-    from ..evaluation.runners.experiment_run import make_runner, run_experiment
+    from ..evaluation.reports.report import EvaluationReport, check_format, write_report
     from ..evaluation.runners.journal import RunJournal
+    from ..evaluation.runners.runner import make_runner, run_experiment
 
     given = {
         "sim": sim or None,

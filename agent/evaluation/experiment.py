@@ -123,9 +123,9 @@ class Experiment(ABC):
 
 # Name -> module and class. Modules are imported on demand: some take a second to load.
 EXPERIMENTS: Mapping[str, str] = {
-    "paper": ".experiments.paper:PaperExperiment",
-    "situations": ".experiments.paper:SituationsExperiment",
-    "grasps": ".experiments.paper:GraspExperiment",
+    "paper": ".experiments.decisions:PaperExperiment",
+    "situations": ".experiments.decisions:SituationsExperiment",
+    "grasps": ".experiments.decisions:GraspExperiment",
     "all-scenarios": ".experiments.all_scenarios:AllScenariosExperiment",
     "random": ".experiments.all_scenarios:RandomScenariosExperiment",
     "noise": ".experiments.noise_robustness:NoiseExperiment",

@@ -7,7 +7,7 @@ from ...kb.interval import Interval
 from ...kb.rule import Atom
 from ...ontology.objects import ObjectTypes
 from ...sim.scene.scene import Scene
-from ...sim.vision.percept import Percept, UnmeasuredParts
+from ...sim.vision.percept import UNMEASURED, Percept
 
 
 def percept_as_observation(
@@ -44,7 +44,7 @@ class PerfectVision:
                 name=placement.name,
                 object=placement.object,
                 confidence=1.0,
-                parts=UnmeasuredParts(tuple(objects[placement.object].parts)),
+                parts=dict.fromkeys(objects[placement.object].parts, UNMEASURED),
                 properties=objects[placement.object].properties,
             )
             for placement in scene.placements

@@ -15,9 +15,8 @@ import numpy as np
 
 from .. import poses
 from ..poses import Array
-from ..robot.grasp_poses import Grasp
 from ..robot.models import Gripper
-from ..robot.path_planner import GraspPath, PathPlanner
+from ..robot.path_planner import Grasp, GraspPath, PathPlanner
 from . import scoring
 from .context import GraspContext, LabelledPointCloud
 from .sampling import sample_grasps

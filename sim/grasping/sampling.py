@@ -15,8 +15,8 @@ import numpy as np
 
 from .. import poses
 from ..poses import Array
-from ..robot.grasp_poses import grasp_orientations
 from ..robot.models import Gripper
+from ..robot.path_planner import grasp_orientations
 from ..vision.point_cloud_operations import farthest_points, principal_direction
 from .context import LabelledPointCloud, PointLabel
 

@@ -15,8 +15,7 @@ from ..grasping.context import GraspContext
 from ..physics.engine import GRAVITY, TIME_STEP
 from ..poses import Array
 from ..robot.collision import hand_spheres
-from ..robot.grasp_poses import hand_orientations
-from ..robot.path_planner import MAX_PACE, GraspPath, PathPlanner
+from ..robot.path_planner import MAX_PACE, GraspPath, PathPlanner, hand_orientations
 from ..robot.robot import FingerContacts, Robot
 from ..vision.point_cloud_operations import voxel_downsample
 

@@ -2,25 +2,6 @@
 
 from dataclasses import dataclass
 
-REASONS = {
-    "nothing_seen": "the object or its part is not visible",
-    "no_grasp": "no place on the part can be held",
-    "too_wide": "the part is wider than the gripper opens",
-    "blocked": "other objects or parts leave no room for the fingers",
-    "unreachable": "the arm cannot bring the hand there without a collision",
-    "wrong_part": "the fingers closed on something else than the part",
-    "missed": "the fingers closed on nothing",
-    "slipped": "the object slipped out of the fingers while it was lifted",
-    "dropped": "the object was lost after it had been lifted",
-    "bumped": "something was touched that must not be",
-    "nothing_held": "the hand is empty",
-    "nothing_to_strike": "the object to be struck is not there, or does not stand in another one",
-    "not_driven": "the object that was struck does not go in",
-    "no_gripper": "the robot has no gripper",
-    "no_room": "there is no free place on the table",
-    "interrupted": "the motion was ended while it ran",
-}
-
 
 @dataclass(frozen=True)
 class MotionReport:
@@ -29,7 +10,7 @@ class MotionReport:
     Attributes:
         action: the primitive: "grasp", "lift", ...
         ok: whether it succeeded.
-        reason: why not, one of `REASONS`.
+        reason: why not: a failure of `ontology/actions.yaml`, "no_room" or "interrupted".
         touched: the parts of the object that the fingers touch.
         lifted_m: height of the object above where it was taken up [m].
         held_s: how long it was held still [s].

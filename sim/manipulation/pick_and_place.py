@@ -15,8 +15,7 @@ from .. import poses
 from ..grasping.context import GraspContext
 from ..grasping.planner import GraspAttempts, RankedGrasps, select_grasp
 from ..poses import Array
-from ..robot.grasp_poses import Grasp
-from ..robot.path_planner import GraspPath, PathPlanner
+from ..robot.path_planner import Grasp, GraspPath, PathPlanner
 from ..robot.robot import Robot
 from ..scene.world import SleepManager, World
 from ..vision.object_detector import ObjectDetector

@@ -16,7 +16,7 @@ import shapely
 
 from .. import poses
 from ..poses import Array
-from ..robot.grasp_poses import hand_orientations
+from ..robot.path_planner import hand_orientations
 from ..robot.robot import NAME
 from ..vision.percept import Percept
 from ..vision.point_cloud_operations import voxel_downsample

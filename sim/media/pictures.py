@@ -23,7 +23,7 @@ from .. import poses
 from ..physics.engine import PhysicsEngine
 from ..physics.rendering import Lighting
 from ..poses import Array
-from ..robot.grasp_poses import Grasp
+from ..robot.path_planner import Grasp
 from ..vision.camera import Camera
 
 with extra_required("sim", "pillow"):

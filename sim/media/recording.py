@@ -18,7 +18,7 @@ from PIL import Image
 from ...ontology.errors import MissingExtraError
 from ..physics.engine import TIME_STEP
 from ..poses import Array
-from ..robot.grasp_poses import Grasp
+from ..robot.path_planner import Grasp
 from ..scene.world import World
 from ..vision.camera import Camera
 from . import pictures

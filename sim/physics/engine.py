@@ -5,8 +5,7 @@ Poses are 4 x 4 matrices (`world_from_link`); lengths, angles and forces are in 
 
 from contextlib import AbstractContextManager
 
-from .bodies import Bodies
-from .joints import Joints
+from .bodies import Bodies, Joints
 from .pybullet_client import PhysicsClient
 from .rendering import Rendering
 

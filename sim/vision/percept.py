@@ -5,35 +5,17 @@ They hold points and numbers, never a reference into the simulator.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 from ...ontology.objects import ObjectType
 
 if TYPE_CHECKING:
     from ..poses import Array
 
-
-@dataclass(frozen=True)
-class UnmeasuredParts(Mapping[str, "Array"]):
-    """Visible parts without points (0, 3); numpy is imported only when these are read."""
-
-    names: tuple[str, ...]
-
-    def __getitem__(self, name: str) -> Array:
-        import numpy as np
-
-        if name not in self.names:
-            raise KeyError(name)
-        return np.zeros((0, 3))
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self.names)
-
-    def __len__(self) -> int:
-        return len(self.names)
+UNMEASURED = cast("Array", ())  # no points of a visible part, without an import of numpy
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,9 +37,8 @@ class Percept:
     properties: frozenset[str] = field(default_factory=frozenset[str])
 
     def __post_init__(self) -> None:
-        if not isinstance(self.parts, UnmeasuredParts):
-            for cloud in self.parts.values():
-                cloud.flags.writeable = False
+        for cloud in filter(len, self.parts.values()):
+            cloud.flags.writeable = False
 
     @cached_property
     def cloud(self) -> Array:

@@ -33,7 +33,7 @@ from ...config import household, load_language, open_base
 from ...execution.embodiment import Embodiment
 from ..experiment import Case
 from ..learning_scenarios import ACTIONS, CONTEXTS, LEVELS, LearningScenario, rule_sentence
-from .command_experiment import DecisionExperiment
+from .decisions import DecisionExperiment
 
 MAX_SCENES = 10_000
 

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 from ....inference.types import Candidate
 from ...dialogue.reply import Reply
-from ...execution.outcome import GoalResult, Json, WorldOutcome
+from ...execution.outcome import GoalResult, Json
 from ..experiment import Case, CaseResult, Kind
 from ..learning_scenarios import LearningScenario
 
@@ -29,7 +29,7 @@ class CorrectChoices:
 
     Attributes:
         objects: the right choices; empty if the right answer is that there is none.
-        principle: the principle of section 4.1 that applies, 1 to 4.
+        principle: the principle of section 4.1 that applies, 1 to 4; 0 for an object by name.
         parts: object -> the parts by which it may be grasped; empty if any will do, or none.
     """
 
@@ -95,17 +95,6 @@ def judge_command(case: Case, truth: CorrectChoices, reply: Reply) -> CaseResult
     return CaseResult(case.key, right, truth.kind, truth.principle, found_words, expected, facts)
 
 
-def judge_grasp(case: Case, name: str, part: str, reply: Reply) -> CaseResult:
-    """Return the result of a command to grasp an object given by name."""
-    world = reply.result.world if reply.result else WorldOutcome()
-    facts: Json = {"asked": reply.text, "said": reply.said, **_grasp_facts(world, name, {part})}
-    facts["why"] = explain_reply(reply)
-    facts["success"] = reply.is_done and facts["success"] is True
-    touched = ", ".join(world.touched) or "nothing"
-    found = f"{touched}, {world.lifted_m:.3f} m, {world.held_s:.1f} s"
-    return CaseResult(case.key, facts["success"] is True, "grasp", 0, found, part, facts)
-
-
 def _first_choice(reply: Reply, action: str) -> Candidate | None:
     steps = reply.result.steps if reply.result else ()
     best = (step.inference.best for step in steps if step.node.endswith(f"/{action}"))
@@ -116,22 +105,19 @@ def _execution_facts(achieved: GoalResult, truth: CorrectChoices, *, is_done: bo
     world = achieved.world
     best = achieved.decision.object.best if achieved.decision else None
     taken = best.object if best else ""
-    facts: Json = {"success": True}
-    if truth.parts.get(taken):  # if no part was taught, any will do
-        facts = _grasp_facts(world, taken, truth.parts[taken]) | {"handed_over": world.handed_over}
-    facts["success"] = is_done and taken in truth.objects and facts["success"] is True
-    return facts
-
-
-def _grasp_facts(world: WorldOutcome, taken: str, parts: Collection[str]) -> Json:
-    right_part = len(world.touched) == 1 and world.touched[0] in parts
+    right = is_done and taken in truth.objects
+    if not truth.parts.get(taken):  # if no part was taught, any will do
+        return {"success": right}
+    right_part = len(world.touched) == 1 and world.touched[0] in truth.parts[taken]
+    held = world.lifted_m >= LIFTED_M and world.held_s >= HELD_S
     facts: Json = {
-        "success": right_part and world.lifted_m >= LIFTED_M and world.held_s >= HELD_S,
+        "success": right and right_part and held,
         "taken": taken,
         "touched": list(world.touched),
         "lifted_m": round(world.lifted_m, 4),
         "held_s": round(world.held_s, 3),
         "attempts": world.attempts,
+        "handed_over": world.handed_over,
     }
     return facts | {"right_part": right_part} if world.touched else facts
 

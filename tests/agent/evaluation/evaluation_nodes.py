@@ -22,8 +22,7 @@ from evaluation_faults import Squares, notes
 from ray._private.node import Node
 from ray.cluster_utils import Cluster as Nodes
 
-from hilt.agent.evaluation.runners.experiment_run import run_experiment
-from hilt.agent.evaluation.runners.ray import RayRunner
+from hilt.agent.evaluation.runners.runner import RayRunner, run_experiment
 
 GET_FLAGS, SET_FLAGS, UP = 0x8913, 0x8914, 0x1  # linux/sockios.h, linux/if.h
 

@@ -5,9 +5,8 @@ from __future__ import annotations
 import pytest
 from experience import ExperienceExperiment, is_contradicted
 
-from hilt.agent.evaluation.reports.export import render_page
-from hilt.agent.evaluation.reports.summary import EvaluationReport
-from hilt.agent.evaluation.runners.base import run_serially
+from hilt.agent.evaluation.reports.report import EvaluationReport, render_page
+from hilt.agent.evaluation.runners.runner import run_serially
 from hilt.inference.experience import contradiction, credible_interval
 from hilt.kb.interval import Interval
 

@@ -14,7 +14,7 @@ from hilt.sim.media.pictures import (
     draw_grasps,
     draw_names,
 )
-from hilt.sim.robot.grasp_poses import Grasp
+from hilt.sim.robot.path_planner import Grasp
 
 CAMERA = replace(OVERVIEW, width=320, height=240)
 BLANK = np.full((240, 320, 3), 255, dtype=np.uint8)

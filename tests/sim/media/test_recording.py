@@ -14,7 +14,7 @@ from hilt.sim import poses
 from hilt.sim.media import pictures, recording
 from hilt.sim.media.pictures import ACCEPTED, OVERVIEW, add_caption, save_picture, take_picture
 from hilt.sim.media.recording import WorldRecorder, strip
-from hilt.sim.robot.grasp_poses import Grasp
+from hilt.sim.robot.path_planner import Grasp
 from hilt.sim.scene.scene import parse_scene
 from hilt.sim.scene.world import World
 

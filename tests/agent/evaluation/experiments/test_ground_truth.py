@@ -6,11 +6,7 @@ import pytest
 
 from hilt.agent.agent import Agent
 from hilt.agent.evaluation.experiment import Case, CaseResult
-from hilt.agent.evaluation.experiments.ground_truth import (
-    CorrectChoices,
-    judge_command,
-    judge_grasp,
-)
+from hilt.agent.evaluation.experiments.ground_truth import CorrectChoices, judge_command
 from hilt.agent.evaluation.learning_scenarios import load_scenarios
 from hilt.agent.execution.perception import PerfectVision
 from hilt.ontology.objects import load_objects
@@ -121,5 +117,6 @@ def test_grasp_by_name_is_judged_by_the_part(agent: Agent):
     """A thing asked for by its name has one right part."""
     reply = agent.hear("pass me the spoon")
 
-    assert judge_grasp(CASE, "spoon", "bowl", reply).right
-    assert not judge_grasp(CASE, "spoon", "handle", reply).right
+    for part, right in (("bowl", True), ("handle", False)):
+        truth = CorrectChoices(frozenset({"spoon"}), 0, {"spoon": frozenset({part})})
+        assert judge_command(CASE, truth, reply).facts["success"] is right

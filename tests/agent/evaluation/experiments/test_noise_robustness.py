@@ -9,13 +9,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hilt.agent.evaluation.experiment import Case, CaseResult
-from hilt.agent.evaluation.experiments.noise_curves import (
+from hilt.agent.evaluation.experiments.noise_robustness import (
     CURVES,
+    NoiseExperiment,
     clustered_interval,
     curve_points,
+    garble,
     wilson_interval,
 )
-from hilt.agent.evaluation.experiments.noise_robustness import NoiseExperiment, garble
 from hilt.ontology.errors import UnknownNameError
 
 RUN = NoiseExperiment(trials=1)

@@ -19,8 +19,8 @@ from hypothesis import strategies as st
 
 from hilt.agent.cli import main
 from hilt.agent.evaluation.experiment import TimedResult
-from hilt.agent.evaluation.runners.experiment_run import run_experiment
 from hilt.agent.evaluation.runners.journal import JOURNAL, RESULTS, TIMES, RunJournal
+from hilt.agent.evaluation.runners.runner import run_experiment
 from hilt.ontology.errors import DataError, StoreError
 
 KILLS = int(os.environ.get("HILT_KILLS", "6")) // 3

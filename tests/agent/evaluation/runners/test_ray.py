@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from evaluation_faults import Squares, notes
 
-from hilt.agent.evaluation.runners.experiment_run import make_runner
+from hilt.agent.evaluation.runners.runner import make_runner
 from hilt.ontology.errors import MissingExtraError, WorkersUnavailableError
 
 NODES = Path(__file__).parents[1] / "evaluation_nodes.py"

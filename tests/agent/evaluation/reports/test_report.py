@@ -14,11 +14,16 @@ import pytest
 
 from hilt.agent.cli import main
 from hilt.agent.evaluation.experiment import Case, CaseResult, TimedResult
+from hilt.agent.evaluation.experiments.decisions import PaperExperiment
 from hilt.agent.evaluation.experiments.noise_robustness import NoiseExperiment
-from hilt.agent.evaluation.experiments.paper import PaperExperiment
-from hilt.agent.evaluation.reports.export import COLOURS, plot_curve, render_page, write_report
-from hilt.agent.evaluation.reports.summary import EvaluationReport
-from hilt.agent.evaluation.runners.experiment_run import run_experiment
+from hilt.agent.evaluation.reports.report import (
+    COLOURS,
+    EvaluationReport,
+    plot_curve,
+    render_page,
+    write_report,
+)
+from hilt.agent.evaluation.runners.runner import run_experiment
 
 ROOT = Path(__file__).parents[4]
 POINTS = [

@@ -14,11 +14,11 @@ from hilt.agent.evaluation.experiment import (
     make_experiment,
     to_json_line,
 )
+from hilt.agent.evaluation.experiments.decisions import PaperExperiment, SituationsExperiment
 from hilt.agent.evaluation.experiments.ground_truth import CorrectChoices
-from hilt.agent.evaluation.experiments.paper import PaperExperiment, SituationsExperiment
 from hilt.agent.evaluation.learning_scenarios import LEVELS, load_scenarios
-from hilt.agent.evaluation.reports.summary import EvaluationReport
-from hilt.agent.evaluation.runners.experiment_run import run_experiment
+from hilt.agent.evaluation.reports.report import EvaluationReport
+from hilt.agent.evaluation.runners.runner import run_experiment
 
 A, B = load_scenarios()
 EVERY = 101  # a prime, so that a slice of the situations meets every action, affordance and size

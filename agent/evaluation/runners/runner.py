@@ -1,0 +1,312 @@
+"""Running an experiment in this process, in others that may die or hang, or on a Ray cluster.
+
+A worker process gets the name and options of an experiment and constructs it again; cases and
+results are transferred as lines of JSON. For a cluster Hilt must be installed on every node; the
+cases of a failed node are started again on another one.
+"""
+
+import faulthandler
+import json
+import os
+import socket
+from collections.abc import Callable, Generator, Iterator, Sequence
+from concurrent.futures import Future
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
+from itertools import islice
+from multiprocessing import get_context
+from queue import Empty, SimpleQueue
+from time import process_time
+from typing import Any
+
+from pebble import ProcessExpired, ProcessPool
+from rich import progress
+from rich.console import Console
+from rich.text import Text
+
+from ....ontology.errors import WorkersUnavailableError, extra_required
+from ..experiment import Case, CaseResult, Experiment, TimedResult, make_experiment, to_json_line
+from .journal import RunJournal
+
+START_S = 120.0  # how long the worker processes may take to start a case [s]
+TIMEOUT_S = 600.0  # [s]; ten times as long as any case of ours takes
+ATTEMPTS = 3  # how often a case is started whose worker dies or times out
+LOCAL = "local"
+CONNECT_S = 10.0  # how long the head node may take to answer [s]
+
+Runner = Callable[[Experiment, Sequence[Case]], Iterator[TimedResult]]
+"""Runs each case once, and yields the results as they become available."""
+
+
+def run_case(experiment: Experiment, case: Case) -> TimedResult:
+    """Run one case in this process; an exception becomes a result of kind "error"."""
+    start = process_time()
+    try:
+        result = experiment.run(case)
+    except Exception as error:  # any exception of a case is its result
+        found = f"{type(error).__name__}: {error}"
+        result = CaseResult(case.key, False, "error", 0, found, "no error")
+    return TimedResult(result, process_time() - start)
+
+
+def run_in_worker(name: str, options: str, case: str) -> str:
+    """Run a case in a worker process; arguments and result are JSON.
+
+    WorkersError if the experiment cannot be constructed in this process.
+    """
+    try:
+        experiment = _experiment(name, options)
+    except Exception as error:  # an exception with a single text can be sent to any process
+        raise WorkersUnavailableError(f"A worker process could not be started: {error}") from None
+    return to_json_line(run_case(experiment, Case(**json.loads(case))))
+
+
+@lru_cache(maxsize=1)  # keeps what is expensive to set up for the next cases
+def _experiment(name: str, options: str) -> Experiment:
+    return make_experiment(name, json.loads(options))
+
+
+def run_in_pool(
+    cases: Sequence[Case],
+    start: Callable[[str], Future[str]],
+    failures: tuple[type[Exception], ...],
+    *,
+    attempts: int,
+    at_once: int | None = None,
+    patience_s: float | None = None,
+) -> Iterator[TimedResult]:
+    """Run cases in other processes, and yield the results as they become available.
+
+    Args:
+        cases: what is run.
+        start: starts `run_in_worker` with a case.
+        failures: what it raises where the process died or timed out; then the case is started
+            again.
+        attempts: how often a case is started.
+        at_once: how many cases are started at the same time; None starts all.
+        patience_s: how long the processes may take to start a case [s].
+
+    Raises:
+        WorkersError: no process can be started.
+    """
+    finished: SimpleQueue[tuple[Case, int, Future[str]]] = SimpleQueue()
+    pending: set[Future[str]] = set()
+    waiting = iter(cases)
+
+    def begin(case: Case, attempt: int) -> None:
+        future = start(to_json_line(case))
+        pending.add(future)
+        future.add_done_callback(lambda done: finished.put((case, attempt, done)))
+
+    for case in islice(waiting, at_once):
+        begin(case, 1)
+    while pending:
+        try:
+            case, attempt, future = finished.get(timeout=patience_s)
+        except Empty:
+            if any(future.running() for future in pending):
+                continue
+            problem = f"No worker process has started in {patience_s:g} s."
+            raise WorkersUnavailableError(f"{problem} Run with one worker to see why.") from None
+        pending.remove(future)
+        try:
+            yield replace(TimedResult.from_json(json.loads(future.result())), attempts=attempt)
+        except failures:
+            if attempt < attempts:
+                begin(case, attempt + 1)
+                continue
+            reason = f"its worker process died or timed out {attempt} times"
+            lost = CaseResult(case.key, False, "lost", 0, reason, "a result")
+            yield TimedResult(lost, 0.0, attempt)
+        for each in islice(waiting, 1):
+            begin(each, 1)
+
+
+def run_serially(experiment: Experiment, cases: Sequence[Case]) -> Iterator[TimedResult]:
+    """Run cases in this process, one after the other; those that hang are not stopped."""
+    return (run_case(experiment, case) for case in cases)
+
+
+@dataclass(frozen=True)
+class ProcessRunner:
+    """Runs cases in a pool of processes (started by "spawn" on every platform).
+
+    A process is killed when its case takes longer than `timeout_s` [s]. A case whose process dies
+    or times out is started `attempts` times.
+    """
+
+    workers: int
+    timeout_s: float = TIMEOUT_S
+    attempts: int = ATTEMPTS
+
+    def __call__(self, experiment: Experiment, cases: Sequence[Case]) -> Iterator[TimedResult]:
+        """Run the cases, each in one of the processes; WorkersError if none can be started."""
+        if not cases:
+            return
+        pool = ProcessPool(min(self.workers, len(cases)), context=get_context("spawn"))
+        name, options = experiment.name, to_json_line(experiment.options)
+        try:
+            yield from run_in_pool(
+                cases,
+                lambda case: pool.schedule(
+                    run_in_worker, args=(name, options, case), timeout=self.timeout_s
+                ),
+                (ProcessExpired, TimeoutError),
+                attempts=self.attempts,
+                patience_s=START_S,
+            )
+        finally:
+            pool.stop()
+            pool.join()
+
+
+def _import_ray() -> Any:
+    # Ray reads this when it is imported: no usage statistics are sent.
+    os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")
+    with extra_required("cluster", "ray"):
+        import ray  # pyright: ignore[reportMissingImports] - an extra
+
+    return ray
+
+
+@dataclass(frozen=True)
+class RayRunner:
+    """Runs cases on a Ray cluster.
+
+    Attributes:
+        address: the address of its head node, "auto", or "local" to start a cluster.
+        workers: maximum number of cases at the same time; None is the number of processors.
+        timeout_s: how long a case may take before it is stopped [s].
+        attempts: how often a case is started whose worker dies.
+
+    Raises:
+        MissingExtraError: Ray is not installed.
+    """
+
+    address: str
+    workers: int | None = None
+    timeout_s: float = TIMEOUT_S
+    attempts: int = ATTEMPTS
+    _ray: Any = field(default_factory=_import_ray, repr=False, compare=False)
+
+    def __call__(self, experiment: Experiment, cases: Sequence[Case]) -> Iterator[TimedResult]:
+        """Run the cases on the cluster; WorkersError if it cannot be reached."""
+        work = (self.timeout_s, experiment.name, to_json_line(experiment.options))
+        with self._connected():
+            task = self._ray.remote(_run_within).options(max_retries=0)
+            yield from run_in_pool(
+                cases,
+                lambda case: task.remote(*work, case).future(),
+                (self._ray.exceptions.RayError,),
+                attempts=self.attempts,
+                at_once=self.workers,
+            )
+
+    @contextmanager
+    def _connected(self) -> Generator[None]:
+        own = self.address == LOCAL
+        host, colon, port = self.address.removeprefix("ray://").rpartition(":")
+        try:
+            if colon:  # Ray itself would retry for minutes
+                socket.create_connection((host, int(port)), CONNECT_S).close()
+            self._ray.init(
+                address=None if own else self.address,
+                num_cpus=self.workers if own else None,
+                include_dashboard=False if own else None,
+                log_to_driver=False,
+                logging_level="ERROR",
+            )
+        except (OSError, RuntimeError, ValueError) as error:
+            raise WorkersUnavailableError(f'No Ray cluster at "{self.address}": {error}') from error
+        try:
+            yield
+        finally:
+            self._ray.shutdown()
+
+
+def _run_within(timeout_s: float, *work: str) -> str:
+    faulthandler.dump_traceback_later(timeout_s, exit=True)
+    try:
+        return run_in_worker(*work)
+    finally:
+        faulthandler.cancel_dump_traceback_later()
+
+
+def make_runner(
+    workers: int | None = None, ray: str | None = None, *, timeout_s: float = TIMEOUT_S
+) -> Runner:
+    """Return the runner for the options of a command.
+
+    Args:
+        workers: how many cases run at the same time; None is one, or all processors of a cluster.
+        ray: the address of a Ray cluster, "auto" for the one of this machine, or "local" for a new
+            one.
+        timeout_s: how long a case may take before its worker is killed [s].
+
+    Raises:
+        MissingExtraError: Ray is not installed.
+    """
+    if ray:
+        return RayRunner(ray, workers, timeout_s=timeout_s)
+    if workers is None or workers == 1:
+        return run_serially
+    return ProcessRunner(workers, timeout_s)
+
+
+def run_experiment(
+    experiment: Experiment,
+    cases: Sequence[Case] | None = None,
+    *,
+    runner: Runner | None = None,
+    journal: RunJournal | None = None,
+    console: Console | None = None,
+) -> tuple[TimedResult, ...]:
+    """Run an experiment, or resume it, and return the results of all cases in their order.
+
+    `cases` are its cases, if they are listed already; without a runner they run in this process.
+    The journal gets the results as they come, and the cases that it contains are not run again. The
+    progress is shown on the console, if there is one.
+    """
+    cases = experiment.cases() if cases is None else cases
+    runs = dict(journal.runs) if journal else {}
+    left = [case for case in cases if case.key not in runs]
+    with progress_bar(console) as bar:
+        task = bar.add_task(experiment.name, total=len(cases), completed=len(runs))
+        for run in (runner or run_serially)(experiment, left):
+            runs[run.result.key] = run
+            if journal:
+                journal.add(run)
+            bar.advance(task)
+    ordered = tuple(runs[case.key] for case in cases)
+    if journal:
+        journal.finish(cases, experiment.files([run.result for run in ordered]))
+    return ordered
+
+
+class SpeedColumn(progress.ProgressColumn):
+    """The rate in cases per second, or in seconds per case where they are slow."""
+
+    def render(self, task: progress.Task) -> Text:
+        """Return the rate as a text."""
+        speed = task.finished_speed or task.speed
+        if not speed:
+            return Text("")
+        return Text(f"{speed:.1f} a second" if speed >= 1 else f"{1 / speed:.1f} s each")
+
+
+def progress_bar(console: Console | None) -> progress.Progress:
+    """Return a bar of cases; it shows nothing if the console is None or not a terminal."""
+    columns = (
+        progress.TextColumn("{task.description}"),
+        progress.BarColumn(),
+        progress.MofNCompleteColumn(),
+        SpeedColumn(),
+        progress.TimeRemainingColumn(compact=True),
+        progress.TextColumn("left"),
+    )
+    quiet = console is None or not console.is_terminal
+    # Few refreshes: more take time that the cases need.
+    return progress.Progress(
+        *columns, console=console, transient=True, refresh_per_second=4, disable=quiet
+    )
