@@ -11,13 +11,12 @@ The statements of one rule must stand together, as they do in every export.
 from __future__ import annotations
 
 import io
-import re
 import tempfile
 from array import array
 from collections import Counter, defaultdict, deque
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field, replace
-from functools import cache, partial
+from functools import cache, lru_cache, partial
 from itertools import chain
 from typing import BinaryIO, cast
 
@@ -30,7 +29,7 @@ from ..invariants import check_invariants
 from ..knowledge_base import KnowledgeBase
 from ..rdf import rule_mapping
 from ..rdf.annotated_turtle import ReifyingTriple
-from ..rdf.rule_mapping import BELIEFS, DERIVED, LABEL
+from ..rdf.rule_mapping import BELIEFS, CONTEXT, DERIVED, FEATURE, LABEL, RULE_NODE
 from ..rdf.terms import BASE_GRAPH, BASE_NODE, Properties, Quad, Term
 from ..reader import RuleReader
 from ..rule import Rule
@@ -39,9 +38,9 @@ from ..validation import ValidationFinding, raise_findings
 from ..writer import to_milliseconds
 from . import reconciliation
 from .exporter import write_statements
-from .nquads_reader import RuleBlock, StatementGroup, Statements, read_groups, read_quads
+from .nquads_reader import StatementGroup, Statements, read_groups, read_quads
 from .reconciliation import AncillaryWrites, ImportConflict, ImportSummary
-from .rule_nquads import FastRuleReader, NQuadsWriter
+from .rule_nquads import NQuadsWriter
 
 MAX_LISTED = 20  # conflicts, and rules of another status, that a summary names
 MAX_REST = 3_000_000  # statements that belong to no rule and are held in memory
@@ -51,7 +50,6 @@ _MAX_APPLIED = 2**21  # bytes of lines that are written as an ordinary unit
 _WRITTEN_AGAIN = frozenset((rule_mapping.TYPE, LABEL, rule_mapping.RULE, *rule_mapping.PLAIN_EDGES))
 
 _RULES = PREFIXES["rule"]
-_ASSERTED = re.compile(f"{re.escape(_RULES)}([0-9a-f]{{16}})")
 
 
 def import_statements(
@@ -148,21 +146,14 @@ class _Import:
         )
 
     def read_rules(self, statements: Iterable[Statements]) -> Iterator[Rule]:
-        fast = FastRuleReader()
         for item in statements:
-            if isinstance(item, RuleBlock):
-                rule = fast.read(item)
-                if rule:
-                    yield rule
-                    continue
-            for group in item.groups() if isinstance(item, RuleBlock) else [item]:
-                checked = _checked(group, self.source)
-                if checked.graph == DERIVED:
-                    continue  # it follows again from what is imported
-                if checked.node.startswith(_RULES) and not is_ontology(checked.graph):
-                    yield _read_rule(checked.node, checked.pairs)
-                else:
-                    self.rest += self._besides_rules(checked)
+            group = _checked(item, self.source)
+            if group.graph == DERIVED:
+                continue  # it follows again from what is imported
+            if group.node.startswith(_RULES) and not is_ontology(group.graph):
+                yield _read_rule(group.node, group.pairs)
+            else:
+                self.rest += self._besides_rules(group)
             if len(self.rest) > MAX_REST:
                 raise DataError(
                     f"has more than {MAX_REST} statements besides its rules; import the rules "
@@ -179,7 +170,7 @@ class _Import:
         # Formats without graphs have utterances among the beliefs.
         is_utterance = kind == "utterance" and name.isdecimal() and graph in {HISTORY, BELIEFS}
         for key, value in pairs:
-            if is_utterance and key == ASSERTS and (rule := _ASSERTED.fullmatch(str(value))):
+            if is_utterance and key == ASSERTS and (rule := RULE_NODE.fullmatch(str(value))):
                 self.asserted[int(name)].append(int(rule[1], 16))
             elif key not in derived:
                 yield Quad(node, key, value, graph)
@@ -293,13 +284,21 @@ def _checked(group: StatementGroup | ReifyingTriple, source: str) -> StatementGr
 def _read_rule(node: Iri, properties: Properties) -> Rule:
     try:
         rule = rule_mapping.read_rule(properties)
-        known = Counter(quad.predicate for quad in rule_mapping.property_quads(rule))
-        foreign = Counter(key for key, _ in set(properties)) - known
-        if foreign:
+        keys = tuple([key for key, _ in dict.fromkeys(properties)])
+        argument = rule.argument.kind if rule.argument else ""
+        if foreign := _foreign(keys, len(rule.features), len(rule.contexts), argument):
             raise ValidationError([f"{shortened(key)} is no part of a rule." for key in foreign])
         return rule
     except ValidationError as error:
         raise ValidationError([f"{shortened(node)}: {one}" for one in error.findings]) from error
+
+
+@lru_cache(maxsize=2**10)
+def _foreign(keys: tuple[Iri, ...], features: int, contexts: int, argument: str) -> Counter[Iri]:
+    once = rule_mapping.KEYS.keys() - rule_mapping.ARGUMENTS
+    known = Counter({**dict.fromkeys(once, 1), FEATURE: features, CONTEXT: contexts})
+    known[rule_mapping.argument_property(argument)] = 1
+    return Counter(keys) - known
 
 
 def _write(store: Store, lines: Iterator[bytes], plan: AncillaryWrites, source: str) -> None:

@@ -1,31 +1,36 @@
 """A fast reader of N-Quads and N-Triples that groups statements by their subject.
 
 A line that is like an earlier one but for its subject, as most lines of a large base are, is not
-parsed again. The lines about a rule are passed on unread, because an import can copy most of them
-(`hilt.kb.bulk.rule_nquads`).
+parsed again. Nor is one that differs from it only in the rule that it names, or in a short decimal.
 """
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Sequence
+from decimal import Decimal
 from functools import partial
 from typing import Any, BinaryIO, NamedTuple, TypeAlias
 
-from ...ontology.vocabulary import PREFIXES, Iri
+from ...ontology.vocabulary import Iri
+from ..interval import DIGITS
 from ..rdf.annotated_turtle import ReifyingTriple
-from ..rdf.rule_mapping import BELIEFS
-from ..rdf.terms import Properties, Quad
+from ..rdf.rule_mapping import BELIEFS, RULE_NODE
+from ..rdf.terms import DECIMAL, Properties, Property, Quad
 
 # What an RDF text is read into.
-Statements: TypeAlias = "StatementGroup | RuleBlock | ReifyingTriple"
+Statements: TypeAlias = "StatementGroup | ReifyingTriple"
 
 MAX_KNOWN = 100_000  # values of each kind that are remembered
 MAX_GROUP = 10_000  # statements; many more rules than that may hang on one node
 
 _MAX_TERM = 2**24  # bytes of a line with one statement, as pyoxigraph has it
-_RULE = re.compile(f"<({re.escape(PREFIXES['rule'])}[0-9a-f]{{16}})>")
-_TO_RULE = re.compile(rf"(<[^ ]+>) {_RULE.pattern}( <[^ ]+>)? \.")
+_MAX_REPEATED = 4  # characters of a decimal that is likely to come again: 0.95
+_RULE = re.compile(f"<({RULE_NODE.pattern})>")
+_VARIED = re.compile(  # lines that are many, and differ in a rule or a short decimal
+    rf"(?P<key><[^ ]+>) (?:<(?P<rule>{RULE_NODE.pattern})>"
+    rf'|"(?P<decimal>[01](?:\.[0-9]{{1,{DIGITS}}})?)"\^\^<{DECIMAL}>)(?P<graph> <[^ ]+>)? \.'
+)
 
 
 def remember(known: dict[Any, Any], key: object, value: Any) -> Any:
@@ -54,29 +59,6 @@ class StatementGroup(NamedTuple):
         return (Quad(node, key, value, graph) for key, value in pairs)
 
 
-class RuleBlock(NamedTuple):
-    """Consecutive lines about one rule, unread.
-
-    The lines are without their subject; `line` is the 1-based number of the first one.
-    """
-
-    node: Iri
-    tails: Sequence[str]
-    line: int
-    reader: LineReader
-
-    def groups(self) -> Iterator[StatementGroup | ReifyingTriple]:
-        """Read the lines."""
-        return self.reader.read_block(f"<{self.node}>", self.tails, self.line, self.node)
-
-    def quad(self, tail: str) -> Quad:
-        """Return the only statement of a line; DataError or ValueError if it has none."""
-        (quad,) = self.reader.statements(f"<{self.node}>", tail, self.node)
-        if not isinstance(quad, Quad):
-            raise ValueError(tail)
-        return quad
-
-
 def read_groups(
     stream: BinaryIO, *, format: str, source: str, default: Iri
 ) -> Iterator[Statements]:
@@ -98,10 +80,9 @@ def read_groups(
 
 
 def read_quads(items: Iterable[Statements]) -> Iterator[Quad | ReifyingTriple]:
-    """Iterate over the statements of items, with every block of lines read."""
+    """Iterate over the statements of items."""
     for item in items:
-        for one in item.groups() if isinstance(item, RuleBlock) else [item]:
-            yield from one.quads() if isinstance(one, StatementGroup) else (one,)
+        yield from item.quads() if isinstance(item, StatementGroup) else (item,)
 
 
 class LineReader:
@@ -114,9 +95,13 @@ class LineReader:
         self.line = 0
         self._parse = partial(read_line, format=format, source=source, default=default)
         self._subjects: dict[str, Iri] = {}
-        self._quads: dict[str, Quad] = {}  # by the text of a line without its subject
+        # What a line says of its subject: by its text without it or, of lines like `_VARIED`, by
+        # the predicate and graph.
+        self._known: dict[object, tuple[Property, Iri]] = {}
         self._rest = b""
-        self._node, self._lines = "", list[str]()  # of the current subject
+        # Of the last line: its subject, where it is written as an IRI is, and its group.
+        self._node: str | None = None
+        self._group = StatementGroup(Iri(""), Iri(""), [])
 
     @property
     def held(self) -> int:
@@ -127,68 +112,58 @@ class LineReader:
         """Iterate over what a chunk completes; UnicodeDecodeError if the text is no UTF-8."""
         whole, end, left = (self._rest + chunk).rpartition(b"\n")
         self._rest = left
-        return self._blocks(whole.decode().split("\n") if end else ())
+        return self._groups(whole.decode().split("\n") if end else ())
 
     def finish(self) -> Iterator[Statements]:
         """End the text, and iterate over what is left."""
         yield from self.feed(b"\n")
-        yield from self._block(self._node, self._lines, self.line - len(self._lines))
+        if self._group.pairs:
+            yield self._group
 
-    def statements(
-        self, node: str, tail: str, subject: Iri | None
-    ) -> Sequence[Quad | ReifyingTriple]:
-        """Return the statements of a line, given its subject as it is written and the rest of it.
-
-        `subject` is the IRI that is written there, where that is known.
-        """
-        link = _TO_RULE.fullmatch(tail)
-        key = f"{link[1]}{link[3]}" if link else tail  # rules are many, and do not come again
-        known, subject = self._quads.get(key), subject or self._subjects.get(node)
-        if known and subject:
-            value = Iri(link[2]) if link else known.object
-            return (Quad(subject, known.predicate, value, known.graph),)
-        found = self._parse(f"{node} {tail}", number=self.line)
-        if len(found) == 1 and isinstance(found[0], Quad) and node == f"<{found[0].subject}>":
-            remember(self._quads, key, found[0])
-            if not subject:
-                remember(self._subjects, node, found[0].subject)
-        return found
-
-    def read_block(
-        self, node: str, tails: Sequence[str], line: int, subject: Iri | None = None
-    ) -> Iterator[StatementGroup | ReifyingTriple]:
-        """Read lines about a node, given the number of the first; otherwise as `statements`."""
-        last, self.line = self.line, line - 1
-        group: StatementGroup | None = None
-        for tail in tails:
+    def _groups(self, lines: Sequence[str]) -> Iterator[Statements]:
+        known, last, group = self._known, self._node, self._group
+        for line in lines:
             self.line += 1
-            for one in self.statements(node, tail, subject):
+            node, _, tail = line.partition(" ")
+            found = (known.get(tail) or self._varied(tail)) if node == last else None
+            if found and found[1] is group.graph and len(group.pairs) < MAX_GROUP:
+                group.pairs.append(found[0])
+                continue
+            for one in self._statements(line, node, tail):
                 if isinstance(one, ReifyingTriple):
                     yield one
                     continue
                 about, key, value, graph = one
-                if not group or len(group.pairs) >= MAX_GROUP or group[:2] != (about, graph):
-                    if group:
+                if group[:2] != (about, graph) or len(group.pairs) >= MAX_GROUP:
+                    if group.pairs:
                         yield group
-                    group = StatementGroup(about, graph or BELIEFS, [])
+                    self._group = group = StatementGroup(about, graph or BELIEFS, [])
                 group.pairs.append((key, value))
-        if group:
-            yield group
-        self.line = last
+            self._node = last = node if node == f"<{group.node}>" else None
 
-    def _blocks(self, lines: Sequence[str]) -> Iterator[Statements]:
-        node, tails = self._node, self._lines
-        for line in lines:
-            self.line += 1
-            subject, _, tail = line.partition(" ")
-            if subject == node and len(tails) < MAX_GROUP:
-                tails.append(tail)
-                continue
-            yield from self._block(node, tails, self.line - len(tails))
-            self._node, self._lines = node, tails = subject, [tail]
+    def _statements(self, line: str, node: str, tail: str) -> Sequence[Quad | ReifyingTriple]:
+        rule, known = _RULE.fullmatch(node), self._known.get(tail) or self._varied(tail)
+        subject = Iri(rule[1]) if rule else self._subjects.get(node)
+        if subject and known:
+            return (Quad(subject, *known[0], known[1]),)
+        found = self._parse(line, number=self.line)
+        if len(found) == 1 and isinstance(found[0], Quad) and node == f"<{found[0].subject}>":
+            subject, key, value, graph = found[0]
+            like = _VARIED.fullmatch(tail)
+            name = like.group("key", "graph") if like else tail
+            remember(self._known, name, ((key, value), graph))
+            if not rule:
+                remember(self._subjects, node, subject)
+        return found
 
-    def _block(self, node: str, tails: Sequence[str], line: int) -> Iterator[Statements]:
-        if rule := _RULE.fullmatch(node):
-            yield RuleBlock(Iri(rule[1]), tails, line, self)
-        elif tails:
-            yield from self.read_block(node, tails, line)
+    def _varied(self, tail: str) -> tuple[Property, Iri] | None:
+        like = _VARIED.fullmatch(tail)
+        known = like and self._known.get(like.group("key", "graph"))
+        if not like or not known:
+            return None
+        (key, _), graph = known
+        rule, decimal = like.group("rule", "decimal")
+        if rule:
+            return (key, Iri(rule)), graph
+        found = (key, Decimal(decimal)), graph
+        return remember(self._known, tail, found) if len(decimal) <= _MAX_REPEATED else found

@@ -3,33 +3,22 @@
 What rules have in common (`SharedLines`) and what they are about (`FeatureLines`) is worked out
 once; each further rule costs its name and the joining of its lines. The statements are those of
 `rule_mapping.rule_quads`; a test compares them.
-
-`FastRuleReader` does the same for the rules of a file. Most large files are exports, in which every
-rule stands as Hilt writes it. A rule that stands there in another form, or breaks a law, is left to
-`rule_mapping.read_rule`, which also says what is wrong.
 """
 
-import re
-from collections.abc import Iterable, Iterator, Sequence
-from datetime import datetime
-from decimal import Decimal
+from collections.abc import Iterable, Iterator
 from functools import lru_cache
-from typing import Any, NamedTuple, TypeAlias
+from typing import NamedTuple
 
-from ...ontology.errors import HiltError
-from ...ontology.vocabulary import PREFIXES, Iri, split
+from ...ontology.vocabulary import PREFIXES, Iri
 from ..history import ASSERTS, HISTORY
 from ..interval import DIGITS, Interval
 from ..rdf import rule_mapping
-from ..rdf.rule_mapping import BELIEFS, DERIVED, DERIVED_FROM, FEATURE, GENERATED_AT, LOWER, UPPER
+from ..rdf.rule_mapping import ANY, BELIEFS, DERIVED, FEATURE, GENERATED_AT, LOWER, OWN, UPPER
 from ..rdf.terms import DECIMAL, Quad, Term, as_sparql
 from ..rule import Atom, Rule, Status
-from .nquads_reader import MAX_KNOWN, RuleBlock, make_room, remember
-
-Pair: TypeAlias = "tuple[Iri, Term]"  # a predicate and an object
+from .nquads_reader import MAX_KNOWN, make_room
 
 _MAX_HELD = 2**20  # characters that are passed on at once
-_MAX_REPEATED = 4  # characters of a bound that is likely to come again: 0.95
 _RULES, _UTTERANCES = PREFIXES["rule"], PREFIXES["utterance"]
 _END, _HISTORY_END, _DERIVED_END = (
     f" {as_sparql(graph)} .\n" for graph in (BELIEFS, HISTORY, DERIVED)
@@ -38,13 +27,6 @@ _LOWER, _UPPER, _TIME, _RULE, _ASSERTS = (
     f" {as_sparql(key)} " for key in (LOWER, UPPER, GENERATED_AT, rule_mapping.RULE, ASSERTS)
 )
 _BOUND_END = f'"^^<{DECIMAL}>{_END}'
-_BOUND = re.compile(
-    f"({as_sparql(LOWER)}|{as_sparql(UPPER)}) "
-    rf'"([01](?:\.[0-9]{{1,{DIGITS}}})?)"\^\^<{DECIMAL}>(?: {as_sparql(BELIEFS)})? \.'
-)
-_OWN = (FEATURE, LOWER, UPPER, DERIVED_FROM, GENERATED_AT)  # not shared
-_SHARED = "shared"  # stands for all other predicates
-_ANY = Atom("object", "any")  # stands for the features of a rule
 _TRUE = Interval(1.0, 1.0)  # of a rule that asserts, so that it has edges
 
 
@@ -76,78 +58,6 @@ class FeatureLines(NamedTuple):
     ends: tuple[str, ...]
     nodes: tuple[str, ...]
     labels: str
-
-
-class FastRuleReader:
-    """Reads the rules of a file that stand there as Hilt writes them."""
-
-    def __init__(self) -> None:
-        self._shared: dict[tuple[str, ...], Rule] = {}
-        self._features: dict[tuple[str, ...], frozenset[Atom]] = {}
-        self._known: dict[str, tuple[str, Term]] = {}
-
-    def read(self, block: RuleBlock) -> Rule | None:
-        """Return the rule of a block; None where it has to be read in full."""
-        try:
-            rule = self._read(block)
-        except (HiltError, KeyError, ValueError):
-            return None
-        return rule if f"{block.node}" == f"{_RULES}{rule.id[5:]}" else None
-
-    def _read(self, block: RuleBlock) -> Rule:
-        shared: list[str] = []
-        features: list[str] = []
-        own: dict[str, Any] = {}
-        known = self._known
-        for tail in block.tails:
-            key, value = known.get(tail) or self._read_line(tail, block)
-            if key is _SHARED:
-                shared.append(tail)
-            elif key is FEATURE:
-                features.append(tail)
-            elif key in own:
-                raise ValueError(tail)
-            else:
-                own[key] = value
-        return self._shared_content(tuple(shared), block).restated(
-            self._atoms(tuple(features), block),
-            Interval(own[LOWER], own[UPPER]),
-            own.get(DERIVED_FROM),
-            own.get(GENERATED_AT),
-        )
-
-    def _read_line(self, tail: str, block: RuleBlock) -> tuple[str, Term]:
-        if bound := _BOUND.fullmatch(tail):
-            found = LOWER if bound[1] == f"<{LOWER}>" else UPPER, float(bound[2])
-            if len(bound[2]) > _MAX_REPEATED:
-                return found
-        else:
-            found = _own_or_shared(block.quad(tail))
-        return remember(self._known, tail, found)
-
-    def _shared_content(self, tails: tuple[str, ...], block: RuleBlock) -> Rule:
-        known = self._shared.get(tails)
-        if known is None:
-            pairs = [block.quad(tail)[1:3] for tail in tails]
-            own = ((FEATURE, rule_mapping.atom_iri(_ANY)), (LOWER, Decimal(1)), (UPPER, Decimal(1)))
-            rule = rule_mapping.read_rule([*pairs, *own])
-            written = [q for q in rule_mapping.property_quads(rule) if q.predicate not in _OWN]
-            _check_equal(pairs, written)
-            known = remember(self._shared, tails, rule)
-        return known
-
-    def _atoms(self, tails: tuple[str, ...], block: RuleBlock) -> frozenset[Atom]:
-        known = self._features.get(tails)
-        if known is None:
-            pairs = [block.quad(tail)[1:3] for tail in tails]
-            atoms = frozenset(
-                rule_mapping.atom_from_iri(value) for _, value in pairs if isinstance(value, Iri)
-            )
-            _check_equal(
-                pairs, [Quad(Iri(""), FEATURE, rule_mapping.atom_iri(atom)) for atom in atoms]
-            )
-            known = remember(self._features, tails, atoms)
-        return known
 
 
 class NQuadsWriter:
@@ -238,11 +148,11 @@ def _relation_lines(rule: Rule, shared: SharedLines) -> str:
 def _shared_lines(
     contexts: frozenset[Atom], functor: str, argument: Atom | None, speaker: str, status: Status
 ) -> SharedLines:
-    features = frozenset([_ANY])
+    features = frozenset([ANY])
     one = Rule(features, contexts, functor, argument, _TRUE, speaker, status=status)
     atoms = one.contexts | ({one.argument} if one.argument else frozenset())
     return SharedLines(
-        tuple(_end(q) for q in rule_mapping.property_quads(one) if q.predicate not in _OWN),
+        tuple(_end(q) for q in rule_mapping.property_quads(one) if q.predicate not in OWN),
         as_sparql(rule_mapping.node_edge(one).subject),
         tuple(map(_end, rule_mapping.edges(one))),
         _lines([*rule_mapping.atom_label_quads(atoms), *rule_mapping.node_label_quads(one)]),
@@ -263,26 +173,3 @@ def _end(quad: Quad) -> str:
 
 def _lines(quads: Iterable[Quad]) -> str:
     return "".join([as_sparql(quad.subject) + _end(quad) for quad in quads])
-
-
-def _own_or_shared(quad: Quad) -> tuple[str, Term]:
-    _, key, value, graph = quad
-    if graph != BELIEFS or key in {LOWER, UPPER}:  # a bound, and not as Hilt writes it
-        raise ValueError(quad)
-    if key == DERIVED_FROM:
-        return DERIVED_FROM, _utterance(value)
-    if key == GENERATED_AT and not isinstance(value, datetime):
-        raise ValueError(quad)
-    return next((own for own in _OWN if own == key), _SHARED), value
-
-
-def _check_equal(pairs: Sequence[Pair], written: Sequence[Quad]) -> None:
-    if sorted(pairs, key=str) != sorted(((q.predicate, q.object) for q in written), key=str):
-        raise ValueError(pairs)
-
-
-def _utterance(node: Term) -> int:
-    kind, name = split(node) if isinstance(node, Iri) else ("", "")
-    if kind != "utterance" or not name.isdecimal():
-        raise ValueError(node)
-    return int(name)

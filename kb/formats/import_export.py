@@ -11,14 +11,14 @@ from itertools import chain
 from pathlib import Path
 from typing import BinaryIO, cast
 
-from ...ontology.vocabulary import Iri, split
+from ...ontology.vocabulary import split
 from ..bulk.exporter import MAX_SORTED, ProgressCounter, scan_rules, statements, write_statements
 from ..bulk.importer import import_rules, import_statements, merge
-from ..bulk.nquads_reader import RuleBlock, StatementGroup, Statements, read_groups, read_quads
+from ..bulk.nquads_reader import StatementGroup, Statements, read_groups, read_quads
 from ..bulk.reconciliation import ImportSummary
 from ..knowledge_base import KnowledgeBase
-from ..rdf.annotated_turtle import REIFIES, ReifyingTriple, expand_annotations, write_annotated
-from ..rdf.rule_mapping import BELIEFS
+from ..rdf.annotated_turtle import ReifyingTriple, expand_annotations, write_annotated
+from ..rdf.rule_mapping import BELIEFS, RULE_NODE
 from ..rule import Rule
 from ..stores.base import Store
 from ..validation import MAX_SHACL, findings, raise_findings, stage, stage_rules
@@ -26,7 +26,6 @@ from .file_streams import CheckedStream, Progress, open_input, open_output
 from .registry import FORMATS, RULE_FORMATS, FileFormat, format_of
 
 MAX_STAGED = MAX_SORTED  # statements; a file of more must be in order
-_ANNOTATES = f"<{REIFIES}> "  # how a line begins that makes a rule the annotation of an edge
 
 
 def export_file(
@@ -149,7 +148,7 @@ def _import(
     first, size = list[Statements](), 0
     for item in items:
         first.append(item)
-        size += _size(item)
+        size += len(item.pairs) if isinstance(item, StatementGroup) else 1
         if size > MAX_STAGED:
             break
     if size > MAX_STAGED or (size > MAX_SHACL and _is_in_order(first)):
@@ -163,23 +162,15 @@ def _import(
 
 
 def _is_in_order(items: Iterable[Statements]) -> bool:
-    seen = set[Iri]()
+    seen = set[object]()
     for item in items:
-        if isinstance(item, ReifyingTriple) or item.node in seen:
+        if isinstance(item, ReifyingTriple):
             return False
-        if isinstance(item, RuleBlock):
-            seen.add(item.node)
-            if any(tail.startswith(_ANNOTATES) for tail in item.tails):
+        if split(item.node)[0] == "rule":
+            if item[:2] in seen or not RULE_NODE.fullmatch(item.node):
                 return False
-        elif split(item.node)[0] == "rule":
-            return False
+            seen.add(item[:2])
     return True
-
-
-def _size(item: Statements) -> int:
-    if isinstance(item, RuleBlock):
-        return len(item.tails)
-    return len(item.pairs) if isinstance(item, StatementGroup) else 1
 
 
 def _staged(items: Iterable[Statements], source: str) -> Store:

@@ -14,18 +14,17 @@ test the status, and edges for property paths and graph tools, with and without 
 """
 
 import re
-from collections.abc import Iterable, Iterator
-from datetime import datetime
+from collections.abc import Iterable, Iterator, Mapping
 from decimal import Decimal
 from functools import lru_cache
-from typing import cast, get_args
+from typing import Any, cast, get_args
 
 from ...ontology.errors import ValidationError
-from ...ontology.vocabulary import ATOM_KINDS, HILT, Iri, external, iri, split, term
-from ..interval import DIGITS, Interval
+from ...ontology.vocabulary import ATOM_KINDS, HILT, PREFIXES, Iri, external, iri, split, term
+from ..interval import DIGITS, VACUOUS, Interval
 from ..rule import GRASP_OBJECT, KIND_OF, USED_FOR, Atom, Rule, Status
 from .record_mapping import TYPE, group_properties
-from .terms import Literal, Quad, Term
+from .terms import Literal, Property, Quad, Term
 
 BELIEFS, DERIVED = iri("graph", "beliefs"), iri("graph", "derived")
 
@@ -36,6 +35,14 @@ GENERATED_AT = external("prov:generatedAtTime")
 RULE, FEATURE, CONTEXT, STATUS = (term(n) for n in ("rule", "feature", "context", "status"))
 FUNCTOR, LOWER, UPPER = (term(n) for n in ("functor", "lower", "upper"))
 PART, AFFORDANCE, ARGUMENT = (term(n) for n in ("part", "affordance", "argument"))
+
+OWN = (FEATURE, LOWER, UPPER, DERIVED_FROM, GENERATED_AT)  # what each rule has for itself
+ARGUMENTS = (PART, AFFORDANCE, ARGUMENT)
+KEYS = {  # all properties of rules, as the objects that are quick to compare
+    key: key for key in (*OWN, *ARGUMENTS, TYPE, CONTEXT, FUNCTOR, STATUS, ATTRIBUTED_TO)
+}
+RULE_NODE = re.compile(f"{re.escape(PREFIXES['rule'])}([0-9a-f]{{16}})")
+ANY = Atom("object", "any")  # stands for the features of a rule
 
 CLASSES = {
     "functional": term("FunctionalRule"),
@@ -173,10 +180,10 @@ def node_label_quads(rule: Rule) -> Iterator[Quad]:
         yield Quad(_functor_iri(rule.functor), LABEL, rule.functor, DERIVED)
 
 
-def read_rule(properties: Iterable[tuple[Iri, Term]]) -> Rule:
+def read_rule(properties: Iterable[Property]) -> Rule:
     """The rule with a node's properties; ValidationError if one is missing or malformed."""
     try:
-        return _read(group_properties(properties))
+        return _read(properties)
     except ValidationError:
         raise
     except KeyError as error:
@@ -185,7 +192,7 @@ def read_rule(properties: Iterable[tuple[Iri, Term]]) -> Rule:
         raise ValidationError([f"A rule is malformed: {error}"]) from error
 
 
-def _properties(rule: Rule) -> Iterator[tuple[Iri, Term]]:
+def _properties(rule: Rule) -> Iterator[Property]:
     yield TYPE, CLASSES[rule.kind]
     for feature in sorted(rule.features):
         yield FEATURE, atom_iri(feature)
@@ -204,19 +211,37 @@ def _properties(rule: Rule) -> Iterator[tuple[Iri, Term]]:
         yield GENERATED_AT, rule.time
 
 
-def _read(found: dict[Iri, list[Term]]) -> Rule:
-    arguments = [*found.get(PART, ()), *found.get(AFFORDANCE, ()), *found.get(ARGUMENT, ())]
-    source, functor = found.get(DERIVED_FROM), cast(Iri, _one(found, FUNCTOR))
+def _read(properties: Iterable[Property]) -> Rule:
+    own: dict[Iri, list[Any]] = {key: [] for key in OWN}
+    shared: list[Property] = []
+    for one in properties:
+        key, value = one
+        if key in own:
+            own[key].append(value)
+        else:
+            shared.append(one)
+    source, time = own[DERIVED_FROM], own[GENERATED_AT]
+    return _shared_content(tuple(shared)).restated(
+        _atoms_of(tuple(own[FEATURE])),
+        Interval(_one(own, LOWER), _one(own, UPPER)),
+        int(split(source[0])[1]) if source else None,
+        time[0] if time else None,
+    )
+
+
+@lru_cache(maxsize=2**16)
+def _shared_content(properties: tuple[Property, ...]) -> Rule:
+    found = group_properties(properties)
+    arguments: list[Any] = [value for key in ARGUMENTS for value in found[key]]
+    functor: Iri = _one(found, FUNCTOR)
     return Rule(
-        _atoms_of(tuple(found.get(FEATURE, ()))),
-        _atoms_of(tuple(found.get(CONTEXT, ()))),
+        frozenset([ANY]),
+        _atoms_of(tuple(found[CONTEXT])),
         functor.removeprefix(HILT) if functor.startswith(HILT) else split(functor)[1],
-        atom_from_iri(cast(Iri, arguments[0])) if arguments else None,
-        Interval(cast(float, _one(found, LOWER)), cast(float, _one(found, UPPER))),
-        split(cast(Iri, _one(found, ATTRIBUTED_TO)))[1],
-        int(split(cast(Iri, source[0]))[1]) if source else None,
-        cast("datetime | None", found[GENERATED_AT][0] if GENERATED_AT in found else None),
-        _status_of(cast(Iri, _one(found, STATUS))),
+        atom_from_iri(arguments[0]) if arguments else None,
+        VACUOUS,
+        split(_one(found, ATTRIBUTED_TO))[1],
+        status=_status_of(_one(found, STATUS)),
     )
 
 
@@ -225,7 +250,7 @@ def _atoms_of(nodes: tuple[Term, ...]) -> frozenset[Atom]:
     return frozenset(atom_from_iri(cast(Iri, node)) for node in nodes)
 
 
-def _one(found: dict[Iri, list[Term]], predicate: Iri) -> Term:
+def _one(found: Mapping[Iri, list[Any]], predicate: Iri) -> Any:
     values = found.get(predicate)
     if not values:
         raise KeyError(predicate)

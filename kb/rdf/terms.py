@@ -54,8 +54,9 @@ class Quad(NamedTuple):
     graph: Iri | None = None
 
 
-# The properties of a node, with their values.
-Properties: TypeAlias = "list[tuple[Iri, Term]]"
+# A predicate and an object, and all those of a node.
+Property: TypeAlias = "tuple[Iri, Term]"
+Properties: TypeAlias = "list[Property]"
 
 
 def is_blank(term: "Term | None") -> bool:

@@ -7,6 +7,7 @@ import pyoxigraph as engine
 
 from ...ontology.errors import QueryError
 from ...ontology.vocabulary import Iri
+from ..rdf.rule_mapping import KEYS
 from ..rdf.terms import LANGUAGE_TEXT, STRING, Quad, Term, lexical, literal
 from ..sparql.results import RDF_12_UNSUPPORTED
 
@@ -37,7 +38,7 @@ def quad_from_engine(quad: engine.Quad) -> Quad:
 @lru_cache(maxsize=2**16)
 def property_from_engine(predicate: engine.NamedNode, value: Any) -> tuple[Iri, Term]:
     """The property that a pyoxigraph predicate and object are; errors as for `from_engine`."""
-    return Iri(predicate.value), from_engine(value)
+    return shared_iri(predicate.value), from_engine(value)
 
 
 def to_engine(term: Term) -> engine.NamedNode | engine.Literal:
@@ -55,7 +56,8 @@ def to_engine(term: Term) -> engine.NamedNode | engine.Literal:
 @lru_cache(maxsize=2**10)
 def shared_iri(text: str) -> Iri:
     """The IRI of a text that comes often, as one object, which is quick to compare."""
-    return Iri(text)
+    iri = Iri(text)
+    return KEYS.get(iri, iri)
 
 
 @lru_cache(maxsize=2**16)

@@ -10,14 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hilt.kb.bulk.nquads_reader import (
-    LineReader,
-    RuleBlock,
-    StatementGroup,
-    read_groups,
-    read_quads,
-)
-from hilt.kb.rdf.annotated_turtle import ReifyingTriple
+from hilt.kb.bulk.nquads_reader import LineReader, Statements, read_groups, read_quads
 from hilt.kb.rdf.rule_mapping import BELIEFS, rule_quads
 from hilt.kb.rdf.terms import Quad
 from hilt.kb.rule import Rule
@@ -29,6 +22,7 @@ from ..strategies import rules
 RULE = "<https://w3id.org/hilt/rule/0123456789abcdef>"
 LOWER, DECIMAL = "<https://w3id.org/hilt#lower>", "<http://www.w3.org/2001/XMLSchema#decimal>"
 GRAPH = "<https://w3id.org/hilt/graph/beliefs>"
+GOOD = f'{RULE} {LOWER} "0.5"^^{DECIMAL} {GRAPH} .'
 
 
 def read_fast(text: bytes, form: str = "nquads") -> list[Quad]:
@@ -55,7 +49,12 @@ def test_rules_are_read_as_the_engine_reads_them(some: list[Rule], form: str):
 @pytest.mark.parametrize(
     "line",
     [
-        f'{RULE} {LOWER} "0.5"^^{DECIMAL} {GRAPH} .',
+        GOOD,
+        f'{RULE} {LOWER} "0.12345"^^{DECIMAL} {GRAPH} .',
+        f'{RULE} {LOWER} "0.5"^^{DECIMAL} .',
+        f'{RULE} {LOWER} "0.5"^^{DECIMAL} <urn:g> .',
+        f'# {LOWER} "0.5"^^{DECIMAL} {GRAPH} .',
+        f" {GOOD}",
         f'{RULE}\t{LOWER}   "0.5"^^{DECIMAL} {GRAPH}. # half',
         f'{RULE} {LOWER} "+00.50"^^{DECIMAL} {GRAPH} .',
         f'{RULE} {LOWER} "nonsense"^^{DECIMAL} {GRAPH} .',
@@ -73,7 +72,7 @@ def test_rules_are_read_as_the_engine_reads_them(some: list[Rule], form: str):
 )
 def test_lines_in_any_form_are_read_as_the_engine_reads_them(line: str):
     """Also the second time, when their terms are remembered."""
-    text = f"{line}\n{line}\r\n{line}".encode()
+    text = f"{GOOD}\n{line}\n{line}\r\n{line}\n{GOOD}\n".encode()
 
     assert read_fast(text) == read_plain(text)
 
@@ -87,11 +86,13 @@ def test_lines_in_any_form_are_read_as_the_engine_reads_them(line: str):
         f'{RULE} {LOWER} "0.5 {GRAPH} .',
         f'{RULE} {LOWER} {LOWER} "0.5"^^{DECIMAL} {GRAPH} .',
         f"{RULE} {LOWER} <http://[> {GRAPH} .",
+        f' {LOWER} "0.5"^^{DECIMAL} {GRAPH} .',
+        f"{RULE} {LOWER} {GRAPH}",
     ],
 )
 def test_wrong_lines_are_told_with_their_number(line: str):
     """Although the terms of the lines before are remembered."""
-    good = f'{RULE} {LOWER} "0.5"^^{DECIMAL} {GRAPH} .\n' * 3
+    good = f"{GOOD}\n{RULE} {LOWER} {RULE} {GRAPH} .\n{GOOD.replace(RULE, '_:b')}\n"
 
     with pytest.raises(DataError) as error:
         read_fast((good + line + "\n").encode())
@@ -106,7 +107,7 @@ def test_chunks_may_end_anywhere(size: int):
     text = f'{RULE} {LOWER} "Grüße" {GRAPH} .\n{RULE} {LOWER} "0.5"^^{DECIMAL} {GRAPH} .'.encode()
     reader = LineReader(format="nquads", source="x", default=BELIEFS)
 
-    def read() -> Iterator[StatementGroup | RuleBlock | ReifyingTriple]:
+    def read() -> Iterator[Statements]:
         for start in range(0, len(text), size):
             yield from reader.feed(text[start : start + size])
         yield from reader.finish()
