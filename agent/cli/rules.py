@@ -143,7 +143,7 @@ def graph(
 
 
 def _write(graph: MultiDiGraph[str], file: str) -> None:
-    from ...kb.formats.drawing import draw_graph
+    from ...kb.formats.graphml import draw_graph
 
     suffix = ".svg" if file == STDIN else Path(file).suffix.lower()
     if suffix not in {".svg", ".png"}:
