@@ -32,7 +32,6 @@ from .rule import DEFAULT_SPEAKER
 from .sparql import query_text
 from .sparql.named_queries import named_query
 from .sparql.results import QueryLimits, QueryResult, SelectResult
-from .sparql.safety import refuse_external_access
 from .stores.base import EmbeddedStore, ReadableStore, Store, batched, described_nodes
 from .stores.opening import open_store
 from .writer import RuleWriter, to_milliseconds, trust_quads
@@ -247,7 +246,7 @@ class KnowledgeBase(RuleWriter, AbstractContextManager["KnowledgeBase"]):
 
 
 def _prepared(text: str, bindings: query_text.Bindings | None) -> str:
-    refuse_external_access(text)
+    query_text.refuse_external_access(text)
     return query_text.bind_variables(text, bindings or {})
 
 

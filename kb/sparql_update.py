@@ -30,8 +30,8 @@ from .rdf.domain import DOMAIN
 from .rdf.rule_mapping import BELIEFS, DERIVED
 from .rdf.terms import BASE_GRAPH, Properties, Quad, Term
 from .rule import DEFAULT_SPEAKER, Rule
+from .sparql.query_text import refuse_external_access
 from .sparql.results import QueryLimits, SelectResult
-from .sparql.safety import refuse_external_access
 from .sparql.update_operations import UpdateOperation, parse_update, readable_update
 from .stores.base import ReadableStore, Store
 from .stores.opening import open_store

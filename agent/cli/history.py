@@ -42,7 +42,7 @@ def history(
     as_json: AsJson = False,
 ) -> None:
     """List the utterances: when, by whom, and their effect on the rules."""
-    from ...kb.diff import find_rule
+    from ...kb.views import find_rule
 
     with common.open_for_reading(kb) as base:
         rule = find_rule(base, about) if about else None
@@ -68,7 +68,7 @@ def forget(
     as_json: AsJson = False,
 ) -> None:
     """Take back a rule, what was told last, a word, an action, ..; the history keeps it."""
-    from ...kb.diff import rule_changes
+    from ...kb.views import rule_changes
 
     with common.open_base(kb) as base:
         before = base.sequence
@@ -98,7 +98,7 @@ def watch(
 
     Who stopped goes on with --since and the last number ("sequence") that was shown.
     """
-    from ...kb.diff import rule_changes
+    from ...kb.views import rule_changes
 
     out = common.terminal()
     try:
@@ -120,7 +120,7 @@ def diff(
     as_json: AsJson = False,
 ) -> None:
     """Show how what B believes differs from what A believes; exit code 1 when it does."""
-    from ...kb.diff import compare_bases
+    from ...kb.views import compare_bases
 
     with _opened(one) as before, _opened(other) as after:
         found = compare_bases(before, after)
@@ -214,8 +214,8 @@ def _is_wanted(utterance: Utterance, speaker: str | None, rule: Rule | None) -> 
 
 
 def _forgotten(base: KnowledgeBase, what: list[str], speaker: str) -> str:
-    from ...kb.diff import find_rule, last_taught_rules
     from ...kb.learned import PHRASES, TAUGHT_ACTIONS, WORDS
+    from ...kb.views import find_rule, last_taught_rules
 
     said, speaker = f"forget {' '.join(what)}", base.match_speaker(speaker)
     match what:

@@ -1,26 +1,34 @@
-"""Commands on the rules: rules, graph, trust."""
+"""Commands on the rules: rules, trust, graph; and in SPARQL: query, update."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ...ontology.errors import DataError
+from ...ontology.errors import DataError, QueryError
 from .. import presentation
 from ..presentation.plain_text import counted
-from .common import STDIN, open_base, open_for_reading, print_json, show, write_bytes
-from .options import AsJson, Kb, app, example
+from . import common
+from .options import AsJson, DryRun, Kb, Speaker, app, example
 
 if TYPE_CHECKING:
     from networkx import MultiDiGraph
+
+    from ...kb.sparql.named_queries import NamedQuery
+    from ...kb.sparql.results import QueryResult
 
 MOST_RULES = 500  # in one picture; nobody finds anything in more
 Object = Annotated[str | None, typer.Option("--object", help="About this object.")]
 Affordance = Annotated[str | None, typer.Option("--affordance", help="Used for this.")]
 Context = Annotated[str | None, typer.Option("--context", help="For this action.")]
 Part = Annotated[str | None, typer.Option("--part", help="Grasped by this part.")]
+TABLE = "table"
+Timeout = Annotated[float, typer.Option("--timeout", min=0.001, help="Time limit in seconds.")]
+Memory = Annotated[int, typer.Option("--memory", min=1, help="Memory limit in megabytes.")]
 
 
 @app.command(epilog=example("rules --object knife --at 2026-11-21"))
@@ -43,12 +51,12 @@ def rules(
     from ...kb.views import parse_moment, view
 
     moment = None if at is None else parse_moment(at)
-    with open_for_reading(kb) as base:
+    with common.open_for_reading(kb) as base:
         is_now = moment is None and according_to is None
         according_to = according_to and base.match_speaker(according_to)
         source = base if is_now else view(base, at=moment, according_to=according_to)
         found = source.rules(object=name, affordance=affordance, context=context, part=part)
-    show(found, presentation.console.rules, as_json=as_json)
+    common.show(found, presentation.console.rules, as_json=as_json)
 
 
 @app.command(epilog=example("trust anna 0.9"))
@@ -73,18 +81,18 @@ def trust(
         _suggest_trust(speaker, kb, as_json=as_json)
         return
     if degree is None:
-        with open_for_reading(kb) as base:
+        with common.open_for_reading(kb) as base:
             known = base.trust_by_speaker()
             speaker = speaker and base.match_speaker(speaker)
         if speaker is not None and speaker not in known:
             raise NotFoundError("trusted speaker", speaker, known)
         shown = {name: known[name] for name in known if speaker in (None, name)}
     else:
-        with open_base(kb) as base:
+        with common.open_base(kb) as base:
             name = base.match_speaker(str(speaker))
             shown = {name: base.set_trust(name, degree)}
     if as_json:
-        print_json({name: {"lower": t.lower, "upper": t.upper} for name, t in shown.items()})
+        common.print_json({name: {"lower": t.lower, "upper": t.upper} for name, t in shown.items()})
         return
     for name, interval in shown.items():
         typer.echo(f"{name} is trusted to {interval.lower:g}.", err=degree is not None)
@@ -93,11 +101,11 @@ def trust(
 def _suggest_trust(speaker: str | None, kb: str | None, *, as_json: bool) -> None:
     from ...inference.experience import read_records, teacher_records
 
-    with open_for_reading(kb) as base:
+    with common.open_for_reading(kb) as base:
         name = speaker and base.match_speaker(speaker)
         found = teacher_records(base.rules(), base.trust_by_speaker(), read_records(base))
     shown = [one for one in found if name in {None, one.speaker}]
-    show(shown, presentation.console.teachers, as_json=as_json)
+    common.show(shown, presentation.console.teachers, as_json=as_json)
 
 
 @app.command(epilog=example("graph knife.svg --object knife"))
@@ -120,7 +128,7 @@ def graph(
     from ...kb.views import parse_moment, view
 
     moment = None if at is None else parse_moment(at)
-    with open_for_reading(kb) as base:
+    with common.open_for_reading(kb) as base:
         source = base if moment is None else view(base, at=moment)
         rules = source.rules(
             object=name, affordance=affordance, context=context, part=part, speaker=speaker
@@ -129,7 +137,7 @@ def graph(
     if as_json:
         nodes = [{"id": node, **data} for node, data in found.nodes(data=True)]
         edges = [{"from": a, "to": b, **data} for a, b, data in found.edges(data=True)]
-        print_json({"nodes": nodes, "edges": edges})
+        common.print_json({"nodes": nodes, "edges": edges})
         return
     if len(rules) > MOST_RULES:
         raise DataError(
@@ -138,14 +146,122 @@ def graph(
             "GraphML.",
             source=file,
         )
-    _write(found, file)
+    _write_picture(found, file)
     typer.echo(f"Drew {counted(len(rules), 'rule')} into {file}.", err=True)
 
 
-def _write(graph: MultiDiGraph[str], file: str) -> None:
-    from ...kb.formats.drawing import draw_graph
+@app.command(epilog=example("query best-for --arg affordance=cutting"))
+def query(
+    question: Annotated[
+        str | None,
+        typer.Argument(help='The name of a named query, SPARQL, a .rq file, or "-" for stdin.'),
+    ] = None,
+    *,
+    arg: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--arg",
+            help="The value of a variable of the query; may be repeated.",
+            metavar="NAME=VALUE",
+        ),
+    ] = None,
+    list_: Annotated[bool, typer.Option("--list", help="List the named queries.")] = False,
+    format_: Annotated[
+        str,
+        typer.Option("--format", help="The output format: table, json, csv, tsv, xml or turtle."),
+    ] = TABLE,
+    timeout: Timeout = 30.0,
+    memory: Memory = 2048,
+    kb: Kb = None,
+    as_json: AsJson = False,
+) -> None:
+    """Run a named query or a SPARQL query. The prefixes of the vocabulary need no declaration."""
+    if list_:
+        _list_queries(as_json=as_json)
+        return
+    if question is None:
+        raise QueryError(
+            "No query was given. Give the name of a named query, or SPARQL; --list shows the names."
+        )
+    from ...kb.sparql.results import QueryLimits
 
-    suffix = ".svg" if file == STDIN else Path(file).suffix.lower()
+    asked = _asked(question)
+    bindings = asked.bindings(_arguments(arg or ()))
+    with common.open_for_reading(kb) as base, common.spinner("Searching"):
+        found = base.query(asked.text, bindings, limits=QueryLimits(timeout, memory))
+    _print_result(found, "json" if as_json else format_)
+
+
+@app.command(epilog=example("update change.ru --dry-run"))
+def update(
+    sparql: Annotated[str, typer.Argument(help='A SPARQL update, a .ru file, or "-" for stdin.')],
+    *,
+    dry_run: DryRun = False,
+    speaker: Speaker = "sam",
+    timeout: Timeout = 30.0,
+    memory: Memory = 2048,
+    kb: Kb = None,
+    as_json: AsJson = False,
+) -> None:
+    """Run a SPARQL update, after checking everything that it would change."""
+    from ...kb.sparql.results import QueryLimits
+    from ...kb.sparql_update import update as apply
+
+    with common.open_to_change(kb, dry_run=dry_run) as base:
+        text, limits = common.read_sparql(sparql), QueryLimits(timeout, memory)
+        said = apply(base, text, speaker=speaker, limits=limits, dry_run=dry_run)
+    number = said.sequence if said else None
+    updated = f"Updated; number {number} in history." if said else "That changes nothing."
+    done = "The update is valid." if dry_run and said else updated
+    found = {"updated": bool(said) and not dry_run, "sequence": number}
+    common.announce(found, done, as_json=as_json, err=True)
+
+
+def _write_picture(graph: MultiDiGraph[str], file: str) -> None:
+    from ...kb.formats.graphml import draw_graph
+
+    suffix = ".svg" if file == common.STDIN else Path(file).suffix.lower()
     if suffix not in {".svg", ".png"}:
         raise DataError(f'the extension "{suffix}" is no picture; use .svg or .png.', source=file)
-    write_bytes(file, draw_graph(graph, suffix[1:]))
+    common.write_bytes(file, draw_graph(graph, suffix[1:]))
+
+
+def _asked(question: str) -> NamedQuery:
+    from ...kb.sparql.named_queries import named_query, read_query
+
+    text = common.read_sparql(question)
+    is_name = text == question and all(sign.isalnum() or sign == "-" for sign in text)
+    return named_query(text) if is_name else read_query(text)
+
+
+def _arguments(given: Sequence[str]) -> dict[str, list[str]]:
+    found: dict[str, list[str]] = {}
+    for one in given:
+        name, _, value = one.partition("=")
+        if not (name and value):
+            raise QueryError(f'"{one}" gives no value: expected NAME=VALUE.')
+        found.setdefault(name, []).append(value)
+    return found
+
+
+def _print_result(found: QueryResult, format_: str) -> None:
+    from ...kb.stores.result_serialization import write_result
+
+    if format_ == TABLE:
+        common.terminal().print(presentation.console.results(found))
+    else:
+        typer.echo(write_result(found, format_), nl=False)
+
+
+def _list_queries(*, as_json: bool) -> None:
+    from ...kb.sparql.named_queries import named_query, query_names
+
+    named = [named_query(name) for name in query_names()]
+    if as_json:
+        common.print_json([
+            {"name": one.name, "question": one.question,
+             "parameters": [asdict(each) for each in one.parameters.values()]}
+            for one in named
+        ])  # fmt: skip
+        return
+    common.terminal().print(presentation.console.questions(named))

@@ -35,12 +35,12 @@ if TYPE_CHECKING:
     from ...inference.induction import InducedRule
     from ...inference.types import Candidate
     from ...kb.bulk.reconciliation import ImportSummary
-    from ...kb.diff import BaseDifference, UtteranceChanges
     from ...kb.episodes import Episode
     from ...kb.history import Utterance
     from ...kb.learned import LearnedPhrase, LearnedWord, TaughtAction
     from ...kb.rule import Rule
     from ...kb.sparql.named_queries import NamedQuery
+    from ...kb.views import BaseDifference, UtteranceChanges
     from ...nlu.parsing.understanding import Understanding
     from ..dialogue.reply import Reply
     from ..execution.outcome import Decision, GoalResult, WalkStep, WorldOutcome

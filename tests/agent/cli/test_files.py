@@ -13,7 +13,7 @@ from hilt.agent.cli import main
 from hilt.kb import KnowledgeBase
 
 from .test_commands import LESSONS, Hilt
-from .test_query import RULES
+from .test_rules import RULES
 
 DOCUMENT = (Path(__file__).parents[3] / "docs" / "files.md").read_text(encoding="utf-8")
 Run = Callable[..., tuple[int, str, str]]

@@ -10,8 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hilt.kb.formats.drawing import draw_graph
-from hilt.kb.formats.graphml import graph_of
+from hilt.kb.formats.graphml import draw_graph, graph_of
 from hilt.kb.interval import Interval
 from hilt.kb.rule import Rule, functional, grasping
 from hilt.ontology.errors import MissingExtraError
