@@ -18,12 +18,11 @@ from pathlib import Path
 from ...nlu.language import Language
 from ...nlu.parsing.understanding import Understanding
 from ...nlu.semantics.discourse import Discourse
-from ...ontology.plugins import call_plugin
 from ...ontology.yaml_reader import read_yaml
 from ..protocols import SpeechRecogniser
+from .recognisers import RECOGNISERS, find_recogniser
 from .sound import Sound, Transcript
 
-RECOGNISERS = ("moonshine", "pocketsphinx")  # the one that spells best is first
 MOST_ALONE = 0.89  # the most that is certain of what not all recognisers mean
 FEATURES = ("bias", "first", "agreeing", "against", "likeness", "words", "noise", "new_words")
 _CALIBRATION = Path(__file__).with_name("calibration.yaml")
@@ -157,15 +156,3 @@ def _weights() -> Mapping[str, float]:
     return {
         name: each.number() for name, each in nodes.entries(required=FEATURES, optional=()).items()
     }
-
-
-def find_recogniser(name: str, language: Language) -> SpeechRecogniser:
-    """Return a recogniser of Hilt or of a plug-in; errors as of `Listener.open`."""
-    if name == "moonshine":
-        from .moonshine import MoonshineRecogniser as Own
-    elif name == "pocketsphinx":
-        from .pocketsphinx import PocketSphinxRecogniser as Own
-    else:
-        needs, (plugin, _, rest) = ("name", "recognise", "learn"), name.partition(":")
-        return call_plugin("hilt.recogniser", plugin, rest, language, methods=needs)
-    return Own(language)

@@ -26,7 +26,7 @@ from ...nlu.jsgf import sentences
 from ...nlu.language import Language
 from ...nlu.semantics.meaning import Meaning
 from ...ontology.yaml_reader import read_yaml
-from .pocketsphinx import pronunciations
+from .recognisers import pronunciations
 
 GAP, NEAR, VOWEL, OTHER = 0.8, 0.4, 0.7, 1.0  # costs of a lost or added phone, and of others for it
 PAIR = 0.25  # what a word pair costs: this times its negative log probability

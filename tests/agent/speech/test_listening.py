@@ -14,7 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hilt.agent.speech.listening import Heard, Listener, find_recogniser, meaning_key
-from hilt.agent.speech.pocketsphinx import spell
+from hilt.agent.speech.recognisers import spell
 from hilt.agent.speech.sound import RATE, Sound, Transcript
 from hilt.nlu.language import Language
 from hilt.ontology.errors import UnknownNameError

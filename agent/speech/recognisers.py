@@ -1,7 +1,9 @@
-"""PocketSphinx with word triples of Hilt's own grammar (Huggins-Daines et al. 2006).
+"""The recognisers that Hilt brings with their models, and those of plug-ins.
 
-Its language model is made anew when words are learned, and kept in the cache. Of what the grammar
-has it hears more than recognisers of any English; of anything else it makes such a sentence, too.
+Moonshine tiny (Jeffries et al. 2024) is a neural recogniser of English: it writes any sentence, but
+gives no score; what its text is worth, others tell. PocketSphinx (Huggins-Daines et al. 2006) has
+the word triples of Hilt's own grammar, made anew when words are learned and kept in the cache. Of
+what the grammar has it hears more; of anything else it makes such a sentence, too.
 """
 
 from __future__ import annotations
@@ -19,7 +21,9 @@ from ...nlu.jsgf import sentences
 from ...nlu.language import Language
 from ...ontology.disk_cache import cache_folder, cached, content_key
 from ...ontology.errors import extra_required
+from ...ontology.plugins import call_plugin
 from ...ontology.yaml_reader import read_text
+from ..protocols import SpeechRecogniser
 from .sound import RATE, Sound, Transcript
 
 ALTERNATIVES = 10
@@ -28,6 +32,29 @@ _REPEATED = 20  # how often an example of the language is among them
 _SEARCHED = 200  # of the best paths, most of which differ in their times only
 _SILENCE = np.zeros(int(0.3 * RATE), "<i2").tobytes()
 _ENDINGS = {"ing": "IH NG", "er": "ER", "ed": "D", "ly": "L IY", "y": "IY", "s": "Z"}
+
+
+class MoonshineRecogniser:
+    """Moonshine tiny; MissingExtraError if it is not installed."""
+
+    name = "moonshine"
+
+    def __init__(self, language: Language) -> None:
+        with extra_required("speech", "moonshine-voice"):
+            from moonshine_voice import ModelArch, Transcriber, get_model_path  # pyright: ignore[reportMissingImports]
+
+        options = {"vad_threshold": "0", "return_audio_data": "false"}  # 0: nothing is cut away
+        self._transcriber = Transcriber(str(get_model_path()), ModelArch.TINY, options=options)
+        self.learn(language)
+
+    def learn(self, language: Language) -> None:
+        """Do nothing: it has the words of English."""
+
+    def recognise(self, sound: Sound) -> tuple[Transcript, ...]:
+        """Return the only text that it finds, if any."""
+        found = self._transcriber.transcribe_without_streaming(sound.samples.tolist())
+        text = " ".join(line.text.strip() for line in found.lines if line.text.strip())
+        return (Transcript(text, 1.0),) if text else ()
 
 
 class PocketSphinxRecogniser:
@@ -66,6 +93,23 @@ class PocketSphinxRecogniser:
         first = [each for each in found.items() if each[0]][:ALTERNATIVES]
         total = sum(score for _, score in first)
         return tuple(Transcript(text, score / total) for text, score in first)
+
+
+RECOGNISERS = {  # the one that spells best is first
+    each.name: each for each in (MoonshineRecogniser, PocketSphinxRecogniser)
+}
+
+
+def find_recogniser(name: str, language: Language) -> SpeechRecogniser:
+    """Return a recogniser of Hilt or of a plug-in, NAME or NAME:REST with what it is told.
+
+    UnknownNameError if there is no such recogniser; MissingExtraError if it is not installed.
+    """
+    own, (plugin, _, rest) = RECOGNISERS.get(name), name.partition(":")
+    if own:
+        return own(language)
+    needs = ("name", "recognise", "learn")
+    return call_plugin("hilt.recogniser", plugin, rest, language, methods=needs)
 
 
 def _write_model(folder: Path, said: Sequence[str]) -> None:
