@@ -245,7 +245,7 @@ def _arguments(given: Sequence[str]) -> dict[str, list[str]]:
 
 
 def _print_result(found: QueryResult, format_: str) -> None:
-    from ...kb.stores.result_serialization import write_result
+    from ...kb.stores.rdf_text import write_result
 
     if format_ == TABLE:
         common.terminal().print(presentation.console.results(found))

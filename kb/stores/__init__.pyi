@@ -1,9 +1,8 @@
 from .base import MEMORY, Store
 from .opening import open_store
 from .oxigraph import OxigraphStore
-from .rdf_text import write_rdf
+from .rdf_text import write_rdf, write_result
 from .remote import RemoteStore
-from .result_serialization import write_result
 
 __all__ = [
     "MEMORY",

@@ -1,18 +1,24 @@
-"""Parsing and serialization of RDF text by pyoxigraph: Turtle, TriG, N-Quads, JSON-LD, ..."""
+"""Parsing and serialization by pyoxigraph: RDF text (Turtle, N-Quads, ...) and query results.
+
+Rows of a result are JSON, CSV, TSV or XML of SPARQL 1.1, booleans JSON or XML, statements all these
+and Turtle.
+"""
 
 import io
+import json
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from itertools import islice
 from typing import Any, BinaryIO, cast
 
 import pyoxigraph as engine
 
-from ...ontology.errors import DataError
+from ...ontology.errors import DataError, QueryError
 from ...ontology.vocabulary import PREFIXES, Iri, shortened
 from ..rdf.annotated_turtle import AnnotatedEdge, ReifyingTriple
 from ..rdf.rule_mapping import TYPE
 from ..rdf.terms import Quad
+from ..sparql.results import BooleanResult, ConstructResult, QueryResult, SelectResult
 from .base import EmbeddedStore, EngineQuad, Store, batched
 from .errors import syntax_error, translated_errors
 from .term_conversion import from_engine, quad_from_engine, quad_to_engine, shared_iri
@@ -110,6 +116,14 @@ def write_rdf_to(
     engine.serialize(statements, stream, format=chosen, prefixes=dict(prefixes))
 
 
+def write_result(found: QueryResult, format: str) -> str:
+    """A query result in one of `RESULT_FORMATS`; QueryError if that format cannot hold it."""
+    if format not in RESULT_FORMATS:
+        known = ", ".join(RESULT_FORMATS)
+        raise QueryError(f'There is no result format "{format}". Known: {known}.')
+    return RESULT_FORMATS[format](found)
+
+
 def _statement(quad: engine.Quad, default: Iri) -> Quad | ReifyingTriple:
     graph: Any = quad.graph_name
     subject, predicate = cast(Iri, from_engine(quad.subject)), shared_iri(quad.predicate.value)
@@ -145,3 +159,32 @@ def _checked_for_xml(quad: engine.Quad) -> engine.Quad:
 def _order(quad: engine.Quad) -> tuple[str, bool, str, str]:
     predicate = quad.predicate.value
     return str(quad.subject), predicate != TYPE, predicate, str(quad.object)
+
+
+def _by_engine(found: QueryResult, name: str) -> str:
+    formats = engine.QueryResultsFormat
+    read = engine.parse_query_results(json.dumps(found.as_json()), formats.JSON)
+    return cast(bytes, read.serialize(format=getattr(formats, name))).decode()
+
+
+def _turtle(found: QueryResult) -> str:
+    if not isinstance(found, ConstructResult):
+        raise QueryError("Turtle is for the statements of a CONSTRUCT or DESCRIBE query.")
+    return write_rdf(found.quads, format="turtle").decode("utf-8")
+
+
+RESULT_FORMATS: Mapping[str, Callable[[QueryResult], str]] = {
+    "json": lambda found: json.dumps(found.as_json(), ensure_ascii=False) + "\n",
+    "csv": lambda found: _by_engine(_rows(found, "CSV"), "CSV"),
+    "tsv": lambda found: _by_engine(_rows(found, "TSV"), "TSV"),
+    "xml": lambda found: _NOT_IN_XML.sub("\ufffd", _by_engine(found, "XML")),
+    "turtle": _turtle,
+}
+
+
+def _rows(found: QueryResult, name: str) -> SelectResult:
+    if isinstance(found, BooleanResult):
+        raise QueryError(
+            f"{name} is for rows; the result of an ASK query is a boolean. Use json or xml."
+        )
+    return found

@@ -13,7 +13,7 @@ from rdflib.query import Result
 
 from hilt.kb.rdf.terms import Literal, Quad
 from hilt.kb.sparql.results import BooleanResult, ConstructResult, SelectResult, read_solutions
-from hilt.kb.stores.result_serialization import FORMATS, write_result
+from hilt.kb.stores.rdf_text import RESULT_FORMATS, write_result
 from hilt.ontology.errors import QueryError
 from hilt.ontology.vocabulary import Iri
 
@@ -80,5 +80,5 @@ def test_control_characters_do_not_break_xml():
 
 def test_unknown_format_lists_the_known():
     """The error names them."""
-    with pytest.raises(QueryError, match=", ".join(FORMATS)):
+    with pytest.raises(QueryError, match=", ".join(RESULT_FORMATS)):
         write_result(ROWS, "pdf")
