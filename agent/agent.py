@@ -208,7 +208,7 @@ class Agent(AbstractContextManager["Agent"]):
                 self._repair = SoundRepair(language)
             except MissingExtraError:  # what sounds like it is only a help
                 return ()
-        return [each.text for each in self._repair.candidates(text, names)]
+        return self._repair.candidates(text, names)
 
     @property
     def is_busy(self) -> bool:

@@ -209,12 +209,8 @@ def outcome(row: Row, repair: SoundRepair) -> str:
         return "at once" if meaning(heard.text) == wanted else "wrong"
     offered = [each.text for each in heard.alternatives if each.score]
     if len(offered) < 3 and heard.text:
-        offered += [
-            each.text
-            for each in repair.candidates(
-                found(row)["moonshine"][0].text if found(row)["moonshine"] else heard.text
-            )
-        ]
+        written = found(row)["moonshine"]
+        offered += repair.candidates(written[0].text if written else heard.text)
     choices = dict.fromkeys(key for text in offered if (key := meaning(text)))
     return "after a question" if wanted in list(choices)[:3] else "asked"
 

@@ -1,10 +1,10 @@
-"""Commands that talk to the robot: demo, tell, do, ask, chat."""
+"""Commands that talk to the robot: demo, tell, do, ask, chat, listen."""
 
 from __future__ import annotations
 
 import sys
 from collections.abc import Generator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, nullcontext
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -157,6 +157,43 @@ def chat(
             spoken_by = voice if speak else ""
             talk = opened.enter_context(open_talk(*parts, voice=spoken_by, kept_in=keep_sound))
         run(agent, terminal(), sys.stdin, speaker, talk)
+
+
+@app.command(epilog=example("listen command.wav"))
+def listen(
+    file: Annotated[
+        Path | None, typer.Argument(metavar="FILE.wav", help="A sound to listen to.")
+    ] = None,
+    *,
+    from_microphone: Annotated[
+        bool, typer.Option("--microphone", help="Listen to one utterance.")
+    ] = False,
+    recogniser: options.Recognisers = None,
+    keep_sound: options.KeptSound = None,
+    lexicon: options.UserLexicon = None,
+    as_json: AsJson = False,
+) -> None:
+    """Show what is heard: the text, its alternatives, and how it is understood."""
+    if (file is None) != from_microphone:
+        raise typer.BadParameter("Give either a file or --microphone.")
+    from ...nlu.language import Language
+    from ..speech.listening import Listener
+    from ..speech.sound import Sound, microphone
+    from ..speech.talk import keep
+
+    listener = Listener.open(recogniser or (), Language.load(extra_lexicon=lexicon))
+    with nullcontext(iter([Sound.read(file)])) if file else microphone() as sounds:
+        sound = next(sounds)
+    heard = listener.hear(sound)
+    if keep_sound:
+        keep(sound, heard, keep_sound)
+    understood = listener.language.understand(heard.text, heard=heard.heard)
+    if as_json:
+        print_json(heard.as_json() | {"understood": understood.as_json()})
+    else:
+        terminal().print(presentation.console.heard(heard))
+        terminal().print(presentation.console.understanding(understood))
+    exit_with(understood.reading is not None)
 
 
 @app.command(epilog=example("actions --json"))

@@ -45,20 +45,6 @@ Phones = tuple[str, ...]
 Floats = npt.NDArray[np.float32]
 
 
-@dataclass(frozen=True)
-class RepairCandidate:
-    """A sentence that a text may have been.
-
-    Attributes:
-        cost: how far its sound is from that of the text, per phone.
-        margin: how much nearer it is than the next one with another meaning, per phone.
-    """
-
-    text: str
-    cost: float
-    margin: float
-
-
 class SoundRepair:
     """Finds sentences by their sound, with the words that a language knows.
 
@@ -81,10 +67,11 @@ class SoundRepair:
         self._may_be_left_out = np.array([word in self._sounds.articles for word in self._words])
         self._groups = list(self._words_by_length())
 
-    def candidates(self, text: str, names: Collection[str] = ()) -> list[RepairCandidate]:
-        """Return the sentences of different meanings that sound like a text, the nearest first.
+    def candidates(self, text: str, names: Collection[str] = ()) -> dict[str, float]:
+        """Return sentences of different meanings that sound like a text, the nearest first.
 
-        They are at most `MOST_CANDIDATES`; the words of some names are likelier than others.
+        Each has its cost: how far its sound is from that of the text, per phone. They are at most
+        `MOST_CANDIDATES`; the words of some names are likelier than others.
         """
         phones = len(self._heard(text))
         found: dict[Meaning, tuple[str, float]] = {}
@@ -92,8 +79,7 @@ class SoundRepair:
             understood = self.language.understand(sentence)
             if cost <= MOST_COST * phones and understood.kind not in {"error", "ask_back"}:
                 found.setdefault(understood.meaning, (sentence, cost / phones))
-        ranked = pairwise([*found.values(), (_EDGE, np.inf)])
-        return [RepairCandidate(said, cost, after - cost) for (said, cost), (_, after) in ranked]
+        return dict(found.values())
 
     def nearest(self, text: str, names: Collection[str] = ()) -> list[tuple[float, str]]:
         """Return the sentences that sound most like a text, with what they cost in all."""

@@ -6,6 +6,7 @@ Endpoints deviate from that format in details, so it is read leniently and by va
 from __future__ import annotations
 
 import json
+import re
 import threading
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
@@ -152,7 +153,7 @@ def _term(value: Mapping[str, Any]) -> Term:
         case "uri":
             return Iri(value["value"])
         case "bnode":
-            return Iri(BLANK + value["value"].removeprefix(BLANK))
+            return Iri(BLANK + re.sub(r"\W", "_", value["value"].removeprefix(BLANK)))
         case "literal" | "typed-literal":
             datatype = value.get("datatype", STRING)
             return literal(value["value"], datatype, value.get("xml:lang", ""))
