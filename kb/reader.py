@@ -242,11 +242,10 @@ def _optional_iri(kind: str, name: str | None) -> Iri | None:
 
 def _having_query(wanted: Sequence[tuple[Iri, Iri]], read: str = "?property ?value") -> str:
     """The properties of what has some; engines start with constants, so the status is none."""
-    status = as_sparql(rule_mapping.STATUS)
-    pairs = [(as_sparql(key), as_sparql(value)) for key, value in wanted]
-    given = [f"{key} {value}" for key, value in pairs if key != status]
-    has = "".join(f" FILTER(?status = {value})" for key, value in pairs if key == status)
-    having = f"?rule {' ; '.join([*given, f'{status} ?status'])} .{has}"
+    status = rule_mapping.STATUS
+    given = [f"{as_sparql(key)} {as_sparql(value)}" for key, value in wanted if key != status]
+    has = "".join(f" FILTER(?status = {as_sparql(one)})" for key, one in wanted if key == status)
+    having = f"?rule {' ; '.join([*given, f'{as_sparql(status)} ?status'])} .{has}"
     inside = f"{having} ?rule {read} ." if read else having
     return f"SELECT ?rule {read} WHERE {{ GRAPH {as_sparql(BELIEFS)} {{ {inside} }} }}"
 

@@ -74,7 +74,7 @@ def _changes(agent: Agent, decision: Decision | None) -> list[Counterfactual]:
 @app.command(epilog=example("conflicts --json"))
 def conflicts(*, kb: Kb = None, as_json: AsJson = False) -> None:
     """List the rules that contradict each other, the heaviest conflict first."""
-    from ...inference.conflicts import find_conflicts
+    from ...inference.rule_analysis import find_conflicts
 
     with open_for_reading(kb) as base:
         found = find_conflicts(base.rules())
@@ -106,7 +106,7 @@ def abduce(
     as_json: AsJson = False,
 ) -> None:
     """List the hypotheses that would explain a conclusion, the likeliest first."""
-    from ...inference.abduction import find_hypotheses, parse_conclusion
+    from ...inference.rule_analysis import find_hypotheses, parse_conclusion
     from ...inference.taxonomy import Taxonomy
     from ...kb.rule import Atom
 

@@ -4,11 +4,11 @@ from bisect import bisect
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import cast
 
-from ...inference.abduction import Hypothesis, find_hypotheses
 from ...inference.affordance import Affordances
 from ...inference.explanation import rejection_reason
 from ...inference.interval_operators import relative_plausibility
 from ...inference.node_rules import FIND
+from ...inference.rule_analysis import Hypothesis, find_hypotheses
 from ...inference.taxonomy import Taxonomy
 from ...inference.types import Conclusion, Goal, Inference, Observation, Target
 from ...kb.interval import CERTAIN

@@ -28,11 +28,10 @@ from .plain_text import counted, printable
 if TYPE_CHECKING:
     from datetime import datetime
 
-    from ...inference.abduction import Hypothesis
-    from ...inference.conflicts import Conflict
     from ...inference.experience import GraspRecord, TeacherRecord
     from ...inference.explanation import Counterfactual
     from ...inference.induction import InducedRule
+    from ...inference.rule_analysis import Conflict, Hypothesis
     from ...inference.types import Candidate
     from ...kb.bulk.reconciliation import ImportSummary
     from ...kb.episodes import Episode

@@ -95,9 +95,8 @@ class PocketSphinxRecogniser:
         return tuple(Transcript(text, score / total) for text, score in first)
 
 
-RECOGNISERS = {  # the one that spells best is first
-    each.name: each for each in (MoonshineRecogniser, PocketSphinxRecogniser)
-}
+# The one that spells best is first.
+RECOGNISERS = {each.name: each for each in (MoonshineRecogniser, PocketSphinxRecogniser)}
 
 
 def find_recogniser(name: str, language: Language) -> SpeechRecogniser:

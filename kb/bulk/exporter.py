@@ -77,8 +77,7 @@ def statements(store: Store, *, rules_only: bool = False) -> Iterator[EngineQuad
 
 def scan_rules(store: Store) -> Iterator[Rule]:
     """Iterate over the rules of a store, of any status; ValidationError if one is malformed."""
-    from ..stores.rdf_text import graph_statements
-    from ..stores.term_conversion import property_from_engine
+    from ..stores.rdf_text import graph_statements, property_from_engine
 
     with store.writing(), paused_garbage_collection():
         found = graph_statements(store, BELIEFS, is_sorted=not is_large(store))

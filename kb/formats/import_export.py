@@ -69,7 +69,7 @@ def write_base(
     if format in RULE_FORMATS:
         _write_rules(counter.counted(scan_rules(store)), stream, format)
     else:
-        from ..stores.term_conversion import quad_from_engine
+        from ..stores.rdf_text import quad_from_engine
 
         quads = map(quad_from_engine, counter.counted(statements(store, rules_only=only)))
         stream.writelines(line.encode() for line in write_annotated(quads))

@@ -34,7 +34,7 @@ from .directory import WriteAheadLogSync
 from .errors import open_error, translated_errors
 from .mark import check_files, check_number
 from .query_subprocess import WorkerProcess
-from .term_conversion import from_engine, named_node, quad_from_engine, quad_to_engine, to_engine
+from .rdf_text import from_engine, named_node, quad_from_engine, quad_to_engine, to_engine
 
 _PREFIXES = dict(PREFIXES)
 # Of loaded text, in bytes. More lies in so many files of the engine that reading takes 2 to 3 times

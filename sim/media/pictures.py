@@ -13,10 +13,12 @@ from dataclasses import replace
 from functools import lru_cache
 from math import radians
 from pathlib import Path
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, NamedTuple
 
 import numpy as np
+import shapely
 from numpy.typing import NDArray
+from shapely.affinity import translate
 
 from ...ontology.errors import DataError, extra_required
 from .. import poses
@@ -54,7 +56,6 @@ class Pen(NamedTuple):
 REJECTED, ACCEPTED = Pen((205, 40, 30, 130), 1.2), Pen((20, 150, 80, 220), 1.2)
 CHOSEN = Pen((0, 110, 50, 255), 3.0)
 
-Label: TypeAlias = tuple[float, float, float, float]  # left, top, right, bottom in pixels
 
 OVERVIEW = Camera("overview", (1.60, -1.02, 0.86), (0.34, 0.0, 0.26), radians(41), 960, 720)
 
@@ -197,41 +198,23 @@ def draw_names(picture: Picture, camera: Camera, places: Mapping[str, Array]) ->
     """Return a picture that a camera took with names above their places (3,) in the world [m]."""
     overlay, draw = _overlay(picture)
     font: Any = ImageFont.load_default(max(11, picture.shape[0] // 42) * OVERSAMPLING)
-    labels: list[Label] = []
-    for name, (at, foot) in _label_ends(camera, places):
-        label = _free_label(draw.textbbox(tuple(at), name, font=font, anchor="mb"), labels)
-        labels.append(label)
-        middle, bottom = (label[0] + label[2]) / 2, label[3]
-        draw.line([(middle, bottom), tuple(foot)], fill=(*CAPTION_COLOUR, 150), width=OVERSAMPLING)
-        draw.rounded_rectangle(label, LABEL_PAD, fill=(*CAPTION_BACKGROUND, 225))
-        draw.text(
-            (middle, bottom - LABEL_PAD), name, font=font, anchor="mb", fill=(*CAPTION_COLOUR, 255)
-        )
-    return _composited(picture, overlay)
-
-
-def _label_ends(
-    camera: Camera, places: Mapping[str, Array]
-) -> Iterable[tuple[str, tuple[Array, Array]]]:
+    taken: Any = shapely.Polygon()
     for name in sorted(places, key=lambda name: float(np.linalg.norm(places[name] - camera.eye))):
-        ends = np.array([places[name] + (0, 0, LABEL_LIFT), places[name]])
-        label, foot = camera.pixels(ends) * OVERSAMPLING
-        if np.isfinite([label, foot]).all():
-            yield name, (label, foot)
-
-
-def _free_label(text: Label, others: Sequence[Label]) -> Label:
-    left, top, right, bottom = text
-    label = (left - LABEL_PAD, top - LABEL_PAD, right + LABEL_PAD, bottom + LABEL_PAD)
-    while blocking := [other for other in others if _overlap(label, other)]:
-        up = label[3] - min(other[1] for other in blocking) + OVERSAMPLING
-        label = (label[0], label[1] - up, label[2], label[3] - up)
-    return label
-
-
-def _overlap(one: Label, other: Label) -> bool:
-    across = one[0] < other[2] and other[0] < one[2]
-    return across and one[1] < other[3] and other[1] < one[3]
+        ends = camera.pixels(np.array([places[name] + (0, 0, LABEL_LIFT), places[name]]))
+        if not np.isfinite(ends).all():
+            continue
+        at, foot = map(tuple, ends * OVERSAMPLING)
+        text = shapely.box(*draw.textbbox(at, name, font=font, anchor="mb"))
+        label: Any = text.buffer(LABEL_PAD, join_style="mitre")
+        while label.intersects(taken):
+            label = translate(label, yoff=-OVERSAMPLING)
+        taken = taken.union(label)
+        middle, bottom = label.centroid.x, label.bounds[3]
+        draw.line([(middle, bottom), foot], fill=(*CAPTION_COLOUR, 150), width=OVERSAMPLING)
+        draw.rounded_rectangle(label.bounds, LABEL_PAD, fill=(*CAPTION_BACKGROUND, 225))
+        place, colour = (middle, bottom - LABEL_PAD), (*CAPTION_COLOUR, 255)
+        draw.text(place, name, font=font, anchor="mb", fill=colour)
+    return _composited(picture, overlay)
 
 
 def _overlay(picture: Picture) -> tuple[Any, Any]:

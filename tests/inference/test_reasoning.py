@@ -2,9 +2,8 @@
 
 import pytest
 
-from hilt.inference.abduction import find_hypotheses
-from hilt.inference.conflicts import find_conflicts
 from hilt.inference.induction import CAUTION, InducedRule, induce, needed_features
+from hilt.inference.rule_analysis import find_conflicts, find_hypotheses
 from hilt.inference.types import Conclusion
 from hilt.kb.interval import Interval
 from hilt.kb.rule import Atom, Rule, functional, grasping, kind_rule, norm

@@ -10,7 +10,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hilt.kb.bulk.nquads_reader import LineReader, Statements, read_groups, read_quads
+from hilt.kb.bulk.nquads_reader import (
+    LineReader,
+    StatementGroup,
+    Statements,
+    read_groups,
+    read_quads,
+)
 from hilt.kb.rdf.rule_mapping import BELIEFS, rule_quads
 from hilt.kb.rdf.terms import Quad
 from hilt.kb.rule import Rule
@@ -127,3 +133,13 @@ def test_other_encodings_are_refused():
     """Bytes that are no UTF-8."""
     with pytest.raises(DataError, match="expected UTF-8 text"):
         read_fast(f'{RULE} {LOWER} "Gr\\u00fc'.encode() + b'\xff" .\n')
+
+
+def test_comment_does_not_divide_what_is_said_of_a_subject():
+    """Nor does a line in another form; another graph does."""
+    other = GOOD.replace(GRAPH, "<urn:g>")
+    text = "\n".join([GOOD, "# half", GOOD.replace(" ", "\t"), "", GOOD, other]).encode()
+
+    groups = read_groups(io.BytesIO(text), format="nquads", source="x", default=BELIEFS)
+
+    assert [len(group.pairs) for group in groups if isinstance(group, StatementGroup)] == [3, 1]

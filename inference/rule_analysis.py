@@ -1,17 +1,23 @@
-"""Abduction: hypotheses that would entail or explain a given conclusion.
+"""What rules say of each other and would imply, with no object in view.
 
-Rules are applied backwards, as in Sarathy & Scheutz (2016). "What would have to be true of an
-object for it to be used for cutting?" returns the sufficient antecedents, each with the interval of
-the conclusion; "which context explains that it was passed by the blade?" returns the contexts in
-which that conclusion holds, the most plausible first.
+Conflicts are pairs of rules, one of which asserts what the other denies, weighted by the mass K of
+`Interval.conflict`. Two different parts for one grasp do not contradict each other: a knife can be
+held at either end.
+
+Abduction finds hypotheses that would entail or explain a given conclusion: rules are applied
+backwards, as in Sarathy & Scheutz (2016). "What would have to be true of an object for it to be
+used for cutting?" returns the sufficient antecedents, each with the interval of the conclusion;
+"which context explains that it was passed by the blade?" returns the contexts in which that
+conclusion holds, the most plausible first.
 """
 
 from collections import defaultdict
 from collections.abc import Iterable
 from dataclasses import dataclass
+from itertools import combinations
 
 from ..kb.formats.value_notation import read_atom
-from ..kb.interval import Interval
+from ..kb.interval import EPSILON, Interval
 from ..kb.rule import ARGUMENT_KINDS, GRASP_OBJECT, USED_FOR, Atom, Rule
 from .interval_operators import Operators, relative_plausibility
 from .proof import Json
@@ -99,3 +105,27 @@ def find_hypotheses(
         return -relative_plausibility(each.interval), name
 
     return sorted(likely, key=order)
+
+
+@dataclass(frozen=True)
+class Conflict:
+    """Two rules of one antecedent and conclusion, the earlier one first, and their K in [0, 1]."""
+
+    first: Rule
+    second: Rule
+    weight: float
+
+    def as_json(self) -> Json:
+        """Return the JSON object that `hilt conflicts --json` prints."""
+        return {"rules": [self.first.as_json(), self.second.as_json()], "weight": self.weight}
+
+
+def find_conflicts(rules: Iterable[Rule]) -> list[Conflict]:
+    """Return the pairs of rules that contradict each other, weighted by trust, heaviest first."""
+    groups: dict[tuple[frozenset[Atom], str, Atom | None], list[Rule]] = defaultdict(list)
+    for rule in rules:
+        groups[rule.features | rule.contexts, rule.functor, rule.argument].append(rule)
+    pairs = (pair for group in groups.values() for pair in combinations(group, 2))
+    found = [Conflict(a, b, a.support.conflict(b.support)) for a, b in pairs]
+    heavy = [each for each in found if each.weight > EPSILON]
+    return sorted(heavy, key=lambda each: (-each.weight, each.first.id, each.second.id))
