@@ -9,7 +9,10 @@ copyright = "2026, the Hilt developers. Apache-2.0"  # noqa: A001 - the name tha
 
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
 exclude_patterns = ["schemas"]
-suppress_warnings = ["misc.highlighting_failure"]  # Pygments knows neither CSV nor RDF 1.2
+suppress_warnings = [
+    "misc.highlighting_failure",  # Pygments knows neither CSV nor RDF 1.2
+    "ref.python",  # members of two classes may have one name, as Rule.part and Candidate.part
+]
 
 html_theme = "furo"
 html_title = "Hilt"
