@@ -129,8 +129,13 @@ INFERENCE = ("induce", "contexts", "settings", "overrides", "taxonomy")
 EVERY = tuple(OPTIONS)
 
 
-def with_config(*names: str) -> Callable[[Callable[..., None]], Callable[..., None]]:
-    """Give a command these options of `AgentConfig`, and `--config`, for its parameter `config`."""
+def with_config(
+    *names: str, robot_unless: str = ""
+) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """Give a command these options of `AgentConfig`, and `--config`, for its parameter `config`.
+
+    With `simulate` among them the simulator must be there, unless that option is given.
+    """
 
     def decorate(command: Callable[..., None]) -> Callable[..., None]:
         @wraps(command)
@@ -139,7 +144,8 @@ def with_config(*names: str) -> Callable[[Callable[..., None]], Callable[..., No
             values = {**lasting_values(), **(read_values(file) if file else {})}
             chosen = {name: given.pop(name) for name in dict.fromkeys(names)}
             config = AgentConfig(**{**values, **dict(_given(chosen))})
-            if "simulate" in names and config.simulate and not is_plugin(config.vision):
+            moves = "simulate" in names and config.simulate and not given.get(robot_unless)
+            if moves and not is_plugin(config.vision):
                 check_simulator()
             command(config=config, **given)
 
