@@ -241,8 +241,7 @@ def _optional_iri(kind: str, name: str | None) -> Iri | None:
 
 
 def _having_query(wanted: Sequence[tuple[Iri, Iri]], read: str = "?property ?value") -> str:
-    """The properties of what has some; engines start with constants, so the status is none."""
-    status = rule_mapping.STATUS
+    status = rule_mapping.STATUS  # that of nearly all rules, and engines start with constants
     given = [f"{as_sparql(key)} {as_sparql(value)}" for key, value in wanted if key != status]
     has = "".join(f" FILTER(?status = {as_sparql(one)})" for key, one in wanted if key == status)
     having = f"?rule {' ; '.join([*given, f'{as_sparql(status)} ?status'])} .{has}"

@@ -181,9 +181,9 @@ def listen(
     from ..speech.sound import Sound, microphone
     from ..speech.talk import keep
 
-    listener = Listener.open(recogniser or (), Language.load(extra_lexicon=lexicon))
     with nullcontext(iter([Sound.read(file)])) if file else microphone() as sounds:
         sound = next(sounds)
+    listener = Listener.open(recogniser or (), Language.load(extra_lexicon=lexicon))
     heard = listener.hear(sound)
     if keep_sound:
         keep(sound, heard, keep_sound)

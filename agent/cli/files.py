@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Generator
 from contextlib import contextmanager
 from pathlib import Path
@@ -71,7 +72,7 @@ def import_(
         raise DataError(f'expected "rules" or "ontology", found "{as_}".', source="--as")
     from ...kb.formats.import_export import import_file
 
-    size = Path(file).stat().st_size if Path(file).is_file() else None
+    size = Path(file).stat().st_size if os.access(file, os.R_OK) else None
     with common.open_to_change(kb, dry_run=dry_run) as base, _progress("Reading", size) as advance:
         found = import_file(base, file, format=file_format, dry_run=dry_run, progress=advance)
     common.show_import(found, file, dry_run=dry_run, as_json=as_json)

@@ -17,7 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ...nlu.jsgf import sentences
+from ...nlu.jsgf import grammar_of, sentences
 from ...nlu.language import Language
 from ...ontology.disk_cache import cache_folder, cached, content_key
 from ...ontology.errors import extra_required
@@ -71,11 +71,10 @@ class PocketSphinxRecogniser:
         with extra_required("speech", "pocketsphinx"):
             from pocketsphinx import Decoder  # pyright: ignore[reportMissingImports]
 
-        rng = random.Random(0)  # noqa: S311 - no secret
         examples = [" ".join(re.findall(r"[a-z']+", each.lower())) for each in language.examples]
-        said = [*sentences(language, _SENTENCES, rng), *examples * _REPEATED]
-        folder = cache_folder() / "speech" / content_key("\n".join(said).encode())
-        model = cached(folder, lambda draft: _write_model(draft, said))
+        key = content_key(grammar_of(language).encode(), "\n".join(examples).encode())
+        folder = cache_folder() / "speech" / key
+        model = cached(folder, lambda draft: _write_model(draft, language, examples))
         if model != self._model:
             files = {"lm": str(model / "model.arpa"), "dict": str(model / "words.dict")}
             self._decoder, self._model = Decoder(**files, loglevel="FATAL"), model
@@ -111,9 +110,11 @@ def find_recogniser(name: str, language: Language) -> SpeechRecogniser:
     return call_plugin("hilt.recogniser", plugin, rest, language, methods=needs)
 
 
-def _write_model(folder: Path, said: Sequence[str]) -> None:
+def _write_model(folder: Path, language: Language, examples: list[str]) -> None:
     from pocketsphinx.lm import ArpaBoLM  # pyright: ignore[reportMissingImports]
 
+    rng = random.Random(0)  # noqa: S311 - no secret
+    said = [*sentences(language, _SENTENCES, rng), *examples * _REPEATED]
     known = pronunciations()
     spelt = {word: spell(word, known) for word in sorted(set(" ".join(said).split()))}
     lines = [
