@@ -17,18 +17,15 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache, partial
 from pathlib import Path
 
-from ..ontology.confidence import Degrees, load_degrees
-from ..ontology.errors import UnknownNameError
+from ..ontology.confidence import Degrees
 from ..ontology.garbage_collection import paused_garbage_collection
 from ..ontology.yaml_reader import read_yaml
 from .generation.realizer import Realizer, load_realizer
 from .generation.templates import AnswerTemplates, Slot, load_answers
-from .grammar.combinators import CombinationTable
-from .grammar.grammar import load_grammar
-from .grammar.notation_reader import save_cache
 from .grammar.word_patterns import load_word_lists
+from .language_tables import language_folder, load_tables
 from .lexicon.discourse_markers import ControlPhrases
-from .lexicon.inflection import Inflection, load_inflection
+from .lexicon.inflection import Inflection
 from .lexicon.learned_lexicon import ImmutableIndex, LearnedLexicon
 from .lexicon.lexicon import Lexicon
 from .lexicon.loader import LexiconBuilder
@@ -49,10 +46,8 @@ from .parsing.reading_filter import ReadingFilter
 from .parsing.strategies import UtteranceParser
 from .parsing.understanding import Understanding, UtteranceContext
 from .parsing.utterance_pieces import PieceReader
-from .semantics.clause_features import load_features
 from .semantics.discourse import Discourse, after_offer
 from .semantics.interpretation import Interpreter
-from .semantics.licence_table import load_licence
 from .semantics.meaning import (
     TEACHING,
     Acknowledgement,
@@ -64,22 +59,8 @@ from .semantics.meaning import (
     Misunderstanding,
     TrustStatement,
 )
-from .semantics.predicates import load_pragmatics
-
-LANGUAGES_FOLDER = Path(__file__).parents[1] / "ontology"
 
 MAX_CONTROL_WORDS = 12
-
-_WORD_FILES = (
-    "lexicon.yaml",
-    "clauses.yaml",
-    "attitudes.yaml",
-    "constructions.yaml",
-    "requests.yaml",
-    "conversation.yaml",
-    "fragments.yaml",
-    "norms.yaml",
-)
 
 
 @dataclass(frozen=True, repr=False)
@@ -125,14 +106,9 @@ class Language:
             DataError: a file is not as expected; says where.
             UnknownNameError: there is no such language.
         """
-        folder = _folder(language)
-        degrees = load_degrees()
-        grammar = load_grammar(folder / "grammar.yaml", degrees=degrees.intervals)
-        inflection = load_inflection(folder / "inflection.yaml")
-        combinator = CombinationTable(grammar.unary)
-        builder = LexiconBuilder(grammar, inflection, combinator)
-        for name in _WORD_FILES:
-            builder.read(folder / name)
+        folder = language_folder(language)
+        tables = load_tables(folder)
+        degrees, builder = tables.degrees, tables.builder
         if extra_lexicon is not None:
             builder.read(extra_lexicon)
         names = vocabulary if vocabulary is not None else household_vocabulary()
@@ -142,16 +118,19 @@ class Language:
             ImmutableIndex(builder.tool_acts.items()),
             ImmutableIndex((name, name) for name in names.contexts),
         )
-        features = load_features(folder / "features.yaml")
-        licence = load_licence(features.values, degrees.intervals)
         parser = SentenceParser(
-            grammar, lexicon, combinator, interpreter, load_pragmatics(), features, licence
+            tables.grammar,
+            lexicon,
+            builder.combinator,
+            interpreter,
+            tables.pragmatics,
+            tables.features,
+            tables.licence,
         )
         adverbs = {degrees.intervals[name]: each[0] for name, each in builder.qualifiers.items()}
         adverbs[degrees.intervals[degrees.default]] = ""
         answers = load_answers(folder / "answers.yaml", builder, adverbs)
         realizer = load_realizer(folder / "sentences.yaml", answers)
-        save_cache()
         if not gc.get_freeze_count():
             # All of a language is kept: make it old at once, without a collection of the young.
             gc.freeze()
@@ -162,6 +141,7 @@ class Language:
             for text in sentences["examples"].texts()
         }
         controls = ControlPhrases(load_word_lists(folder / "controls.yaml"))
+        inflection = builder.inflection
         parts = (parser, examples, answers, realizer, builder, inflection, degrees, controls)
         return cls(folder, *parts)
 
@@ -478,10 +458,3 @@ def _is_not_understood(meaning: Meaning, text: str) -> bool:
             return True
         case _:
             return False
-
-
-def _folder(language: str) -> Path:
-    known = [path.parent.name for path in LANGUAGES_FOLDER.glob("*/lexicon.yaml")]
-    if language not in known:
-        raise UnknownNameError("language", language, known)
-    return LANGUAGES_FOLDER / language

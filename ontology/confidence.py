@@ -7,7 +7,6 @@ as in the predicate forms of the paper (sections 3.2 and 4.1).
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from types import MappingProxyType
 
 from .yaml_reader import YamlNode, read_yaml
 
@@ -41,7 +40,7 @@ def load_degrees(path: Path = QUALIFIERS_FILE) -> Degrees:
         name: read_interval(field.entries(required=("interval",), optional=())["interval"])
         for name, field in entries["degrees"].entries().items()
     }
-    return Degrees(entries["default"].text(choices=intervals), MappingProxyType(intervals))
+    return Degrees(entries["default"].text(choices=intervals), intervals)
 
 
 def read_interval(field: YamlNode) -> tuple[float, float]:

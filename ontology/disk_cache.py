@@ -5,11 +5,18 @@ It is `$HILT_CACHE`, or else `hilt` in the cache directory of the user. It may b
 
 import hashlib
 import os
-from collections.abc import Callable
+import pickle
+import sys
+from collections.abc import Callable, Iterable
+from contextlib import suppress
+from functools import partial
 from pathlib import Path
+from typing import TypeVar
 from uuid import uuid4
 
 from .errors import SimulationError
+
+T = TypeVar("T")
 
 
 def cache_folder() -> Path:
@@ -53,9 +60,38 @@ def cached(path: Path, make: Callable[[Path], object]) -> Path:
     return path
 
 
+def kept(path: Path, stamp: str, make: Callable[[], T]) -> T:
+    """Return what `make` returns, which is kept in a file for the next program.
+
+    The file counts as long as the stamp is the same, its content is whole, and it belongs to the
+    user: it is a pickle, which can run any code. It is no error if it cannot be written.
+    """
+    with suppress(OSError):
+        is_own = not hasattr(os, "getuid") or path.stat().st_uid == os.getuid()
+        head, _, body = path.read_bytes().partition(b"\n")
+        if is_own and head == f"{stamp} {content_key(body)}".encode():
+            return pickle.loads(body)  # noqa: S301 - written below
+    value = make()
+    body = pickle.dumps(value)
+    with suppress(OSError):
+        _write(path, f"{stamp} {content_key(body)}\n".encode() + body, mode=0o600)
+    return value
+
+
+def stamp_of(paths: Iterable[Path]) -> str:
+    """Return a short text that is another one once one of these files has changed."""
+    states = [(str(path), (state := path.stat()).st_size, state.st_mtime_ns) for path in paths]
+    return content_key(repr(states).encode(), sys.version.encode())
+
+
 def write_atomically(path: Path, text: str) -> None:
     """Write a text file under another name, then rename it: no reader sees half of it."""
+    _write(path, text.encode())
+
+
+def _write(path: Path, content: bytes, mode: int = 0o666) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
     beside = path.with_name(f".{path.name}.{uuid4().hex}")
-    beside.write_text(text, encoding="utf-8", newline="\n")
+    with open(beside, "xb", opener=partial(os.open, mode=mode)) as file:
+        file.write(content)
     beside.replace(path)

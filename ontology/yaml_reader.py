@@ -237,7 +237,7 @@ class _NodeReader:
         return self.resolver.construct_object(self.scalar(tag, text, event.start_mark))
 
     def check_tag(self, event: Any, tag: str | None, allowed: Collection[str]) -> None:
-        if tag not in {None, "!"} and tag.removeprefix("tag:yaml.org,2002:") not in allowed:
+        if tag and tag != "!" and tag.removeprefix("tag:yaml.org,2002:") not in allowed:
             raise self.fail(
                 event,
                 f'the type "{tag}" is not allowed; write a text in quotes, a number, '

@@ -70,12 +70,22 @@ class CombinationTable:
         # For each sign the plain sign of its category, and of what it seeks and gives, if anything.
         self._plain: list[Sign] = []
         self._ways: list[_Way] = []
+        self._start_remembering()
+        for change in unary:
+            self.add(change)
+
+    def _start_remembering(self) -> None:
         self.turn = cache(self._turn)
         self.changes = cache(self._changed)
         self.combine = lru_cache(MAX_REMEMBERED)(lambda *two: tuple(self._combinations(*two)))
         self.join = lru_cache(MAX_REMEMBERED)(self._joined)
-        for change in unary:
-            self.add(change)
+
+    def __getstate__(self) -> dict[str, object]:
+        return {name: value for name, value in vars(self).items() if name.startswith("_")}
+
+    def __setstate__(self, state: dict[str, object]) -> None:
+        vars(self).update(state)
+        self._start_remembering()
 
     def add(self, change: UnaryRule) -> None:
         """Add a change of category that needs no word."""

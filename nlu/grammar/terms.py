@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from itertools import chain, count
 from typing import TypeAlias
 
@@ -93,8 +94,11 @@ def evaluate(term: Term, environment: Environment = ()) -> Value:
         return environment[term.index]
     if isinstance(term, Constant):
         return NeutralTerm(term.name)
-    body = term.body
-    return lambda argument: evaluate(body, (argument, *environment))
+    return partial(_applied, term.body, environment)  # can be pickled, as a closure cannot
+
+
+def _applied(body: Term, environment: Environment, argument: Value) -> Value:
+    return evaluate(body, (argument, *environment))
 
 
 def quote(value: Value, depth: int = 0) -> Term:

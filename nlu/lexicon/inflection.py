@@ -9,7 +9,6 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from types import MappingProxyType
 from typing import TypeAlias
 
 from ...ontology.errors import UnknownNameError
@@ -98,7 +97,7 @@ class Inflection:
 def load_inflection(path: Path) -> Inflection:
     """Read the tables of a language; `DataError` says where the file is not as expected."""
     tables = {name: _table(field) for name, field in read_yaml(path).entries().items()}
-    return Inflection(MappingProxyType(tables))
+    return Inflection(tables)
 
 
 def _table(field: YamlNode) -> FormTable:
@@ -106,7 +105,7 @@ def _table(field: YamlNode) -> FormTable:
     irregular = entries["irregular"].entries() if "irregular" in entries else {}
     backwards = entries["origins"].items() if "origins" in entries else ()
     return FormTable(
-        MappingProxyType({word: form.text() for word, form in irregular.items()}),
+        {word: form.text() for word, form in irregular.items()},
         tuple(_rule(rule) for rule in entries["rules"].items()),
         tuple(_rule(rule) for rule in backwards),
     )

@@ -10,7 +10,6 @@ from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from itertools import chain
 from pathlib import Path
-from types import MappingProxyType
 from typing import TypeAlias
 
 from ...ontology.yaml_reader import YamlNode, read_yaml
@@ -66,6 +65,8 @@ class LexiconBuilder:
     """The words of a language, and the builder of entries for new ones.
 
     Attributes:
+        inflection: the forms of words.
+        combinator: the categories and how they combine.
         contractions: short forms and the words that they stand for.
         closed: words of grammar (closed-class words), which are no names.
         verbs: the verbs, in the order of the files.
@@ -84,7 +85,7 @@ class LexiconBuilder:
     def __init__(
         self, grammar: Grammar, inflection: Inflection, combinator: CombinationTable
     ) -> None:
-        self._grammar, self.inflection, self._combinator = grammar, inflection, combinator
+        self._grammar, self.inflection, self.combinator = grammar, inflection, combinator
         self._templates: dict[str, WordTemplate] = {}
         self._endings: dict[str, str] = {}
         self.contractions: dict[str, tuple[str, ...]] = {}
@@ -262,7 +263,7 @@ class LexiconBuilder:
         return self._entry(category, term, own_cost + cost, says)._replace(**named)
 
     def _entry(self, category: Category, term: Term, cost: float, says: str) -> Entry:
-        sign = self._combinator.sign(category)
+        sign = self.combinator.sign(category)
         return Entry(category, term, evaluate(term), sign, cost, says=says)
 
     def _template(self, field: YamlNode) -> WordTemplate:
@@ -280,8 +281,8 @@ class LexiconBuilder:
                 known = ", ".join(("base", *self.inflection.tables))
                 raise lines.fail(f'there is no form "{form}"; expected one of {known}.')
         for category, _, _ in chain.from_iterable(forms.values()):
-            self._combinator.sign(category)
-        return WordTemplate(tuple(constants), MappingProxyType(forms))
+            self.combinator.sign(category)
+        return WordTemplate(tuple(constants), forms)
 
     def _template_named(self, name: str, field: YamlNode) -> WordTemplate:
         if name not in self._templates:
@@ -324,11 +325,10 @@ class LexiconBuilder:
         lines = [self._grammar.entry(line) for line in given]
         for name in parts["like"].listed() if "like" in parts else ():
             lines += self._template_named(name.text(), name).forms["base"]
-        entries = [self._entry(*line, "") for line in lines]
         for says in parts["says"].listed():
             text = word_patterns.read_words(says)
-            for entry in entries:
-                self._add(self.lexicon, entry._replace(says=text))
+            for line in lines:
+                self._add(self.lexicon, *line, text)
 
     def _read_construction(self, field: YamlNode) -> None:
         parts = field.entries(required=("says", "is"), optional=())
@@ -343,7 +343,7 @@ class LexiconBuilder:
         spelt = dict.fromkeys(found)
         runs = ([piece for piece in pieces if isinstance(piece, WordRun)] for pieces in spelt)
         for run in dict.fromkeys(chain.from_iterable(each[1:] for each in runs)):
-            self._add(self._constructions, self._entry(run.category, _NOTHING, 0.0, run.text))
+            self._add(self._constructions, run.category, _NOTHING, 0.0, run.text)
         return spelt
 
     def _add_constructions(
@@ -362,19 +362,23 @@ class LexiconBuilder:
 
     def _add_head(self, construction: Construction, cost: float) -> None:
         head, category = construction.head, construction.category
-        self._combinator.sign(category)
+        self.combinator.sign(category)
         if isinstance(head, WordRun):
             make = partial(self._head_entry, construction, cost, head.text)
             self._constructions.add(LazyEntry(head.text, category, "", make))
         else:
             term = construction.functor()
-            self._combinator.add(UnaryRule(head.category, category, term, evaluate(term), cost))
+            self.combinator.add(UnaryRule(head.category, category, term, evaluate(term), cost))
 
     def _head_entry(self, construction: Construction, cost: float, says: str) -> Entry:
         return self._entry(construction.category, construction.functor(), cost, says)
 
-    def _add(self, lexicon: Lexicon, entry: Entry) -> None:
-        lexicon.add(LazyEntry(entry.says, entry.category, entry.name, lambda: entry))
+    def _add(
+        self, lexicon: Lexicon, category: Category, term: Term, cost: float, says: str
+    ) -> None:
+        self.combinator.sign(category)
+        make = partial(self._entry, category, term, cost, says)
+        lexicon.add(LazyEntry(says, category, "", make))
 
 
 def _constant(name: str) -> str:

@@ -1,19 +1,12 @@
-"""The notation of the language data, the messages about mistakes in it, and the cache on disk."""
+"""The notation of the language data, and the messages about mistakes in it."""
 
 from __future__ import annotations
-
-import os
-import subprocess
-import sys
-from pathlib import Path
 
 import pytest
 
 from hilt.nlu.grammar.categories import Category
-from hilt.nlu.grammar.notation_parser import Start, parse
 from hilt.nlu.grammar.notation_reader import (
     MAX_CHARACTERS,
-    NotationCache,
     read_entry,
     read_rule,
     read_type,
@@ -139,95 +132,3 @@ def test_the_excerpt_shows_where_a_mistake_is() -> None:
         read_entry(YamlNode("NP : f(x", "words.yaml", 3, 9, text_line=shown))
 
     assert caught.value.excerpt().splitlines() == [shown, " " * 17 + "^"]
-
-
-LINES: list[tuple[Start, str]] = [
-    ("entry", "(S\\^NP)/^(NP/N) : λx.λy.implies(x,y(x),high) @-1.5"),
-    ("unary", "R => S : λr.r(high)"),
-    ("rule", "INSTRUCT(A,B,X) => want(A,X)"),
-    ("term", "(λx.λf.f(x))(knife)"),
-    ("type", "(e -> t) -> e -> t"),
-]
-
-
-def saved(path: Path) -> Path:
-    """The file, once all lines were parsed and saved."""
-    lines = NotationCache(path)
-    for start, text in LINES:
-        lines.read(line(text), start)
-    lines.save()
-    return path
-
-
-@pytest.mark.parametrize(("start", "text"), LINES)
-def test_a_recalled_value_equals_the_parsed_one(tmp_path: Path, start: Start, text: str) -> None:
-    """The names of variables are the same too, which only show in print."""
-    recalled = NotationCache(saved(tmp_path / "lines.json")).recall(text, start)
-
-    parsed = parse(line(text), start)
-
-    assert (recalled, str(recalled)) == (parsed, str(parsed))
-
-
-@pytest.mark.parametrize(
-    "damage",
-    [
-        lambda whole: whole[: len(whole) // 2],
-        lambda whole: whole.replace(b"high", b"none"),
-        lambda whole: b"-" + whole[1:],
-        lambda _: b"",
-        lambda _: b"\xff\xfe",
-    ],
-)
-def test_a_damaged_file_is_ignored(tmp_path: Path, damage: object) -> None:
-    """Half of it, a changed letter, another version, an empty file, and bytes that are no text."""
-    path = saved(tmp_path / "lines.json")
-    assert callable(damage)
-    path.write_bytes(damage(path.read_bytes()))
-
-    lines = NotationCache(path)
-
-    assert not any(lines.recall(text, start) for start, text in LINES)
-
-
-def test_an_unwritable_place_is_no_error(tmp_path: Path) -> None:
-    """The lines are parsed again next time."""
-    (tmp_path / "file").write_text("", encoding="utf-8")
-
-    path = saved(tmp_path / "file" / "lines.json")
-
-    assert not path.exists()
-
-
-def test_unused_lines_are_dropped(tmp_path: Path) -> None:
-    """They go when a new line is saved, so that the file does not grow for ever."""
-    path = saved(tmp_path / "lines.json")
-    lines = NotationCache(path)
-    lines.read(line("e -> t"), "type")
-    lines.save()
-
-    again = NotationCache(path)
-
-    assert again.recall("e -> t", "type")
-    assert not again.recall("(λx.λf.f(x))(knife)", "term")
-
-
-def test_a_language_loaded_before_needs_no_parser(tmp_path: Path) -> None:
-    """The second program does not import it, and understands the same."""
-    program = (
-        "import sys; from hilt.nlu import Language;"
-        "said = Language.load().understand('To pass a knife grab it by the blade');"
-        "print('lark' in sys.modules, said.semantics)"
-    )
-    environment = os.environ | {"HILT_CACHE": str(tmp_path)}
-
-    first, second = (
-        subprocess.run(
-            [sys.executable, "-c", program],
-            env=environment, capture_output=True, text=True, check=True,
-        ).stdout.split(maxsplit=1)
-        for _ in range(2)
-    )  # fmt: skip
-
-    assert (first[0], second[0]) == ("True", "False")
-    assert first[1] == second[1]
