@@ -67,7 +67,8 @@ def load_tables(folder: Path) -> LanguageTables:
     if a file is not as expected; says where.
     """
     code = Path(__file__).parent
-    files = [*folder.iterdir(), *LANGUAGES_FOLDER.iterdir(), *code.glob("*.*"), *code.glob("*/*.*")]
+    sources = (*code.glob("*.py"), *code.glob("*/*.py"), *code.glob("*/*.lark"))
+    files = (*folder.glob("*.*"), *LANGUAGES_FOLDER.glob("*.*"), *sources)
     path = cache_folder() / f"{folder.name}-{content_key(bytes(folder))}.pickle"
     return kept(path, stamp_of(sorted(files)), partial(_read, folder))
 
