@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from ..ontology.confidence import Degrees, load_degrees
-from ..ontology.disk_cache import cache_folder, content_key, kept, stamp_of
+from ..ontology.disk_cache import kept
 from ..ontology.errors import UnknownNameError
 from .grammar.combinators import CombinationTable
 from .grammar.grammar import Grammar, load_grammar
@@ -69,8 +69,7 @@ def load_tables(folder: Path) -> LanguageTables:
     code = Path(__file__).parent
     sources = (*code.glob("*.py"), *code.glob("*/*.py"), *code.glob("*/*.lark"))
     files = (*folder.glob("*.*"), *LANGUAGES_FOLDER.glob("*.*"), *sources)
-    path = cache_folder() / f"{folder.name}-{content_key(bytes(folder))}.pickle"
-    return kept(path, stamp_of(sorted(files)), partial(_read, folder))
+    return kept(folder.name, files, partial(_read, folder))
 
 
 def _read(folder: Path) -> LanguageTables:

@@ -60,12 +60,17 @@ def cached(path: Path, make: Callable[[Path], object]) -> Path:
     return path
 
 
-def kept(path: Path, stamp: str, make: Callable[[], T]) -> T:
-    """Return what `make` returns, which is kept in a file for the next program.
+def kept(name: str, files: Iterable[Path], make: Callable[[], T]) -> T:
+    """Return what `make` returns, which is kept in the cache for the next program.
 
-    The file counts as long as the stamp is the same, its content is whole, and it belongs to the
-    user: it is a pickle, which can run any code. It is no error if it cannot be written.
+    It counts until one of the files that it is made of changes, or Python does, if its own file is
+    whole and belongs to the user: it is a pickle, which can run any code. It is no error if it
+    cannot be written.
     """
+    states = sorted((str(path), (s := path.stat()).st_size, s.st_mtime_ns) for path in files)
+    stamp = content_key(repr(states).encode(), sys.version.encode())
+    places = repr([path for path, *_ in states])
+    path = cache_folder() / f"{name}-{content_key(places.encode())}.pickle"
     with suppress(OSError):
         is_own = not hasattr(os, "getuid") or path.stat().st_uid == os.getuid()
         head, _, body = path.read_bytes().partition(b"\n")
@@ -76,12 +81,6 @@ def kept(path: Path, stamp: str, make: Callable[[], T]) -> T:
     with suppress(OSError):
         _write(path, f"{stamp} {content_key(body)}\n".encode() + body, mode=0o600)
     return value
-
-
-def stamp_of(paths: Iterable[Path]) -> str:
-    """Return a short text that is another one once one of these files has changed."""
-    states = [(str(path), (state := path.stat()).st_size, state.st_mtime_ns) for path in paths]
-    return content_key(repr(states).encode(), sys.version.encode())
 
 
 def write_atomically(path: Path, text: str) -> None:

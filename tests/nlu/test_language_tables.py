@@ -1,6 +1,5 @@
 """The tables of a language are kept for the next program."""
 
-import os
 import subprocess
 import sys
 from pathlib import Path
@@ -12,10 +11,9 @@ from hilt.ontology.errors import UnknownNameError
 
 
 @pytest.fixture(autouse=True)
-def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A cache of its own for each test."""
     monkeypatch.setenv("HILT_CACHE", str(tmp_path))
-    return tmp_path
 
 
 def english() -> LanguageTables:
@@ -81,12 +79,3 @@ def test_an_unknown_language_is_an_error():
     """It names the known ones."""
     with pytest.raises(UnknownNameError, match="english"):
         language_folder("klingon")
-
-
-def test_the_file_is_for_this_user_only(cache: Path):
-    """A pickle can run code: others can neither read nor write it."""
-    english()
-
-    (path,) = cache.glob("english-*.pickle")
-
-    assert os.name == "nt" or not path.stat().st_mode & 0o077
