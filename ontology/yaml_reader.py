@@ -11,7 +11,7 @@ larger than `MAX_BYTES`.
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -20,6 +20,8 @@ from .errors import DataError
 
 MAX_BYTES = 64 * 2**20
 MAX_DEPTH = 64
+_OPENING = frozenset({"SequenceStartEvent", "MappingStartEvent"})
+_CLOSING = frozenset({"SequenceEndEvent", "MappingEndEvent"})
 
 
 @dataclass(frozen=True)
@@ -180,88 +182,68 @@ def parse_yaml(text: str, *, source: str = "<text>") -> YamlNode:
     """Read YAML from a text, as `read_yaml` does from a file."""
     import yaml  # imported here to save start-up time
 
-    events = yaml.parse(text, Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader))
-    reader = _NodeReader(source, text.splitlines(), events, yaml.SafeLoader(""), yaml.ScalarNode)
+    loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+    reader = _NodeReader(source, text.splitlines(), yaml.SafeLoader("").construct_object)
     try:
-        return reader.document()
+        reader.check(yaml.parse(text, Loader=loader))
+        document = yaml.compose(text, Loader=loader)
     except yaml.MarkedYAMLError as error:
         mark: Any = error.problem_mark or error.context_mark
         raise reader.node(mark, None).fail(f"is not YAML: {error.problem}.") from error
     except yaml.YAMLError as error:
         raise DataError(f"is not YAML: {error}.", source=source) from error
+    if document is None:
+        raise DataError("the file is empty.", source=source)
+    return reader.read(document)
 
 
 @dataclass(frozen=True)
 class _NodeReader:
     source: str
     lines: Sequence[str]
-    events: Iterator[Any]
-    resolver: Any  # knows the type of a scalar that has no tag, and the values of all types
-    scalar: Any
+    convert: Callable[[Any], Any]  # the value of a scalar that is no text
 
-    def document(self) -> YamlNode:
-        next(self.events)  # the start of the text
-        if not _is(next(self.events), "DocumentStartEvent"):
-            raise DataError("the file is empty.", source=self.source)
-        found = self.read(next(self.events), MAX_DEPTH)
-        next(self.events)  # the end of the document
-        if _is(second := next(self.events), "DocumentStartEvent"):
-            raise self.fail(second, "expected one document, found a second one.")
-        return found
+    def check(self, events: Iterable[Any]) -> None:
+        depth = documents = 0
+        for event in events:
+            kind = type(event).__name__
+            depth += (kind in _OPENING) - (kind in _CLOSING)
+            documents += kind == "DocumentStartEvent"
+            if kind == "AliasEvent":
+                raise self.node(event.start_mark, None).fail("aliases are not allowed.")
+            if depth > MAX_DEPTH:
+                raise self.node(event.start_mark, None).fail("nested too deeply.")
+            if documents > 1:
+                problem = "expected one document, found a second one."
+                raise self.node(event.start_mark, None).fail(problem)
 
-    def read(self, event: Any, levels: int) -> YamlNode:
-        if _is(event, "ScalarEvent"):
-            return self.node(event.start_mark, self.value(event))
-        if _is(event, "AliasEvent"):
-            raise self.fail(event, "aliases are not allowed.")
-        if not levels:
-            raise self.fail(event, "nested too deeply.")
-        if _is(event, "SequenceStartEvent"):
-            self.check_tag(event, event.tag, ("seq",))
-            items = tuple([self.read(item, levels - 1) for item in self.items("SequenceEndEvent")])
-            return self.node(event.start_mark, items)
-        self.check_tag(event, event.tag, ("map",))
-        return self.mapping(event, levels - 1)
+    def read(self, found: Any) -> YamlNode:
+        match found.id, found.tag.removeprefix("tag:yaml.org,2002:"):
+            case "scalar", "str":
+                return self.node(found.start_mark, found.value)
+            case "scalar", "int" | "float" | "bool" | "null":
+                return self.node(found.start_mark, self.convert(found))
+            case "sequence", "seq":
+                return self.node(found.start_mark, tuple(map(self.read, found.value)))
+            case "mapping", "map":
+                return self._mapping(found)
+            case _:
+                raise self.node(found.start_mark, None).fail(
+                    f'the type "{found.tag}" is not allowed; write a text in quotes, a number, '
+                    "true or false, a list or a mapping."
+                )
 
-    def items(self, end: str) -> Iterator[Any]:
-        while not _is(event := next(self.events), end):
-            yield event
-
-    def value(self, event: Any) -> Any:
-        tag, text = event.tag, event.value
-        if tag in {None, "!"}:
-            tag = self.resolver.resolve(self.scalar, text, event.implicit)
-        if tag == "tag:yaml.org,2002:str":
-            return text
-        self.check_tag(event, tag, ("int", "float", "bool", "null"))
-        return self.resolver.construct_object(self.scalar(tag, text, event.start_mark))
-
-    def check_tag(self, event: Any, tag: str | None, allowed: Collection[str]) -> None:
-        if tag and tag != "!" and tag.removeprefix("tag:yaml.org,2002:") not in allowed:
-            raise self.fail(
-                event,
-                f'the type "{tag}" is not allowed; write a text in quotes, a number, '
-                "true or false, a list or a mapping.",
-            )
-
-    def mapping(self, event: Any, levels: int) -> YamlNode:
+    def _mapping(self, found: Any) -> YamlNode:
         entries: dict[str, YamlNode] = {}
         keys: list[YamlNode] = []
-        for name in self.items("MappingEndEvent"):
-            keys.append(key := self.read(name, levels))
+        for name, value in found.value:
+            keys.append(key := self.read(name))
             if key.text() in entries:
                 raise key.fail(f'the key "{key.value}" is given twice.')
-            entries[key.value] = self.read(next(self.events), levels)
-        return self.node(event.start_mark, entries, tuple(keys))
-
-    def fail(self, event: Any, problem: str) -> DataError:
-        return self.node(event.start_mark, None).fail(problem)
+            entries[key.value] = self.read(value)
+        return self.node(found.start_mark, entries, tuple(keys))
 
     def node(self, mark: Any, value: object, keys: tuple[YamlNode, ...] = ()) -> YamlNode:
         line: int = mark.line
         text = self.lines[line] if line < len(self.lines) else ""
         return YamlNode(value, self.source, line + 1, mark.column + 1, text, keys)
-
-
-def _is(event: Any, kind: str) -> bool:
-    return type(event).__name__ == kind

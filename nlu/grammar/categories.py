@@ -124,14 +124,15 @@ def check_type(
 
 
 def _types_of(head: Term, signature: Signature, context: tuple[Type, ...]) -> Sequence[Type]:
-    # Without patterns, which take a third of the time of a check.
-    if isinstance(head, BoundVariable) and head.index < len(context):
-        return (context[head.index],)
-    if not isinstance(head, Constant):
-        raise TypeMismatchError(f"{show(head)} cannot stand before arguments")
-    if head.name not in signature:
-        raise TypeMismatchError(f'the name "{head.name}" is neither bound nor declared')
-    return signature[head.name]
+    match head:
+        case BoundVariable(index) if index < len(context):
+            return (context[index],)
+        case Constant(name) if name in signature:
+            return signature[name]
+        case Constant(name):
+            raise TypeMismatchError(f'the name "{name}" is neither bound nor declared')
+        case _:
+            raise TypeMismatchError(f"{show(head)} cannot stand before arguments")
 
 
 def _shown(head: Term) -> str:

@@ -9,7 +9,7 @@ import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property, lru_cache
-from itertools import chain, islice, product
+from itertools import chain, islice
 from pathlib import Path
 from types import MappingProxyType
 from typing import TypeAlias
@@ -40,8 +40,6 @@ _NOTHING_LEFT = "expected at least one word that cannot be left out."
 _PIECE = re.compile(r"[()\[\]|]|[^\s()\[\]|]+")
 _INNER_SPACE = re.compile(r"(?<=[(\[|]) | (?=[)\]|])")
 _BRACKET = re.compile(r"[()\[\]|]")
-_GAP = re.compile(r"\{[^}]*\}")
-_RUN = re.compile(r"\{[^}]*\}|[^{]+")
 _WORD = re.compile(r"[^\s()\[\]|]+")
 _CLOSING = {"(": ")", "[": "]"}
 _OPENING = {")": "(", "]": "["}
@@ -58,12 +56,7 @@ def words_of(text: str) -> list[str]:
 
 def compile_pattern(text: str, end: int = 0) -> Steps:
     """The graph of a pattern, with `end` after each spelling; `PatternError` without a bracket."""
-    return _graph(_pieces(text), text, end)
-
-
-def _pieces(text: str) -> list[str]:
-    # Most patterns are some words and nothing else.
-    return _PIECE.findall(text) if _BRACKET.search(text) else text.split()
+    return _graph(_PIECE.findall(text), text, end)
 
 
 def _graph(pieces: Sequence[str], text: str, end: int) -> Steps:
@@ -152,6 +145,7 @@ def read_phrases(field: YamlNode) -> frozenset[tuple[str, ...]]:
 def read_words(field: YamlNode) -> str:
     """The text of a pattern without gaps; `DataError` if all of it may be left out, or is cut."""
     text = field.text()
+    # Most are some words and nothing else.
     if _BRACKET.search(text):
         try:
             steps = compile_pattern(text)
@@ -173,34 +167,17 @@ def variants(field: YamlNode) -> list[tuple[str, ...]]:
     Only choices that have a gap within are multiplied out: words stay together in one pattern.
     `DataError` where a bracket is missing, or for more than `MAX_SPELLINGS`.
     """
+    text = field.text()
     try:
-        choices = list(islice(_choices(field.text()), MAX_SPELLINGS + 1))
-        found = dict.fromkeys(chain.from_iterable(map(_runs, choices)))
+        choices = list(islice(expand(_graph(_whole_words(text), text, 0)), MAX_SPELLINGS + 1))
     except PatternError as error:
         raise field.fail(str(error)) from error
     if len(choices) > MAX_SPELLINGS:
         raise field.fail(_TOO_MANY)
+    found = dict.fromkeys(chain.from_iterable(map(_joined, choices)))
     if () in found:
         raise field.fail(_NOTHING_LEFT)
     return list(found)
-
-
-def _choices(text: str) -> Iterator[str]:
-    # Only where a gap stands in brackets are the words beside it cut in two.
-    is_plain = all(run.count("(") == run.count(")") for run in _GAP.split(text))
-    is_plain = is_plain and all(run.count("[") == run.count("]") for run in _GAP.split(text))
-    return iter([text]) if is_plain else map(" ".join, expand(_graph(_whole_words(text), text, 0)))
-
-
-def _runs(text: str) -> Iterator[tuple[str, ...]]:
-    pieces = [_INNER_SPACE.sub("", piece.strip()) for piece in _RUN.findall(text)]
-    options = [(piece, "") if _is_optional(piece) else (piece,) for piece in pieces if piece]
-    for chosen in product(*reversed(options)):
-        yield tuple(piece for piece in reversed(chosen) if piece)
-
-
-def _is_optional(piece: str) -> bool:
-    return piece[0] in _CLOSING and 0 in compile_pattern(piece)
 
 
 def _whole_words(text: str) -> list[str]:
@@ -215,6 +192,20 @@ def _whole_words(text: str) -> list[str]:
             if not any(map(is_gap, pieces[start:])):
                 pieces[start:] = [_INNER_SPACE.sub("", " ".join(pieces[start:]))]
     return pieces
+
+
+def _joined(pieces: Sequence[str]) -> Iterator[tuple[str, ...]]:
+    place = next((n for n, piece in enumerate(pieces) if not is_gap(piece)), len(pieces))
+    end = next((n for n in range(place, len(pieces)) if is_gap(pieces[n])), len(pieces))
+    if place == end:
+        yield tuple(pieces)
+        return
+    words = " ".join(pieces[place:end])
+    is_optional = all(piece[0] in _CLOSING for piece in pieces[place:end])
+    for rest in _joined(pieces[end:]):
+        yield *pieces[:place], words, *rest
+        if is_optional and 0 in compile_pattern(words):
+            yield *pieces[:place], *rest
 
 
 def _missing(bracket: str, text: str) -> PatternError:
