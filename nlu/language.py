@@ -117,15 +117,8 @@ class Language:
             ImmutableIndex(builder.tool_acts.items()),
             ImmutableIndex((name, name) for name in names.contexts),
         )
-        parser = SentenceParser(
-            tables.grammar,
-            lexicon,
-            builder.combinator,
-            interpreter,
-            tables.pragmatics,
-            tables.features,
-            tables.licence,
-        )
+        combinator, readers = builder.combinator, tables[3:]
+        parser = SentenceParser(tables.grammar, lexicon, combinator, interpreter, *readers)
         adverbs = {degrees.intervals[name]: each[0] for name, each in builder.qualifiers.items()}
         adverbs[degrees.intervals[degrees.default]] = ""
         answers = load_answers(folder / "answers.yaml", builder, adverbs)
@@ -136,9 +129,8 @@ class Language:
             for text in sentences["examples"].texts()
         }
         controls = ControlPhrases(load_word_lists(folder / "controls.yaml"))
-        inflection = builder.inflection
-        parts = (parser, examples, answers, realizer, builder, inflection, degrees, controls)
-        return cls(folder, *parts)
+        parts = (answers, realizer, builder, builder.inflection, degrees, controls)
+        return cls(folder, parser, examples, *parts)
 
     def __repr__(self) -> str:
         return f"<Language {self.folder.name}, {len(self.lexicon.learned)} words learned>"

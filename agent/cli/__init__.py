@@ -12,7 +12,6 @@ import sys
 import traceback
 from collections.abc import Generator, Sequence
 from contextlib import contextmanager
-from copy import copy
 from io import BytesIO, TextIOWrapper
 from typing import Any
 
@@ -46,29 +45,13 @@ def main(arguments: Sequence[str] | None = None) -> None:
     gc.set_threshold(_FEW_COLLECTIONS)  # what a command makes at its start all stays in use
     atexit.register(gc.freeze)  # else the interpreter looks for cycles in all of it when it ends
     words = [word for word in given if word not in ANYWHERE]
-    arranged = _reordered(words)
-    command = typer.main.get_command(_with_one_command(arranged))
+    command = typer.main.get_command(app)
     group = _command(command, words)
     is_group = hasattr(group, "commands") and not group.invoke_without_command
     with _logged("--verbose" in given):
-        arranged += ["--help"] if is_group else []
-        code = _run(command, arranged, debug="--debug" in given)
+        words = [*words, "--help"] if is_group else words
+        code = _run(command, words, debug="--debug" in given)
     sys.exit(WRONG_USAGE if is_group else code)
-
-
-def _with_one_command(words: Sequence[str]) -> typer.Typer:
-    """Return the app with the command that is run, if it is known: the others take time to make."""
-    every = app.registered_commands
-    wanted = [one for one in every if words and words[0] == (one.name or _name(one.callback))]
-    if not wanted:
-        return app
-    alone = copy(app)
-    alone.registered_commands, alone.registered_groups = wanted, []
-    return alone
-
-
-def _name(function: Any) -> str:
-    return typer.main.get_command_name(function.__name__)
 
 
 def _command(found: Any, words: Sequence[str]) -> Any:
@@ -95,9 +78,9 @@ def _logged(wanted: bool) -> Generator[None]:
         logger.setLevel(logging.NOTSET)
 
 
-def _run(command: Any, arguments: list[str], *, debug: bool) -> int:
+def _run(command: Any, arguments: Sequence[str], *, debug: bool) -> int:
     try:
-        return command.main(arguments, prog_name="hilt", standalone_mode=False) or 0
+        return command.main(_reordered(arguments), prog_name="hilt", standalone_mode=False) or 0
     except typer.Abort:
         return INTERRUPTED
     except Exception as error:
