@@ -371,7 +371,7 @@ def _context(kind: str, name: str | None) -> frozenset[Atom]:
     return frozenset([Atom(kind, name)]) if name else frozenset()
 
 
-@lru_cache(maxsize=2**16)
+@lru_cache(maxsize=2**18)
 def _atoms_text(atoms: frozenset[Atom]) -> str:
     return " ".join(sorted(str(atom).replace(" ", "_") for atom in atoms))
 

@@ -21,7 +21,7 @@ from ..rdf.terms import DECIMAL, Properties, Property, Quad
 # What an RDF text is read into.
 Statements: TypeAlias = "StatementGroup | ReifyingTriple"
 
-MAX_KNOWN = 100_000  # values of each kind that are remembered
+MAX_KNOWN = 2**18  # values of each kind that are remembered
 MAX_GROUP = 10_000  # statements; many more rules than that may hang on one node
 
 _MAX_TERM = 2**24  # bytes of a line with one statement, as pyoxigraph has it
