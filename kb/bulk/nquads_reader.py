@@ -12,10 +12,10 @@ from decimal import Decimal
 from functools import partial
 from typing import Any, BinaryIO, NamedTuple, TypeAlias
 
-from ...ontology.vocabulary import Iri
+from ...ontology.vocabulary import INDIVIDUALS, PREFIXES, Iri
 from ..interval import DIGITS
 from ..rdf.annotated_turtle import ReifyingTriple
-from ..rdf.rule_mapping import BELIEFS, RULE_NODE
+from ..rdf.rule_mapping import BELIEFS
 from ..rdf.terms import DECIMAL, Properties, Property, Quad
 
 # What an RDF text is read into.
@@ -24,11 +24,13 @@ Statements: TypeAlias = "StatementGroup | ReifyingTriple"
 MAX_KNOWN = 2**18  # values of each kind that are remembered
 MAX_GROUP = 10_000  # statements; many more rules than that may hang on one node
 
+_RULES = PREFIXES["rule"]
 _MAX_TERM = 2**24  # bytes of a line with one statement, as pyoxigraph has it
-_MAX_REPEATED = 4  # characters of a decimal that is likely to come again: 0.95
-_RULE = re.compile(f"<({RULE_NODE.pattern})>")
-_VARIED = re.compile(  # lines that are many, and differ in a rule or a short decimal
-    rf"(?P<key><[^ ]+>) (?:<(?P<rule>{RULE_NODE.pattern})>"
+_MAX_REPEATED = 6  # characters of a decimal that is likely to come again: 0.9571
+_INDIVIDUAL = rf"{re.escape(INDIVIDUALS)}[a-z]+/(?:[A-Za-z0-9_.-]|%[0-9A-F]{{2}})+"
+_SUBJECT = re.compile(f"<({_INDIVIDUAL})>")
+_VARIED = re.compile(  # lines that are many, and differ in an individual or a short decimal
+    rf"(?P<key><[^ ]+>) (?:<(?P<node>{_INDIVIDUAL})>"
     rf'|"(?P<decimal>[01](?:\.[0-9]{{1,{DIGITS}}})?)"\^\^<{DECIMAL}>)(?P<graph> <[^ ]+>)? \.'
 )
 
@@ -142,8 +144,8 @@ class LineReader:
             self._node = last = node if node == f"<{group.node}>" else None
 
     def _statements(self, line: str, node: str, tail: str) -> Sequence[Quad | ReifyingTriple]:
-        rule, known = _RULE.fullmatch(node), self._known.get(tail) or self._varied(tail)
-        subject = Iri(rule[1]) if rule else self._subjects.get(node)
+        individual, known = _SUBJECT.fullmatch(node), self._known.get(tail) or self._varied(tail)
+        subject = Iri(individual[1]) if individual else self._subjects.get(node)
         if subject and known:
             return (Quad(subject, *known[0], known[1]),)
         found = self._parse(line, number=self.line)
@@ -152,7 +154,7 @@ class LineReader:
             like = _VARIED.fullmatch(tail)
             name = like.group("key", "graph") if like else tail
             remember(self._known, name, ((key, value), graph))
-            if not rule:
+            if not individual:
                 remember(self._subjects, node, subject)
         return found
 
@@ -162,8 +164,7 @@ class LineReader:
         if not like or not known:
             return None
         (key, _), graph = known
-        rule, decimal = like.group("rule", "decimal")
-        if rule:
-            return (key, Iri(rule)), graph
-        found = (key, Decimal(decimal)), graph
-        return remember(self._known, tail, found) if len(decimal) <= _MAX_REPEATED else found
+        name, decimal = like.group("node", "decimal")
+        found = (key, Iri(name) if name else Decimal(decimal)), graph
+        is_rare = name.startswith(_RULES) if name else len(decimal) > _MAX_REPEATED
+        return found if is_rare else remember(self._known, tail, found)
