@@ -201,12 +201,12 @@ class Rule:
         utterance: int | None = None,
         time: datetime | None = None,
     ) -> Rule:
-        """This rule with other features, interval and source; checks nothing else, for millions."""
+        """This rule with other features, interval (rounded) and source; not checked, for millions."""
         if not features and not self.contexts:
             raise ValidationError(["A rule needs at least one feature or context."])
-        rule, interval = object.__new__(Rule), interval.rounded()
+        rule, own = object.__new__(Rule), {"features": features, "interval": interval}
         source = {"utterance": utterance, "time": time, "id": self._id_with(features, interval)}
-        vars(rule).update(vars(self) | source, features=features, interval=interval)
+        vars(rule).update(vars(self), **own, **source)
         return rule
 
     def applies_to(self, material: Collection[str]) -> bool:

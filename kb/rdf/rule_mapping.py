@@ -223,7 +223,7 @@ def _read(properties: Iterable[Property]) -> Rule:
     source, time = own[DERIVED_FROM], own[GENERATED_AT]
     return _shared_content(tuple(shared)).restated(
         _atoms_of(tuple(own[FEATURE])),
-        Interval(_one(own, LOWER), _one(own, UPPER)),
+        _interval(_one(own, LOWER), _one(own, UPPER)),
         int(split(source[0])[1]) if source else None,
         time[0] if time else None,
     )
@@ -248,6 +248,11 @@ def _shared_content(properties: tuple[Property, ...]) -> Rule:
 @lru_cache(maxsize=2**18)
 def _atoms_of(nodes: tuple[Term, ...]) -> frozenset[Atom]:
     return frozenset(atom_from_iri(cast(Iri, node)) for node in nodes)
+
+
+@lru_cache(maxsize=2**16)
+def _interval(lower: Any, upper: Any) -> Interval:
+    return Interval(lower, upper).rounded()
 
 
 def _one(found: Mapping[Iri, list[Any]], predicate: Iri) -> Any:
