@@ -201,7 +201,7 @@ class Rule:
         utterance: int | None = None,
         time: datetime | None = None,
     ) -> Rule:
-        """This rule with other features, interval (rounded) and source; not checked, for millions."""
+        """This rule with other features, rounded interval and source; checks nothing else."""
         if not features and not self.contexts:
             raise ValidationError(["A rule needs at least one feature or context."])
         rule, own = object.__new__(Rule), {"features": features, "interval": interval}

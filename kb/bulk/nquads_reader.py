@@ -20,6 +20,7 @@ from ..rdf.terms import DECIMAL, Properties, Property, Quad
 
 # What an RDF text is read into.
 Statements: TypeAlias = "StatementGroup | ReifyingTriple"
+_Statement: TypeAlias = "tuple[Iri, Property, Iri] | ReifyingTriple"  # the graph last
 
 MAX_KNOWN = 2**18  # values of each kind that are remembered
 MAX_GROUP = 10_000  # statements; many more rules than that may hang on one node
@@ -127,36 +128,40 @@ class LineReader:
         for line in lines:
             self.line += 1
             node, _, tail = line.partition(" ")
-            found = (known.get(tail) or self._varied(tail)) if node == last else None
-            if found and found[1] is group.graph and len(group.pairs) < MAX_GROUP:
+            found = known.get(tail) or self._varied(tail)
+            if found and node == last and found[1] is group.graph and len(group.pairs) < MAX_GROUP:
                 group.pairs.append(found[0])
                 continue
-            for one in self._statements(line, node, tail):
+            about = self._subject(node) if found else None
+            for one in [(about, *found)] if about and found else self._parsed(line, node, tail):
                 if isinstance(one, ReifyingTriple):
                     yield one
                     continue
-                about, key, value, graph = one
+                about, pair, graph = one
                 if group[:2] != (about, graph) or len(group.pairs) >= MAX_GROUP:
                     if group.pairs:
                         yield group
-                    self._group = group = StatementGroup(about, graph or BELIEFS, [])
-                group.pairs.append((key, value))
+                    self._group = group = StatementGroup(about, graph, [])
+                group.pairs.append(pair)
             self._node = last = node if node == f"<{group.node}>" else None
 
-    def _statements(self, line: str, node: str, tail: str) -> Sequence[Quad | ReifyingTriple]:
-        individual, known = _SUBJECT.fullmatch(node), self._known.get(tail) or self._varied(tail)
-        subject = Iri(individual[1]) if individual else self._subjects.get(node)
-        if subject and known:
-            return (Quad(subject, *known[0], known[1]),)
+    def _subject(self, node: str) -> Iri | None:
+        individual = _SUBJECT.fullmatch(node)
+        return Iri(individual[1]) if individual else self._subjects.get(node)
+
+    def _parsed(self, line: str, node: str, tail: str) -> Iterator[_Statement]:
         found = self._parse(line, number=self.line)
-        if len(found) == 1 and isinstance(found[0], Quad) and node == f"<{found[0].subject}>":
-            subject, key, value, graph = found[0]
-            like = _VARIED.fullmatch(tail)
-            name = like.group("key", "graph") if like else tail
-            remember(self._known, name, ((key, value), graph))
-            if not individual:
+        for one in found:
+            if isinstance(one, ReifyingTriple):
+                yield one
+                continue
+            subject, key, value, graph = one
+            said = (key, value), graph or BELIEFS
+            if len(found) == 1 and node == f"<{subject}>":
+                like = _VARIED.fullmatch(tail)
+                remember(self._known, like.group("key", "graph") if like else tail, said)
                 remember(self._subjects, node, subject)
-        return found
+            yield subject, *said
 
     def _varied(self, tail: str) -> tuple[Property, Iri] | None:
         like = _VARIED.fullmatch(tail)
