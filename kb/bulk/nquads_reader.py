@@ -95,7 +95,7 @@ class LineReader:
         """Start a text in N-Quads or N-Triples; arguments as for `read_groups`."""
         from ..stores.rdf_text import read_line
 
-        self.line = 0
+        self._line = 0
         self._parse = partial(read_line, format=format, source=source, default=default)
         self._subjects: dict[str, Iri] = {}
         # What a line says of its subject: by its text without it or, of lines like `_VARIED`, by
@@ -124,13 +124,13 @@ class LineReader:
             yield self._group
 
     def _groups(self, lines: Sequence[str]) -> Iterator[Statements]:
-        known, last, group = self._known, self._node, self._group
+        known, last, pairs, place = self._known, self._node, self._group.pairs, self._group.graph
         for line in lines:
-            self.line += 1
+            self._line += 1
             node, _, tail = line.partition(" ")
             found = known.get(tail) or self._varied(tail)
-            if found and node == last and found[1] is group.graph and len(group.pairs) < MAX_GROUP:
-                group.pairs.append(found[0])
+            if found and node == last and found[1] is place and len(pairs) < MAX_GROUP:
+                pairs.append(found[0])
                 continue
             about = self._subject(node) if found else None
             for one in [(about, *found)] if about and found else self._parsed(line, node, tail):
@@ -138,19 +138,20 @@ class LineReader:
                     yield one
                     continue
                 about, pair, graph = one
-                if group[:2] != (about, graph) or len(group.pairs) >= MAX_GROUP:
-                    if group.pairs:
-                        yield group
-                    self._group = group = StatementGroup(about, graph, [])
-                group.pairs.append(pair)
-            self._node = last = node if node == f"<{group.node}>" else None
+                if self._group[:2] != (about, graph) or len(pairs) >= MAX_GROUP:
+                    if pairs:
+                        yield self._group
+                    pairs, place = list[Property](), graph
+                    self._group = StatementGroup(about, graph, pairs)
+                pairs.append(pair)
+            self._node = last = node if node == f"<{self._group.node}>" else None
 
     def _subject(self, node: str) -> Iri | None:
         individual = _SUBJECT.fullmatch(node)
         return Iri(individual[1]) if individual else self._subjects.get(node)
 
     def _parsed(self, line: str, node: str, tail: str) -> Iterator[_Statement]:
-        found = self._parse(line, number=self.line)
+        found = self._parse(line, number=self._line)
         for one in found:
             if isinstance(one, ReifyingTriple):
                 yield one
