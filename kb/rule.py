@@ -201,12 +201,12 @@ class Rule:
         utterance: int | None = None,
         time: datetime | None = None,
     ) -> Rule:
-        """This rule with other features, interval and source; checks nothing else, for millions."""
+        """This rule with other features, rounded interval and source; checks nothing else."""
         if not features and not self.contexts:
             raise ValidationError(["A rule needs at least one feature or context."])
-        rule, interval = object.__new__(Rule), interval.rounded()
+        rule, own = object.__new__(Rule), {"features": features, "interval": interval}
         source = {"utterance": utterance, "time": time, "id": self._id_with(features, interval)}
-        vars(rule).update(vars(self) | source, features=features, interval=interval)
+        vars(rule).update(vars(self), **own, **source)
         return rule
 
     def applies_to(self, material: Collection[str]) -> bool:
@@ -371,7 +371,7 @@ def _context(kind: str, name: str | None) -> frozenset[Atom]:
     return frozenset([Atom(kind, name)]) if name else frozenset()
 
 
-@lru_cache(maxsize=2**16)
+@lru_cache(maxsize=2**18)
 def _atoms_text(atoms: frozenset[Atom]) -> str:
     return " ".join(sorted(str(atom).replace(" ", "_") for atom in atoms))
 

@@ -135,7 +135,7 @@ def shortened(node: str) -> str:
     return f"<{node}>" if short == str(node) else short
 
 
-@lru_cache(maxsize=2**16)
+@lru_cache(maxsize=2**18)
 def split(individual: Iri) -> tuple[str, str]:
     """Return the kind and name of an individual of Hilt, or ("", IRI) for other IRIs.
 

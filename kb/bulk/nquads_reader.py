@@ -12,23 +12,26 @@ from decimal import Decimal
 from functools import partial
 from typing import Any, BinaryIO, NamedTuple, TypeAlias
 
-from ...ontology.vocabulary import Iri
+from ...ontology.vocabulary import INDIVIDUALS, PREFIXES, Iri
 from ..interval import DIGITS
 from ..rdf.annotated_turtle import ReifyingTriple
-from ..rdf.rule_mapping import BELIEFS, RULE_NODE
+from ..rdf.rule_mapping import BELIEFS
 from ..rdf.terms import DECIMAL, Properties, Property, Quad
 
 # What an RDF text is read into.
 Statements: TypeAlias = "StatementGroup | ReifyingTriple"
+_Statement: TypeAlias = "tuple[Iri, Property, Iri] | ReifyingTriple"  # the graph last
 
-MAX_KNOWN = 100_000  # values of each kind that are remembered
+MAX_KNOWN = 2**18  # values of each kind that are remembered
 MAX_GROUP = 10_000  # statements; many more rules than that may hang on one node
 
+_RULES = PREFIXES["rule"]
 _MAX_TERM = 2**24  # bytes of a line with one statement, as pyoxigraph has it
-_MAX_REPEATED = 4  # characters of a decimal that is likely to come again: 0.95
-_RULE = re.compile(f"<({RULE_NODE.pattern})>")
-_VARIED = re.compile(  # lines that are many, and differ in a rule or a short decimal
-    rf"(?P<key><[^ ]+>) (?:<(?P<rule>{RULE_NODE.pattern})>"
+_MAX_REPEATED = 6  # characters of a decimal that is likely to come again: 0.9571
+_INDIVIDUAL = rf"{re.escape(INDIVIDUALS)}[a-z]+/(?:[A-Za-z0-9_.-]|%[0-9A-F]{{2}})+"
+_SUBJECT = re.compile(f"<({_INDIVIDUAL})>")
+_VARIED = re.compile(  # lines that are many, and differ in an individual or a short decimal
+    rf"(?P<key><[^ ]+>) (?:<(?P<node>{_INDIVIDUAL})>"
     rf'|"(?P<decimal>[01](?:\.[0-9]{{1,{DIGITS}}})?)"\^\^<{DECIMAL}>)(?P<graph> <[^ ]+>)? \.'
 )
 
@@ -92,7 +95,7 @@ class LineReader:
         """Start a text in N-Quads or N-Triples; arguments as for `read_groups`."""
         from ..stores.rdf_text import read_line
 
-        self.line = 0
+        self._line = 0
         self._parse = partial(read_line, format=format, source=source, default=default)
         self._subjects: dict[str, Iri] = {}
         # What a line says of its subject: by its text without it or, of lines like `_VARIED`, by
@@ -121,40 +124,45 @@ class LineReader:
             yield self._group
 
     def _groups(self, lines: Sequence[str]) -> Iterator[Statements]:
-        known, last, group = self._known, self._node, self._group
+        known, last, pairs, place = self._known, self._node, self._group.pairs, self._group.graph
         for line in lines:
-            self.line += 1
+            self._line += 1
             node, _, tail = line.partition(" ")
-            found = (known.get(tail) or self._varied(tail)) if node == last else None
-            if found and found[1] is group.graph and len(group.pairs) < MAX_GROUP:
-                group.pairs.append(found[0])
+            found = known.get(tail) or self._varied(tail)
+            if found and node == last and found[1] is place and len(pairs) < MAX_GROUP:
+                pairs.append(found[0])
                 continue
-            for one in self._statements(line, node, tail):
+            about = self._subject(node) if found else None
+            for one in [(about, *found)] if about and found else self._parsed(line, node, tail):
                 if isinstance(one, ReifyingTriple):
                     yield one
                     continue
-                about, key, value, graph = one
-                if group[:2] != (about, graph) or len(group.pairs) >= MAX_GROUP:
-                    if group.pairs:
-                        yield group
-                    self._group = group = StatementGroup(about, graph or BELIEFS, [])
-                group.pairs.append((key, value))
-            self._node = last = node if node == f"<{group.node}>" else None
+                about, pair, graph = one
+                if self._group[:2] != (about, graph) or len(pairs) >= MAX_GROUP:
+                    if pairs:
+                        yield self._group
+                    pairs, place = list[Property](), graph
+                    self._group = StatementGroup(about, graph, pairs)
+                pairs.append(pair)
+            self._node = last = node if node == f"<{self._group.node}>" else None
 
-    def _statements(self, line: str, node: str, tail: str) -> Sequence[Quad | ReifyingTriple]:
-        rule, known = _RULE.fullmatch(node), self._known.get(tail) or self._varied(tail)
-        subject = Iri(rule[1]) if rule else self._subjects.get(node)
-        if subject and known:
-            return (Quad(subject, *known[0], known[1]),)
-        found = self._parse(line, number=self.line)
-        if len(found) == 1 and isinstance(found[0], Quad) and node == f"<{found[0].subject}>":
-            subject, key, value, graph = found[0]
-            like = _VARIED.fullmatch(tail)
-            name = like.group("key", "graph") if like else tail
-            remember(self._known, name, ((key, value), graph))
-            if not rule:
+    def _subject(self, node: str) -> Iri | None:
+        individual = _SUBJECT.fullmatch(node)
+        return Iri(individual[1]) if individual else self._subjects.get(node)
+
+    def _parsed(self, line: str, node: str, tail: str) -> Iterator[_Statement]:
+        found = self._parse(line, number=self._line)
+        for one in found:
+            if isinstance(one, ReifyingTriple):
+                yield one
+                continue
+            subject, key, value, graph = one
+            said = (key, value), graph or BELIEFS
+            if len(found) == 1 and node == f"<{subject}>":
+                like = _VARIED.fullmatch(tail)
+                remember(self._known, like.group("key", "graph") if like else tail, said)
                 remember(self._subjects, node, subject)
-        return found
+            yield subject, *said
 
     def _varied(self, tail: str) -> tuple[Property, Iri] | None:
         like = _VARIED.fullmatch(tail)
@@ -162,8 +170,7 @@ class LineReader:
         if not like or not known:
             return None
         (key, _), graph = known
-        rule, decimal = like.group("rule", "decimal")
-        if rule:
-            return (key, Iri(rule)), graph
-        found = (key, Decimal(decimal)), graph
-        return remember(self._known, tail, found) if len(decimal) <= _MAX_REPEATED else found
+        name, decimal = like.group("node", "decimal")
+        found = (key, Iri(name) if name else Decimal(decimal)), graph
+        is_rare = name.startswith(_RULES) if name else len(decimal) > _MAX_REPEATED
+        return found if is_rare else remember(self._known, tail, found)

@@ -85,14 +85,15 @@ class NQuadsWriter:
                 f'{_UPPER}"{rule.interval.upper:.{DIGITS}f}{_BOUND_END}',
             )
         )
+        asserts = rule.asserts
         if rule.time:
             lines += f"{node}{_TIME}{self._name(rule.time)}{_END}"
         if rule.status == "active":
             lines += f"{shared.node}{_RULE}{node}{_DERIVED_END}"
-            if shared.edges and rule.asserts:
+            if shared.edges and asserts:
                 is_first = _is_first((rule.features, shared.edges), self._edges)
                 lines += _edge_lines(rule, shared, features) if is_first else ""
-        relation = _relation_lines(rule, shared) if rule.asserts else ""
+        relation = _relation_lines(rule, shared) if asserts else ""
         named = (relation, features.labels, shared.labels)
         self._write(lines + "".join([some for some in named if _is_first(some, self._labelled)]))
 

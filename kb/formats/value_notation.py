@@ -234,4 +234,4 @@ class _RowReader:
         if known is None:
             return remember(self._known, key, read_rule(cells))
         seen = split_atoms(features.strip(), FEATURE_KIND)
-        return known.restated(seen, read_interval(lower, upper), time=known.time)
+        return known.restated(seen, read_interval(lower, upper).rounded(), time=known.time)

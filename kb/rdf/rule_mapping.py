@@ -72,13 +72,13 @@ def rule_id(node: Iri) -> str:
     return f"rule/{split(node)[1]}"
 
 
-@lru_cache(maxsize=2**16)
+@lru_cache(maxsize=2**18)
 def atom_iri(atom: Atom) -> Iri:
     """The IRI of an atom."""
     return iri(atom.kind, atom.name)
 
 
-@lru_cache(maxsize=2**16)
+@lru_cache(maxsize=2**18)
 def atom_from_iri(node: Iri) -> Atom:
     """The atom of an IRI; ValidationError if it is not the IRI of an atom."""
     kind, name = split(node)
@@ -223,13 +223,13 @@ def _read(properties: Iterable[Property]) -> Rule:
     source, time = own[DERIVED_FROM], own[GENERATED_AT]
     return _shared_content(tuple(shared)).restated(
         _atoms_of(tuple(own[FEATURE])),
-        Interval(_one(own, LOWER), _one(own, UPPER)),
+        _interval(_one(own, LOWER), _one(own, UPPER)),
         int(split(source[0])[1]) if source else None,
         time[0] if time else None,
     )
 
 
-@lru_cache(maxsize=2**16)
+@lru_cache(maxsize=2**18)
 def _shared_content(properties: tuple[Property, ...]) -> Rule:
     found = group_properties(properties)
     arguments: list[Any] = [value for key in ARGUMENTS for value in found[key]]
@@ -245,9 +245,14 @@ def _shared_content(properties: tuple[Property, ...]) -> Rule:
     )
 
 
-@lru_cache(maxsize=2**16)
+@lru_cache(maxsize=2**18)
 def _atoms_of(nodes: tuple[Term, ...]) -> frozenset[Atom]:
     return frozenset(atom_from_iri(cast(Iri, node)) for node in nodes)
+
+
+@lru_cache(maxsize=2**16)
+def _interval(lower: Any, upper: Any) -> Interval:
+    return Interval(lower, upper).rounded()
 
 
 def _one(found: Mapping[Iri, list[Any]], predicate: Iri) -> Any:
