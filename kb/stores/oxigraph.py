@@ -37,9 +37,6 @@ from .query_subprocess import WorkerProcess
 from .rdf_text import from_engine, named_node, quad_from_engine, quad_to_engine, to_engine
 
 _PREFIXES = dict(PREFIXES)
-# Of loaded text, in bytes. More lies in so many files of the engine that reading takes 2 to 3 times
-# as long until they are merged, by which loading takes a fifth longer.
-_MAX_SCATTERED = 2**30
 # The places in a statement that choose each of the engine's indexes, but for the one by which it
 # goes through all statements.
 _INDEXES = ((0,), (1,), (1, 3), (2,), (2, 3))
@@ -146,18 +143,16 @@ class OxigraphStore:
         the generator is passed on, and nothing is added.
         """
         with self._changing() as store:
-            stream = _ChunkReader(lines)
+            stream = cast(BinaryIO, _ChunkReader(lines))
             try:
                 # Lenient: Hilt has checked the lines; checking them again takes a tenth longer.
                 form = engine.RdfFormat.N_QUADS
-                store.bulk_load(cast(BinaryIO, stream), format=form, lenient=True)
+                store.bulk_load(stream, format=form, lenient=True)
             except BaseException:
                 if self._folder:  # the parts that were written would stay
                     directory.remove_leftovers(self._folder)
                 raise
             store.flush()
-            if stream.size > _MAX_SCATTERED:
-                store.optimize()
 
     @property
     def is_sorted(self) -> bool:
@@ -268,7 +263,6 @@ class _ChunkReader:
     def __init__(self, chunks: Iterable[bytes]) -> None:
         self._chunks = iter(chunks)
         self._held = memoryview(b"")
-        self.size = 0  # in bytes, of what was read
 
     def read(self, size: int = -1) -> bytes:
         while not self._held:
@@ -276,7 +270,6 @@ class _ChunkReader:
             if chunk is None:
                 return b""
             self._held = memoryview(chunk)
-            self.size += len(chunk)
         end = len(self._held) if size < 0 else size
         found, self._held = bytes(self._held[:end]), self._held[end:]
         return found
