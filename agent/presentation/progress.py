@@ -4,11 +4,11 @@ The file of a picture or film is shown by the viewer of the desktop, where there
 """
 
 import os
-import shutil
-import subprocess
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
+
+import typer
 
 from ...inference.node_rules import FIND
 from ..execution.outcome import WalkStep
@@ -25,7 +25,7 @@ _DOING: Mapping[str, str] = {  # primitive -> what is done
     "returnObject": "putting back the {}",
     "letGo": "letting go of the {}",
 }
-_VIEWERS: Mapping[str, Sequence[str]] = {"darwin": ("open",), "win32": ("cmd", "/c", "start", "")}
+_ALWAYS = ("darwin", "win32")  # where there is a desktop
 _DISPLAYS = ("DISPLAY", "WAYLAND_DISPLAY")
 
 
@@ -45,9 +45,5 @@ def doing(step: WalkStep, found: str) -> str:
 
 def view(path: Path) -> None:
     """Open a file in the viewer of the desktop; nothing happens where there is none."""
-    viewer = _VIEWERS.get(sys.platform, ("xdg-open",))
-    is_headless = sys.platform not in _VIEWERS and not any(map(os.environ.get, _DISPLAYS))
-    if is_headless or shutil.which(viewer[0]) is None:
-        return
-    nowhere = subprocess.DEVNULL
-    subprocess.Popen([*viewer, str(path)], stdin=nowhere, stdout=nowhere, stderr=nowhere)  # noqa: S603
+    if sys.platform in _ALWAYS or any(map(os.environ.get, _DISPLAYS)):
+        typer.launch(str(path))

@@ -15,7 +15,6 @@ import os
 import time
 import zlib
 from collections.abc import Iterator, Mapping
-from functools import cache
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -27,6 +26,7 @@ MARK = "acknowledged"  # its file
 _SECTOR = 512  # bytes
 _TRIES, _PAUSE_S = 5, 0.02  # it may be that another process, which owns the folder, was writing
 _CURRENT = "CURRENT"  # the engine's file that names the manifest that counts
+_CRC_32C = 0x82F63B78  # its polynomial
 _BLOCK, _HEADER, _LOG_HEADER = 2**15, 7, 11  # bytes, of the engine's manifest and logs
 
 
@@ -176,17 +176,10 @@ def _records(data: bytes) -> Iterator[tuple[int, int]]:
 
 def _is_intact(record: bytes) -> bool:
     crc = 0xFFFFFFFF
-    for byte in record[6:]:
-        crc = _crc32c()[(crc ^ byte) & 0xFF] ^ crc >> 8
+    for byte in record[6:]:  # CRC-32C, which Python has not
+        crc ^= byte
+        for _ in range(8):
+            crc = crc >> 1 ^ _CRC_32C * (crc & 1)
     crc ^= 0xFFFFFFFF
     masked = ((crc >> 15 | crc << 17) + 0xA282EAD8) & 0xFFFFFFFF  # as RocksDB stores it
     return record[:4] == masked.to_bytes(4, "little")
-
-
-@cache
-def _crc32c() -> tuple[int, ...]:
-    """The table of CRC-32C, which the engine uses and Python has not."""
-    table = list(range(256))
-    for _ in range(8):
-        table = [crc >> 1 ^ 0x82F63B78 * (crc & 1) for crc in table]
-    return tuple(table)

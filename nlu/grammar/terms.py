@@ -113,11 +113,6 @@ def quote(value: Value, depth: int = 0) -> Term:
     return term
 
 
-def normal_form(term: Term) -> Term:
-    """The beta-normal form of a closed, well-typed term."""
-    return quote(evaluate(term))
-
-
 def compose(outer: Value, inner: Value) -> Value:
     """The function that applies `inner`, then `outer`."""
     return lambda argument: outer(inner(argument))

@@ -12,7 +12,7 @@ from hilt.nlu.grammar.notation_reader import (
     read_type,
     read_unary,
 )
-from hilt.nlu.grammar.terms import Application, BoundVariable, Constant, Lambda, normal_form
+from hilt.nlu.grammar.terms import Application, BoundVariable, Constant, Lambda, evaluate, quote
 from hilt.ontology.errors import DataError
 from hilt.ontology.yaml_reader import YamlNode
 
@@ -112,8 +112,8 @@ def test_no_line_nests_too_deeply() -> None:
     depth = (MAX_CHARACTERS - 1) // 3
     functions, calls = "λx." * depth + "x", "f(" * depth + "x" + ")" * depth
 
-    assert normal_form(parse_term(functions)) == parse_term(functions)
-    assert str(normal_form(parse_term(calls))) == calls
+    assert quote(evaluate(parse_term(functions))) == parse_term(functions)
+    assert str(quote(evaluate(parse_term(calls)))) == calls
     with pytest.raises(DataError, match=f"at most {MAX_CHARACTERS} characters, found"):
         read_entry(line(f"NP : f({calls})"))
 

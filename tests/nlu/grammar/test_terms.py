@@ -15,7 +15,6 @@ from hilt.nlu.grammar.terms import (
     Term,
     compose,
     evaluate,
-    normal_form,
     quote,
     replace_constants,
     show,
@@ -93,6 +92,11 @@ def reduced(term: Term) -> Term:
             return Application(head, reduced(argument))
         case BoundVariable() | Constant():
             return term
+
+
+def normal_form(term: Term) -> Term:
+    """The beta-normal form of a closed, well-typed term."""
+    return quote(evaluate(term))
 
 
 @given(typed_terms())
