@@ -17,7 +17,7 @@ from ..grasping.planner import GraspAttempts, RankedGrasps, select_grasp
 from ..poses import Array
 from ..robot.path_planner import Grasp, GraspPath, PathPlanner
 from ..robot.robot import Robot
-from ..scene.world import SleepManager, World
+from ..scene.world import World
 from ..vision.object_detector import ObjectDetector
 from ..vision.percept import Percept
 from .hand_motions import HandMotion, HeldObject
@@ -47,19 +47,11 @@ class PickAndPlace:
             object, the part to grasp it by, the last grasp plan, and the selected grasp.
     """
 
-    def __init__(
-        self,
-        world: World,
-        robot: Robot,
-        vision: ObjectDetector,
-        sleeping: SleepManager,
-        *,
-        seed: int,
-    ) -> None:
+    def __init__(self, world: World, robot: Robot, vision: ObjectDetector, *, seed: int) -> None:
         self.world, self.robot = world, robot
         self.in_hand: HeldObject | None = None
         self.on_plan: PlanListener | None = None
-        self._motion, self._vision, self._sleeping = HandMotion(robot), vision, sleeping
+        self._motion, self._vision = HandMotion(robot), vision
         self._rng = np.random.default_rng(seed)
         self._task = GraspAttempts("", None)
         self._before: dict[str, Array] = {}  # poses of all objects before the task
@@ -152,7 +144,6 @@ class PickAndPlace:
         self._clear_hand()
         self._task = GraspAttempts(percept.name, part)
         self._before = {name: self.world.pose(name) for name in self.world.kinds}
-        self._sleeping.sleep_again(but=percept.name)
         return self._grasp()
 
     def _put(self, held: HeldObject, action: str) -> MotionReport:

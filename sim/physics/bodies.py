@@ -139,12 +139,12 @@ class Bodies:
             numbers = number, other_number, link, other_link
             self._client.call("setCollisionFilterPair", *numbers, int(enabled))
 
-    def set_sleeping(self, body: str, *, asleep: bool) -> None:
-        """Put a body that lies still to sleep, or wake it and compute it at every step from now on.
+    def put_to_sleep(self, body: str) -> None:
+        """Leave a body that lies still out, until something touches it, and when it is still again.
 
-        One that sleeps is computed once something touches it, until it has lain still for a while.
+        The thing in a hand never sleeps, as the robot does not.
         """
-        for state in ("ENABLE_SLEEPING", "SLEEP") if asleep else ("WAKE_UP", "DISABLE_SLEEPING"):
+        for state in ("ENABLE_SLEEPING", "SLEEP"):
             constant = self._client.constant(f"ACTIVATION_STATE_{state}")
             self._client.call("changeDynamics", *self.link_id(body), activationState=constant)
 
