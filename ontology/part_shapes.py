@@ -87,7 +87,7 @@ class Sweep:
 
 @dataclass(frozen=True)
 class MeshFile:
-    """A surface in a file (OBJ, STL, PLY); each connected piece collides as its convex hull."""
+    """A surface in a file (OBJ, STL, PLY), which collides as convex pieces."""
 
     path: Path
     scale: float

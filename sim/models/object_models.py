@@ -29,7 +29,7 @@ _NUMBERS_FILE = "numbers.npz"
 _URDF_FILE, _MOUNTED_FILE = "model.urdf", "mounted.urdf"
 _ELEVATION = np.radians(40)  # of a camera above the table
 _DIRECTIONS = 8  # of equal distance round the object
-_SOURCES = ("meshes.py", "object_models.py", "solids.py", "urdf.py", "../poses.py")
+_SOURCES = ("mesh_files.py", "meshes.py", "object_models.py", "solids.py", "urdf.py", "../poses.py")
 
 
 @dataclass(frozen=True)
