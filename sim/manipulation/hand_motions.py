@@ -136,11 +136,11 @@ class HandMotion:
         return steps * TIME_STEP
 
     def slip(self, held: HeldObject) -> tuple[float, float]:
-        """How far the object has moved [m] and turned [rad] in the hand since it was grasped."""
-        now = self.hand_from_object(held.name)
-        moved = np.linalg.norm(now[:3, 3] - held.hand_from_object[:3, 3])
-        turned = poses.angle_between(now[:3, :3], held.hand_from_object[:3, :3])
-        return float(moved), float(turned)
+        """How far the object has moved at the grip [m] and turned [rad] since it was grasped."""
+        now_from_then = self.hand_from_object(held.name) @ poses.inverse(held.hand_from_object)
+        grip = self.robot.hand_from_grip[None, :3, 3]
+        moved = np.linalg.norm(poses.transform(now_from_then, grip) - grip)
+        return float(moved), float(poses.angle_between(np.eye(3), now_from_then[:3, :3]))
 
     def height_gained(self, held: HeldObject) -> float:
         """How far the object is above where it lay [m]."""
@@ -209,9 +209,13 @@ class HandMotion:
     def _put_at(self, held: HeldObject, above: Array, shift: Array) -> str:
         if reason := self.carry(held, above):
             return reason
-        down = poses.translation(*shift) @ poses.translation(0, 0, RELEASE_HEIGHT)
-        path = held.planner.plan_straight(down @ held.path.grasp.world_from_grip)
-        self._follow_if(path, APPROACH_PACE)
+        down = poses.translation(*np.add(shift, (0, 0, RELEASE_HEIGHT))) @ held.world_from_start
+        # As the object is in the hand now: it may have slipped.
+        goal = down @ poses.inverse(self.hand_from_object(held.name)) @ self.robot.hand_from_grip
+        path = held.planner.plan_straight(goal)
+        if path is None:
+            return "unreachable"
+        self.robot.follow(path, pace=APPROACH_PACE)
         self.release(held.planner)
         return ""
 

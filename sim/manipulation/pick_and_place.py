@@ -28,8 +28,9 @@ MIN_LIFT = 0.10  # [m], less is not lifted
 RAISED = 0.01  # [m], from which on an object has left the table, as after an interruption
 HOLD_TIME = 1.0  # [s], after a lift
 OFFER_TIME = 0.5  # [s], at the receiver
+MAX_SLIP, MAX_TURN = 0.01, np.radians(15)  # [m], [rad] in the hand; more is no firm hold
 BUMP = 0.01  # [m], a neighbour that moved more was bumped
-LOST = {"slipped", "dropped"}  # reasons that mean that the object has left the hand
+LOST = {"slipped", "dropped"}  # reasons to take the object again, if it is not in the hand firmly
 
 PlanListener: TypeAlias = Callable[[str, str | None, RankedGrasps, Grasp | None], None]
 
@@ -153,10 +154,14 @@ class PickAndPlace:
             self.in_hand = None
         return self._report(action, reason)
 
-    def _clear_hand(self) -> None:
-        held = self.in_hand
-        if held and not self._put(held, "put_back").ok and not self._put(held, "put_down").ok:
+    def _put_away(self, held: HeldObject) -> None:
+        is_held = self.robot.finger_contacts().holds(held.name)
+        if not is_held or not (self._put(held, "put_back").ok or self._put(held, "put_down").ok):
             self._drop(held)
+
+    def _clear_hand(self) -> None:
+        if self.in_hand:
+            self._put_away(self.in_hand)
         if self._is_interrupted:
             points = self._vision.obstacles("")
             self._motion.release(PathPlanner(self.robot, points, points))
@@ -240,7 +245,7 @@ class PickAndPlace:
         report = act(held)
         while report.reason in LOST:
             self._task = self._task.with_failure(report.reason)
-            self._drop(self.in_hand or held)
+            self._put_away(self.in_hand or held)
             report = replace(report, failures=self._task.failures)
             if self._task.is_given_up:
                 break
@@ -265,7 +270,10 @@ class PickAndPlace:
 
     def _hold(self, held: HeldObject, action: str, seconds: float) -> MotionReport:
         held_s = self._motion.hold_still(held, seconds)
-        return self._report(action, "" if held_s >= seconds else "dropped", held_s=held_s)
+        slip_m, slip_rad = self._motion.slip(held)
+        is_loose = slip_m > MAX_SLIP or slip_rad > MAX_TURN
+        reason = "dropped" if held_s < seconds else "slipped" if is_loose else ""
+        return self._report(action, reason, held_s=held_s)
 
     def _grasp_and_lift(self) -> MotionReport:
         grasped = self._grasp()
