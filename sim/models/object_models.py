@@ -101,10 +101,12 @@ def write_model(kind: ObjectType, folder: Path) -> None:
 
 
 def _write_link(part: PartType, built: Sequence[SolidGeometry], stem: str, folder: Path) -> str:
+    from trimesh.convex import convex_hull
+
     from . import meshes
 
     pieces = [piece for geometry in built for piece in geometry.collision]
-    shrunk = [meshes.hull(meshes.shrink(piece, meshes.MARGIN)) for piece in pieces]
+    shrunk = [convex_hull(meshes.shrink(piece, meshes.MARGIN)) for piece in pieces]
     collision = f"{stem}_collision.obj"
     (folder / collision).write_text(meshes.grouped_obj(shrunk), encoding="ascii")
     visuals: list[str] = []

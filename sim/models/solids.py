@@ -58,7 +58,7 @@ def build_solid(solid: forms.PlacedSolid) -> SolidGeometry:
 def _surface(form: forms.Form) -> trimesh.Trimesh:
     match form:
         case forms.Box():
-            return meshes.hull(_box_corners(form))
+            return trimesh.convex.convex_hull(_box_corners(form))
         case forms.Lathe():
             return loft(_lathe_rings(form, form.sides or VISUAL_SIDES, VISUAL_STEPS))
         case forms.Extrusion():

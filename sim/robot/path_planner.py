@@ -13,12 +13,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from .. import poses
-from ..physics.engine import TIME_STEP
 from ..poses import Array
 from ..vision.point_cloud_operations import farthest_points
 from .collision import CollisionSpheres, clearance, self_clearance
 from .kinematics import IkSolutions
-from .robot import Robot, resample, time_path
+from .robot import Robot, resample
 
 RETREAT = 0.09  # [m] before the grasp, where the straight approach begins
 STRAIGHT_STEP = 0.0225  # [m] between the poses of a straight path; between them it bends by 0.5 mm
@@ -157,7 +156,7 @@ class PathPlanner:
             # The arm may already be nearer to something than a path should come.
             least = min(gap, self._gap(spheres, path[:1], points, held))
             # Its corners are checked as the arm rounds them.
-            executed, _ = time_path(path, self.robot.chain.speed, step=TIME_STEP, pace=MAX_PACE)
+            executed, _ = self.robot.timed(path, pace=MAX_PACE)
             checked = resample(executed, CHECK_STEP)
             if self._gap(spheres, checked, points, held) >= least - ROUNDING:
                 return path

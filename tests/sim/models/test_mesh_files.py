@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 import trimesh
 from trimesh import Trimesh
+from trimesh.convex import convex_hull
 
 from hilt.ontology.errors import DataError
 from hilt.ontology.part_shapes import MeshFile
-from hilt.sim.models import meshes
 from hilt.sim.models.mesh_files import convex_pieces, read_mesh
 
 BOX = trimesh.creation.box((0.10, 0.06, 0.04))
@@ -51,7 +51,7 @@ def textured(tmp_path: Path) -> Callable[[Trimesh], MeshFile]:
 
 def volume(pieces: list[np.ndarray]) -> float:
     """The volume of convex pieces together [m^3]."""
-    return sum(meshes.hull(piece).volume for piece in pieces)
+    return sum(convex_hull(piece).volume for piece in pieces)
 
 
 def test_seams_of_a_texture_do_not_split_a_mesh(textured: Writer):
@@ -71,7 +71,7 @@ def test_hollow_mesh_is_felt_hollow(textured: Writer):
     assert len(pieces) > 8
     assert volume(pieces) == pytest.approx(CUP.volume, rel=0.25)
     middle = np.array([[0.0, 0.0, 0.05]])
-    assert not any(meshes.hull(piece).contains(middle)[0] for piece in pieces)
+    assert not any(convex_hull(piece).contains(middle)[0] for piece in pieces)
 
 
 def test_faces_that_are_there_twice_count_once(textured: Writer):
