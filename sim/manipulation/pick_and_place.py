@@ -164,7 +164,8 @@ class PickAndPlace:
             self._put_away(self.in_hand)
         if self._is_interrupted:
             points = self._vision.obstacles("")
-            self._motion.release(PathPlanner(self.robot, points, points))
+            planner = PathPlanner(self.robot, points, points)
+            self._motion.release(planner, self.robot.gripper.opening)
         self._is_interrupted = False
 
     def _point_at(self, percept: Percept) -> MotionReport:
@@ -177,7 +178,7 @@ class PickAndPlace:
         return MotionReport("point_at", ok=not reason, reason=reason)
 
     def _drop(self, held: HeldObject) -> MotionReport:
-        self._motion.release(held.planner)
+        self._motion.release(held.planner, held.path.grasp.opening)
         self.in_hand = None
         return self._report("release", "")
 
@@ -214,7 +215,7 @@ class PickAndPlace:
             if not reason:
                 break
             self._task = self._task.with_failure(reason)
-            self._motion.release(planner)
+            self._motion.release(planner, path.grasp.opening)
             self.in_hand = None
         return self._report("grasp", reason)
 
@@ -222,7 +223,7 @@ class PickAndPlace:
         name = self._task.name
         before = self.world.pose(name)
         try:
-            contacts = self._motion.grasp(path)
+            contacts = self._motion.grasp(path, force=context.force)
         except MotionInterruptedError:
             if self.robot.finger_contacts().holds(name):
                 self.in_hand = self._motion.held_object(context, planner, path, before)

@@ -232,12 +232,19 @@ class Joints:
             velocityGains=[1.0] * count,
         )
 
-    def drive_at(self, body: str, joint: str, speed: float, *, force: float) -> None:
-        """Let a motor keep a joint at a speed [rad/s] or [m/s] from now on, with a force limit."""
+    def drive_at(
+        self, body: str, joint: str, speed: float, *, force: float, to: float | None = None
+    ) -> None:
+        """Let a motor keep a joint at a speed [rad/s] or [m/s] from now on, with a force limit.
+
+        With a position `to` [rad] or [m] it goes there, at most at that speed, and stays.
+        """
         number, (index,) = self._bodies.joint_ids(body, [joint])
-        options = {"targetVelocity": speed, "force": force}
-        control = self._client.constant("VELOCITY_CONTROL")
-        self._client.call("setJointMotorControl2", number, index, control, **options)
+        options = {"targetVelocity": speed}
+        if to is not None:
+            options = {"targetPosition": to, "maxVelocity": speed}
+        mode = self._client.constant("VELOCITY_CONTROL" if to is None else "POSITION_CONTROL")
+        self._client.call("setJointMotorControl2", number, index, mode, force=force, **options)
 
     def add_gear(
         self, body: str, joint: str, other: str, *, ratio: float, force: float, stiffness: float

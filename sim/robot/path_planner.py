@@ -124,9 +124,9 @@ class PathPlanner:
         return IkSolutions(joints, found)
 
     def _free_path(self, grasp: Grasp, approach: Array, up: Array) -> GraspPath | None:
-        spheres = self.robot.body_spheres(grasp.opening)
-        if self._gap(spheres, approach, self.obstacles) < APPROACH_GAP:
+        if not self.is_clear(np.vstack([approach, up]), grasp.opening):
             return None
+        spheres = self.robot.body_spheres(grasp.opening)
         transit = self.plan_transit(approach[0], spheres, self.scene)
         if transit is None:
             return None
@@ -143,8 +143,8 @@ class PathPlanner:
     ) -> Array | None:
         """Plan a path through free space from where the arm is to a posture (k,) [rad].
 
-        It keeps a gap [m] between the spheres of arm and hand and obstacles, points (n, 3) [m]. The
-        spheres of a held object may not hit the arm either. Returns postures (n, k), or None when
+        It keeps a gap [m] between the spheres of arm and hand and obstacles, points (n, 3) [m], and
+        between the hand with a held object and the arm. Returns postures (n, k), or None when
         there is no such path.
         """
         start = self.robot.joints
@@ -154,13 +154,20 @@ class PathPlanner:
         for via in ([], [over_goal], [over_start, over_goal], [home], detour):
             path = np.vstack([start, *via, goal])
             # The arm may already be nearer to something than a path should come.
-            least = min(gap, self._gap(spheres, path[:1], points, held))
+            least = np.minimum(gap, self._gaps(spheres, path[:1], points, held))
             # Its corners are checked as the arm rounds them.
             executed, _ = self.robot.timed(path, pace=MAX_PACE)
             checked = resample(executed, CHECK_STEP)
-            if self._gap(spheres, checked, points, held) >= least - ROUNDING:
+            if (self._gaps(spheres, checked, points, held) >= least - ROUNDING).all():
                 return path
         return None
+
+    def is_clear(self, path: Array, opening: float) -> bool:
+        """Whether a path (n, k) hits no obstacle with the hand open by `opening` [m]."""
+        spheres, home = self.robot.body_spheres(opening), self.robot.kind.home[None]
+        # Spheres of the arm may be so large that some always overlap.
+        least = np.minimum(APPROACH_GAP, self._gaps(spheres, home, self.obstacles))
+        return bool((self._gaps(spheres, path, self.obstacles) >= least).all())
 
     def plan_straight(
         self, goal: Array, *, start: Array | None = None, joints: Array | None = None
@@ -208,17 +215,18 @@ class PathPlanner:
         answer = chain.solve(base_from_hand, joints[None])
         return answer.joints[0] if answer.found[0] else joints
 
-    def _gap(
+    def _gaps(
         self,
         spheres: CollisionSpheres,
         path: Array,
         points: Array,
         held: CollisionSpheres | None = None,
-    ) -> float:
+    ) -> Array:
+        """The smallest gaps (2,) [m] along a path: to what is around, and to the arm itself."""
         chain = self.robot.chain
         body = spheres if held is None else spheres.joined(held)
-        gap = clearance(chain, body, path, points=points, table=self.table)
-        return gap if held is None else min(gap, self_clearance(chain, held, spheres, path))
+        around = clearance(chain, body, path, points=points, table=self.table)
+        return np.array([around, self_clearance(chain, body, path)])
 
 
 def grasp_orientations(heading: float) -> Array:

@@ -20,7 +20,7 @@ from .models import Gripper, RobotType
 
 NAME = "robot"
 MIN_FORCE = 0.01  # [N], weaker contacts are ignored
-CLOSING_SPEED = 0.06  # [m/s] of each finger
+FINGER_SPEED = 0.05  # [m/s] of each finger, as the real hand's
 CLOSING_TIME = 1.6  # [s], longer than the fingers ever need
 STILL = 2e-4  # [m/s], a slower finger has met something or its end
 STILL_STEPS = 30  # after which closing is over
@@ -183,19 +183,21 @@ class Robot:
     def open(self, opening: float) -> None:
         """Open the gripper [m]; takes effect as time passes."""
         half = float(np.clip(opening, 0.0, self.gripper.opening)) / 2
-        self.engine.joints.drive_to(
-            NAME, self.gripper.joints, [half] * 2, forces=[OPENING_FORCE] * 2
-        )
+        for joint in self.gripper.joints:
+            self.engine.joints.drive_at(NAME, joint, FINGER_SPEED, force=OPENING_FORCE, to=half)
 
-    def close(self) -> None:
-        """Close the gripper until it meets something or its end, and squeeze."""
-        self._drive_fingers()
+    def close(self, force: float = np.inf) -> None:
+        """Close the gripper until it meets something or its end, and squeeze with a force [N].
+
+        The force of each finger is at most that of the gripper.
+        """
+        self._drive_fingers(force)
         still = 0
         for step in range(round(CLOSING_TIME / TIME_STEP)):
             if self.interruption.is_requested:
                 self.open(self.opening)
                 self.halt()
-                self._drive_fingers()
+                self._drive_fingers(force)
             self._step(1)
             speeds = self.engine.joints.speeds(NAME, self.gripper.joints)
             still = still + 1 if step > STILL_STEPS and np.abs(speeds).max() < STILL else 0
@@ -203,9 +205,10 @@ class Robot:
                 break
         self.advance(SQUEEZE_STEPS)
 
-    def _drive_fingers(self) -> None:
+    def _drive_fingers(self, force: float) -> None:
+        most = min(force, self.gripper.force)
         for joint in self.gripper.joints:
-            self.engine.joints.drive_at(NAME, joint, -CLOSING_SPEED, force=self.gripper.force)
+            self.engine.joints.drive_at(NAME, joint, -FINGER_SPEED, force=most)
 
     def finger_contacts(self) -> FingerContacts:
         """What both fingers touch now."""

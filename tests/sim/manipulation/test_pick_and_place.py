@@ -109,6 +109,18 @@ def test_object_that_always_slips_is_given_up():
         assert body.holding is None
 
 
+def test_fragile_object_is_not_pressed_hard():
+    """The fingers press on a glass with 25 N, on a knife with all they have."""
+    pressed: dict[str, float] = {}
+    for name, part in (("glass", "stem"), ("knife", "handle")):
+        with body_with(f"objects:{name}", seed=3) as body:
+            assert grasped(body, name, part).ok
+            finger = body.world.engine.bodies.contacts(NAME, body.robot.gripper.links[0])
+            pressed[name] = sum(contact.force for contact in finger if contact.other == name)
+
+    assert pressed == {"glass": pytest.approx(25, rel=0.3), "knife": pytest.approx(65, rel=0.3)}
+
+
 def test_object_that_turns_in_the_hand_is_not_held(tmp_path: Path):
     """A heavy rod held by its end turns by more than 15 degrees; it is laid back where it was."""
     (tmp_path / "rod.yaml").write_text(ROD, encoding="utf-8")

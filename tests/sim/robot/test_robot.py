@@ -92,6 +92,23 @@ def test_opening_and_closing_move_both_fingers_alike(robot: Robot):
 
 
 @pytest.mark.sim
+def test_fingers_are_no_faster_than_real_ones(robot: Robot):
+    """Opening and closing, neither finger passes 5 cm a second."""
+    speeds: list[float] = []
+    robot.open(0.0)
+    for _ in range(200):
+        robot.advance(1)
+        speeds += robot.engine.joints.speeds(NAME, robot.gripper.joints).tolist()
+    robot.open(robot.gripper.opening)
+    for _ in range(200):
+        robot.advance(1)
+        speeds += robot.engine.joints.speeds(NAME, robot.gripper.joints).tolist()
+
+    assert np.abs(speeds).max() < 0.0505
+    assert robot.opening == pytest.approx(robot.gripper.opening, abs=1e-3)
+
+
+@pytest.mark.sim
 def test_closed_gripper_senses_what_is_between_its_fingers(robot: Robot, tmp_path: Path):
     """Both fingers press on a block, and hold it against gravity without any constraint."""
     urdf = tmp_path / "block.urdf"
