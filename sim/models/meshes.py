@@ -71,11 +71,6 @@ def shaded_obj(mesh: Trimesh) -> str:
     return str(smooth.export(file_type="obj", include_normals=True, digits=6, header=None))
 
 
-def grouped_obj(meshes: Sequence[Trimesh]) -> str:
-    """Return several meshes as OBJ text, each a group of its own."""
-    return str(trimesh.Scene(list(meshes)).export(file_type="obj", digits=7, header=None))
-
-
 def merge(pieces: Sequence[Array], *, tolerance: float) -> list[Array]:
     """Return pieces (n, 3), merged where their common hull adds at most a share of their volume.
 

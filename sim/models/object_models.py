@@ -101,14 +101,14 @@ def write_model(kind: ObjectType, folder: Path) -> None:
 
 
 def _write_link(part: PartType, built: Sequence[SolidGeometry], stem: str, folder: Path) -> str:
-    from trimesh.convex import convex_hull
+    import trimesh
 
     from . import meshes
 
     pieces = [piece for geometry in built for piece in geometry.collision]
-    shrunk = [convex_hull(meshes.shrink(piece, meshes.MARGIN)) for piece in pieces]
+    shrunk = (trimesh.convex.convex_hull(meshes.shrink(each, meshes.MARGIN)) for each in pieces)
     collision = f"{stem}_collision.obj"
-    (folder / collision).write_text(meshes.grouped_obj(shrunk), encoding="ascii")
+    trimesh.Scene(list(shrunk)).export(str(folder / collision), digits=7, header=None)
     visuals: list[str] = []
     for number, (solid, geometry) in enumerate(zip(part.shape, built, strict=True)):
         if geometry.visual is not None:

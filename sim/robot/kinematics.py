@@ -200,9 +200,8 @@ def _damped_step(jacobian: Array, error: Array) -> Array:
 
 
 def _is_small(error: Array) -> np.ndarray:
-    return (np.linalg.norm(error[:, :3], axis=1) < POSITION_TOLERANCE) & (
-        np.linalg.norm(error[:, 3:], axis=1) < ROTATION_TOLERANCE
-    )
+    sizes = np.linalg.norm(error.reshape(-1, 2, 3), axis=2)
+    return (sizes < (POSITION_TOLERANCE, ROTATION_TOLERANCE)).all(axis=1)
 
 
 def _limits(joint: ElementTree.Element) -> tuple[float, float, float]:

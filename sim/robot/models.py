@@ -27,25 +27,10 @@ _LIMITS = ("speeds", "accelerations")
 
 @dataclass(frozen=True)
 class Gripper:
-    """A parallel gripper with two fingers.
+    """A parallel gripper with two fingers, as `robots.yaml` describes it.
 
     The grip frame lies midway between the pads: x along their width, y the closing direction, z out
-    of the hand.
-
-    Attributes:
-        joints, links: names of those of the two fingers.
-        grip: distance from the hand's origin to the grip frame, along z [m].
-        opening: widest gap between the pads [m].
-        force: force of each finger [N].
-        pad_width: width of the flat part of a finger, along x [m].
-        finger_width: width of a finger, along x [m].
-        pad_length: length of a pad along z, centred on the grip frame [m].
-        tip: z of the finger tips in the grip frame [m].
-        finger_thickness: thickness of a finger at its tip, along y [m].
-        root_thickness: thickness of a finger between the hand and `root`, along y [m].
-        root: z in the grip frame at which the fingers become thicker [m].
-        palm: z of the front of the hand in the grip frame [m].
-        palm_size: size of the hand along x and y [m].
+    of the hand. Lengths are in [m], the force is that of each finger [N].
     """
 
     joints: tuple[str, ...]

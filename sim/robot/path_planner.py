@@ -31,6 +31,7 @@ TRIED_POINTS = 8  # of a part, before it is called unreachable
 TRIED_ORIENTATIONS = slice(None, None, 6)  # of the gripper there
 VIA_HEIGHT = 0.30  # [m] above the table, high enough to pass over things
 DOWN = poses.rotation_about((1.0, 0.0, 0.0), np.pi)  # the gripper looks straight down
+FINGERS_EXCHANGED = np.stack([np.eye(4), np.diag([-1.0, -1.0, 1.0, 1.0])])  # as they are, or so
 LEVEL_ROLLS = 24  # of the gripper that looks straight down
 TILTS_DEG = ((25.0, 8, 6), (50.0, 8, 6), (75.0, 12, 6))  # tilt, headings, rolls
 
@@ -50,11 +51,6 @@ class Grasp:
     width: float
     opening: float
     score: float
-
-    def half_turned(self) -> Grasp:
-        """The same grasp with the fingers exchanged."""
-        half = poses.pose(poses.rotation_about((0, 0, 1), np.pi), np.zeros(3))
-        return replace(self, world_from_grip=self.world_from_grip @ half)
 
 
 @dataclass(frozen=True)
@@ -95,16 +91,17 @@ class PathPlanner:
             yield from self._grasp_paths(grasps[first : first + BATCH], lift)
 
     def _grasp_paths(self, grasps: Sequence[Grasp], lift: float) -> Iterator[GraspPath]:
-        both = [turned for grasp in grasps for turned in (grasp, grasp.half_turned())]
-        at = np.stack([grasp.world_from_grip for grasp in both])
+        pairs = np.stack([grasp.world_from_grip for grasp in grasps])[:, None]
+        at = (pairs @ FINGERS_EXCHANGED).reshape(-1, 4, 4)
         approach = self._approaches(at)
         up = self._straight(at, poses.translation(0, 0, lift) @ at, approach.joints[:, -1])
         found = approach.found & up.found
         # Of a grasp and its half turn, the one that is nearer comes first.
-        pairs = self.travel_time(approach.joints[:, 0]).reshape(-1, 2).argsort(axis=1)
-        order = (2 * np.arange(len(grasps))[:, None] + pairs).ravel()
+        nearer = self.travel_time(approach.joints[:, 0]).reshape(-1, 2).argsort(axis=1)
+        order = (2 * np.arange(len(grasps))[:, None] + nearer).ravel()
         for index in order[found[order]]:
-            path = self._free_path(both[index], approach.joints[index], up.joints[index])
+            grasp = replace(grasps[index // 2], world_from_grip=at[index])
+            path = self._free_path(grasp, approach.joints[index], up.joints[index])
             if path is not None:
                 yield path
 

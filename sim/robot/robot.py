@@ -183,21 +183,18 @@ class Robot:
     def open(self, opening: float) -> None:
         """Open the gripper [m]; takes effect as time passes."""
         half = float(np.clip(opening, 0.0, self.gripper.opening)) / 2
-        for joint in self.gripper.joints:
-            self.engine.joints.drive_at(NAME, joint, FINGER_SPEED, force=OPENING_FORCE, to=half)
+        self._drive_fingers(FINGER_SPEED, OPENING_FORCE, to=half)
 
     def close(self, force: float = np.inf) -> None:
-        """Close the gripper until it meets something or its end, and squeeze with a force [N].
-
-        The force of each finger is at most that of the gripper.
-        """
-        self._drive_fingers(force)
+        """Close the gripper until it meets something or its end; squeeze by at most `force` [N]."""
+        squeeze = -FINGER_SPEED, min(force, self.gripper.force)
+        self._drive_fingers(*squeeze)
         still = 0
         for step in range(round(CLOSING_TIME / TIME_STEP)):
             if self.interruption.is_requested:
                 self.open(self.opening)
                 self.halt()
-                self._drive_fingers(force)
+                self._drive_fingers(*squeeze)
             self._step(1)
             speeds = self.engine.joints.speeds(NAME, self.gripper.joints)
             still = still + 1 if step > STILL_STEPS and np.abs(speeds).max() < STILL else 0
@@ -205,10 +202,9 @@ class Robot:
                 break
         self.advance(SQUEEZE_STEPS)
 
-    def _drive_fingers(self, force: float) -> None:
-        most = min(force, self.gripper.force)
+    def _drive_fingers(self, speed: float, force: float, to: float | None = None) -> None:
         for joint in self.gripper.joints:
-            self.engine.joints.drive_at(NAME, joint, -FINGER_SPEED, force=most)
+            self.engine.joints.drive_at(NAME, joint, speed, force=force, to=to)
 
     def finger_contacts(self) -> FingerContacts:
         """What both fingers touch now."""

@@ -156,6 +156,7 @@ def knife_and_mug() -> Iterator[World]:
 
 def test_sleeping_objects_stay_where_they_are(knife_and_mug: World):
     """A sleeping object has not moved by 1 mm or 0.1 degrees after a second."""
+    knife_and_mug.settle()
     before = {name: knife_and_mug.pose(name) for name in knife_and_mug.kinds}
 
     knife_and_mug.let_sleep()
