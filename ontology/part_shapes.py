@@ -1,8 +1,9 @@
 """Geometric forms that the parts of objects are made of, read from `objects.yaml`.
 
 A part is a list of solids. A solid is one form (box, cylinder, lathe, extrusion, sweep or mesh
-file) placed in the frame of the object. This module contains only numbers, from which
-`hilt.sim.models.solids` makes surfaces. Lengths are in [m], angles in [rad]; in the file, degrees.
+file) placed in the frame of the object; the head of `objects.yaml` describes their fields. This
+module contains only numbers, from which `hilt.sim.models.solids` makes surfaces. Lengths are in
+[m], angles in [rad]; in the file, degrees.
 """
 
 import re
@@ -30,15 +31,7 @@ class Box:
 
 @dataclass(frozen=True)
 class Lathe:
-    """The solid of revolution of a profile about the z axis.
-
-    Attributes:
-        profile: (radius, height) of the outer side from bottom to top [m].
-        wall: thickness of the wall of a vessel [m]; 0 for a solid body.
-        sides: number of flat sides; 0 for a round one.
-        stretch: scale factors of x and y, which turn the circle into an ellipse.
-        smooth: whether the profile is a curve through its points.
-    """
+    """The solid of revolution of a profile (radius, height) about the z axis."""
 
     profile: tuple[Point2, ...]
     wall: float
@@ -49,14 +42,7 @@ class Lathe:
 
 @dataclass(frozen=True)
 class Extrusion:
-    """A plate: an outline in the xy plane, with thickness along z.
-
-    Attributes:
-        outline: corners (x, y), counter-clockwise [m].
-        thickness: at each corner [m]; a blade is thin at its edge.
-        bevel: how far the rim is cut back on both faces [m].
-        smooth: whether the outline is a curve through its corners.
-    """
+    """A plate: an outline in the xy plane, with a thickness along z at each corner."""
 
     outline: tuple[Point2, ...]
     thickness: tuple[float, ...]
@@ -66,16 +52,7 @@ class Extrusion:
 
 @dataclass(frozen=True)
 class Sweep:
-    """A section swept along a path; its size may vary along the path.
-
-    Attributes:
-        path: points of the centre line [m].
-        sections: (width, height) of the section at each point [m].
-        side: the direction of the width, projected perpendicular to the path.
-        power: exponent of the superellipse |2x/w|^p + |2y/h|^p = 1: 2 is oval, 8 almost a box.
-        rounded: whether both ends are domes.
-        smooth: whether the path is a curve through its points.
-    """
+    """A section (width, height) swept along a path; its size may vary along the path."""
 
     path: tuple[Point3, ...]
     sections: tuple[Point2, ...]
@@ -87,7 +64,7 @@ class Sweep:
 
 @dataclass(frozen=True)
 class MeshFile:
-    """A surface in a file (OBJ, STL, PLY); each connected piece collides as its convex hull."""
+    """A surface in a file (OBJ, STL, PLY), which collides as convex pieces."""
 
     path: Path
     scale: float

@@ -24,7 +24,7 @@ from .robot.interruption import Interruption
 from .robot.models import find_robot
 from .robot.robot import Robot
 from .scene.scene import Scene
-from .scene.world import SleepManager, World
+from .scene.world import World
 from .vision.learned_detector import LearnedDetector, Recogniser
 from .vision.object_detector import MaskDetector, ObjectDetector
 from .vision.percept import Percept, visible_features
@@ -66,9 +66,9 @@ class Body(Striking, AbstractContextManager["Body"]):
         kind = find_robot(robot)
         world = World.build(scene, objects, gui=gui)
         seen = open_vision(world, source=vision, noise=noise)
-        sleeping = SleepManager(world)
-        arm = Robot(world.engine, kind, step=sleeping.step, interruption=interruption)
-        super().__init__(world, arm, seen, sleeping, seed=seed)
+        world.let_sleep()
+        arm = Robot(world.engine, kind, step=world.step, interruption=interruption)
+        super().__init__(world, arm, seen, seed=seed)
 
     def close(self) -> None:
         """Stop the simulator."""

@@ -12,6 +12,7 @@ PACKAGES = {  # module -> the package of the extra "sim" that has it
     "scipy": "scipy",
     "shapely": "shapely",
     "trimesh": "trimesh",
+    "coacd": "coacd",
 }
 
 

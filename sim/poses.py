@@ -70,16 +70,12 @@ def rotation_vector(rotation: Array) -> Array:
     half_turn = (sine <= _SMALL_ANGLE) & (cosine < 0)
     if not half_turn.any():
         return vector
-    return np.where(half_turn[..., None], np.pi * _half_turn_axis(rotation), vector)
-
-
-def _half_turn_axis(rotation: Array) -> Array:
     # At a half turn R + I = 2 a a^T: its longest column is along the axis.
     outer = rotation + np.eye(3)
     best = np.argmax(np.linalg.norm(outer, axis=-2), axis=-1)
     column = np.take_along_axis(outer, best[..., None, None], axis=-1)[..., 0]
-    length = np.linalg.norm(column, axis=-1, keepdims=True)
-    return column / np.maximum(length, _SMALL_ANGLE)
+    length = np.maximum(np.linalg.norm(column, axis=-1, keepdims=True), _SMALL_ANGLE)
+    return np.where(half_turn[..., None], np.pi * column / length, vector)
 
 
 def angle_between(rotation_a: Array, rotation_b: Array) -> Array:

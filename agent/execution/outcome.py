@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from math import degrees
 from typing import Literal, TypeAlias
 
 from ...inference.norms import NormVerdict
@@ -196,6 +197,8 @@ class WorldOutcome:
         handed_over_at: that pose of the grip: x, y, z [m] and the unit quaternion x, y, z, w; empty
             when nothing was handed over.
         attempts: the number of grasps.
+        score: of the last one, at most about 1.
+        slip_m: how far the object moved in the hand at the grip, and `slip_rad` how far it turned.
         nail_depth_mm: the depth of the nail in its block [mm]; None when nothing was pounded.
         driven_mm: by how much it was driven in [mm].
     """
@@ -207,6 +210,9 @@ class WorldOutcome:
     handed_over: bool = False
     handed_over_at: tuple[float, ...] = ()
     attempts: int = 0
+    score: float = 0.0
+    slip_m: float = 0.0
+    slip_rad: float = 0.0
     nail_depth_mm: float | None = None
     driven_mm: float = 0.0
     pictures: tuple[str, ...] = ()
@@ -222,6 +228,9 @@ class WorldOutcome:
             "held_s": round(self.held_s, 3),
             "handed_over": self.handed_over,
             "attempts": self.attempts,
+            "score": round(self.score, 3),
+            "slip_m": round(self.slip_m, 4),
+            "turn_deg": round(degrees(self.slip_rad), 1),
             "pictures": list(self.pictures),
         }
         if self.handed_over_at:

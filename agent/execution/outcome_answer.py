@@ -36,7 +36,7 @@ _MOTION = {  # reason of a motion report -> the answer with a part, and without
     "too_wide": ("too_wide_part", "too_wide"),
     "blocked": ("blocked_part", "blocked"),
     "wrong_part": ("wrong_part", "no_grasp_anywhere"),
-    "slipped": ("dropped", "dropped"),
+    "slipped": ("slipped", "slipped"),
     "dropped": ("dropped", "dropped"),
     "nothing_held": ("dropped", "dropped"),
     "bumped": ("unreachable_part", "unreachable"),

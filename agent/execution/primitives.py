@@ -21,6 +21,8 @@ from .request import Arguments, named
 DRIVEN = "driven"  # what the robot senses when something is in all the way
 LOST = ("dropped", "nothing_held")
 MM = 1e3  # in a metre
+_FIRMNESS = ("score", "slip_m", "slip_rad")  # of reports and of the outcome
+_GRASPED = ("touched", "attempts", *_FIRMNESS)
 _OUTCOMES = {"nothing_held": "dropped"} | {
     reason: reason for reason in ("slipped", "dropped", "wrong_part", "missed")
 }
@@ -157,18 +159,18 @@ class PrimitiveExecutor:
         self.grasps.begin(task.percept.object, task.part, task.context, report)
         self.world = WorldOutcome()
         self.holding = task.percept.name if report.ok else None
-        return self._moved(report, task, touched=report.touched, attempts=report.attempts)
+        return self._moved(report, task, *_GRASPED)
 
     def _move_to(self, task: PrimitiveTask) -> Failure:
         report = self._motion.lift()
         self.grasps.follow(report)
-        changed = ("touched", "lifted_m", "held_s", "attempts")
-        return self._moved(report, task, **{name: getattr(report, name) for name in changed})
+        return self._moved(report, task, *_GRASPED, "lifted_m", "held_s")
 
     def _hand_over(self, task: PrimitiveTask) -> Failure:
         report = self._motion.hand_over()
         self.grasps.follow(report, is_offered=True)
-        return self._moved(report, task, handed_over=report.ok, handed_over_at=report.at)
+        handed = {"handed_over": report.ok, "handed_over_at": report.at}
+        return self._moved(report, task, *_FIRMNESS, **handed)
 
     def _empty_hand(self, task: PrimitiveTask) -> Failure:
         failure = empty_hand(self._motion, task.action, named(task.arguments.get("object")))
@@ -227,7 +229,10 @@ class PrimitiveExecutor:
         slots = {"goal": self.goal, "patient": self.patient or "thing", "tool": tool}
         return AnswerContent(key, slots, "failed", reason)
 
-    def _moved(self, report: MotionReport, task: PrimitiveTask, **changed: Any) -> Failure:
+    def _moved(
+        self, report: MotionReport, task: PrimitiveTask, *same: str, **changed: Any
+    ) -> Failure:
+        changed |= {name: getattr(report, name) for name in same}
         self.world = replace(self.world, executed=True, **changed)
         name = task.percept.object if task.percept else self.tool or "thing"
         return None if report.ok else outcome_answer.motion_failed(report.reason, name, self._part)

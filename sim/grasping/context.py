@@ -14,6 +14,7 @@ from ..vision.point_cloud_operations import voxel_downsample
 
 CHECK_CELL = 0.006  # [m], voxel size of the points that paths are checked against
 MIN_GROWTH = 1.1  # of the voxels of a downsampled cloud, so that growing ends soon
+FRAGILE_FORCE = 25.0  # [N], of each finger on what breaks easily
 _EMPTY = np.zeros((0, 3))
 
 
@@ -91,6 +92,12 @@ class GraspContext:
     def allowed_parts(self) -> tuple[str, ...]:
         """The parts that may be touched."""
         return tuple(self.kind.parts) if self.part is None else (self.part,)
+
+    @property
+    def force(self) -> float:
+        """The force with which a finger may press on the allowed parts [N]."""
+        parts = (self.kind.parts[name].properties for name in self.allowed_parts)
+        return FRAGILE_FORCE if "fragile" in self.kind.properties.union(*parts) else np.inf
 
     @property
     def target(self) -> Array:

@@ -46,6 +46,7 @@ SAME_PLACE = 0.015  # [m], a grasp so near to a failed one is not tried again
 # Efforts of planning, and the scores from which the next one is not needed: where little effort
 # finds no reachable grasp, or a poor one, more may find a better one.
 EFFORTS = {1: 0.5, 2: 0.3, 4: 0.3, 8: 0.0}
+ACCEPTABLE = 0.1  # score; a grasp that is not above it is not tried
 _REASONS = {"too_wide": "too_wide", "part": "blocked", "neighbour": "blocked"}
 
 
@@ -161,7 +162,7 @@ def plan_grasps(
     rejected.update(scoring.REJECTIONS[index] for index in scores.rejection if index)
     examples = scores[np.flatnonzero(scores.score <= 0)[:SHOWN]]
     scores = _refine(scores, fine, gripper)
-    best = scores[_distinct(scores, MAX_GRASPS)]
+    best = scores[_distinct(scores, MAX_GRASPS, above=ACCEPTABLE)]
     return RankedGrasps(_as_grasps(best), rejected, _as_grasps(examples))
 
 

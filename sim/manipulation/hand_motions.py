@@ -5,7 +5,7 @@ commanded. A motion that fails returns the reason and raises nothing.
 """
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
@@ -80,12 +80,12 @@ class HandMotion:
 
     robot: Robot
 
-    def grasp(self, path: GraspPath) -> FingerContacts:
-        """Follow a path to a grasp, close the gripper, and return what the fingers touch."""
+    def grasp(self, path: GraspPath, *, force: float) -> FingerContacts:
+        """Follow a path to a grasp, close with at most a force [N]; return what is touched."""
         self.robot.open(path.grasp.opening)
         self.robot.follow(path.transit, pace=TRANSIT_PACE)
         self.robot.follow(path.approach, pace=APPROACH_PACE)
-        self.robot.close()
+        self.robot.close(force)
         return self.robot.finger_contacts()
 
     def held_object(
@@ -109,14 +109,14 @@ class HandMotion:
             other_parts.mean(axis=0) - grip if len(other_parts) else np.zeros(3),
         )
 
-    def release(self, planner: PathPlanner) -> None:
-        """Open the gripper, retreat, and go home, past all obstacles if there is such a path."""
-        self.robot.open(self.robot.gripper.opening)
+    def release(self, planner: PathPlanner, opening: float) -> None:
+        """Open the gripper to `opening` [m], retreat, and go home if there is a free path."""
+        self.robot.open(opening)
         self.robot.wait(RELEASE_TIME)
         back = self.robot.world_from_grip @ poses.translation(0, 0, -RETREAT)
         self._follow_if(planner.plan_straight(back), APPROACH_PACE)
         spheres = self.robot.body_spheres(self.robot.opening)
-        home = planner.plan_transit(self.robot.kind.home, spheres, planner.scene, gap=-1.0)
+        home = planner.plan_transit(self.robot.kind.home, spheres, planner.scene)
         self._follow_if(home, TRANSIT_PACE)
 
     def lift(self, held: HeldObject, height: float) -> bool:
@@ -136,11 +136,11 @@ class HandMotion:
         return steps * TIME_STEP
 
     def slip(self, held: HeldObject) -> tuple[float, float]:
-        """How far the object has moved [m] and turned [rad] in the hand since it was grasped."""
-        now = self.hand_from_object(held.name)
-        moved = np.linalg.norm(now[:3, 3] - held.hand_from_object[:3, 3])
-        turned = poses.angle_between(now[:3, :3], held.hand_from_object[:3, :3])
-        return float(moved), float(turned)
+        """How far the object has moved at the grip [m] and turned [rad] since it was grasped."""
+        now_from_then = self.hand_from_object(held.name) @ poses.inverse(held.hand_from_object)
+        grip = self.robot.hand_from_grip[None, :3, 3]
+        moved = np.linalg.norm(poses.transform(now_from_then, grip) - grip)
+        return float(moved), float(poses.angle_between(np.eye(3), now_from_then[:3, :3]))
 
     def height_gained(self, held: HeldObject) -> float:
         """How far the object is above where it lay [m]."""
@@ -202,17 +202,24 @@ class HandMotion:
             raised = poses.translation(*shift) @ poses.translation(0, 0, PLACE_HEIGHT)
             goal = held.planner.inverse_kinematics((raised @ held.path.grasp.world_from_grip)[None])
             above = self.plan_carry(held, goal.joints[0]) if goal.found[0] else None
-            if above is not None:
-                return self._put_at(held, above, shift)
+            reason = "unreachable" if above is None else self._put_at(held, above, shift)
+            if reason != "unreachable":
+                return reason
         return "no_room"
 
     def _put_at(self, held: HeldObject, above: Array, shift: Array) -> str:
         if reason := self.carry(held, above):
             return reason
-        down = poses.translation(*shift) @ poses.translation(0, 0, RELEASE_HEIGHT)
-        path = held.planner.plan_straight(down @ held.path.grasp.world_from_grip)
-        self._follow_if(path, APPROACH_PACE)
-        self.release(held.planner)
+        down = poses.translation(*np.add(shift, (0, 0, RELEASE_HEIGHT))) @ held.world_from_start
+        # As the object is in the hand now: it may have slipped.
+        goal = down @ poses.inverse(self.hand_from_object(held.name)) @ self.robot.hand_from_grip
+        path, opening = held.planner.plan_straight(goal), held.path.grasp.opening
+        if path is None or not held.planner.is_clear(path, opening):
+            return "unreachable"
+        self.robot.follow(path, pace=APPROACH_PACE)
+        laid = poses.transform(self.robot.world_from_hand, held.points)
+        scene = np.vstack([held.planner.obstacles, laid])
+        self.release(replace(held.planner, scene=scene), opening)
         return ""
 
     def _free_places(self, held: HeldObject) -> Iterator[Array]:

@@ -17,8 +17,8 @@ class MotionReport:
         attempts: how often the gripper closed.
         failures: why attempts failed, in order.
         score: of the grasp that was used, at most 1; 0 without one.
-        slip_m: how far the object moved in the hand [m].
-        slip_rad: how far it turned there [rad].
+        slip_m: how far the object moved in the hand, at the grip [m]; more than 1 cm is a failure.
+        slip_rad: how far it turned there [rad]; more than 15 degrees are a failure.
         bumped: neighbours that were moved by more than a centimetre.
         depth_m: how deep the struck object stands in the other one [m]; 0 without one.
         driven: whether it is driven in completely.

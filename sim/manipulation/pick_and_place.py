@@ -17,7 +17,7 @@ from ..grasping.planner import GraspAttempts, RankedGrasps, select_grasp
 from ..poses import Array
 from ..robot.path_planner import Grasp, GraspPath, PathPlanner
 from ..robot.robot import Robot
-from ..scene.world import SleepManager, World
+from ..scene.world import World
 from ..vision.object_detector import ObjectDetector
 from ..vision.percept import Percept
 from .hand_motions import HandMotion, HeldObject
@@ -28,8 +28,9 @@ MIN_LIFT = 0.10  # [m], less is not lifted
 RAISED = 0.01  # [m], from which on an object has left the table, as after an interruption
 HOLD_TIME = 1.0  # [s], after a lift
 OFFER_TIME = 0.5  # [s], at the receiver
+MAX_SLIP, MAX_TURN = 0.01, np.radians(15)  # [m], [rad] in the hand; more is no firm hold
 BUMP = 0.01  # [m], a neighbour that moved more was bumped
-LOST = {"slipped", "dropped"}  # reasons that mean that the object has left the hand
+LOST = {"slipped", "dropped"}  # reasons to take the object again, if it is not in the hand firmly
 
 PlanListener: TypeAlias = Callable[[str, str | None, RankedGrasps, Grasp | None], None]
 
@@ -47,19 +48,11 @@ class PickAndPlace:
             object, the part to grasp it by, the last grasp plan, and the selected grasp.
     """
 
-    def __init__(
-        self,
-        world: World,
-        robot: Robot,
-        vision: ObjectDetector,
-        sleeping: SleepManager,
-        *,
-        seed: int,
-    ) -> None:
+    def __init__(self, world: World, robot: Robot, vision: ObjectDetector, *, seed: int) -> None:
         self.world, self.robot = world, robot
         self.in_hand: HeldObject | None = None
         self.on_plan: PlanListener | None = None
-        self._motion, self._vision, self._sleeping = HandMotion(robot), vision, sleeping
+        self._motion, self._vision = HandMotion(robot), vision
         self._rng = np.random.default_rng(seed)
         self._task = GraspAttempts("", None)
         self._before: dict[str, Array] = {}  # poses of all objects before the task
@@ -152,7 +145,6 @@ class PickAndPlace:
         self._clear_hand()
         self._task = GraspAttempts(percept.name, part)
         self._before = {name: self.world.pose(name) for name in self.world.kinds}
-        self._sleeping.sleep_again(but=percept.name)
         return self._grasp()
 
     def _put(self, held: HeldObject, action: str) -> MotionReport:
@@ -162,13 +154,18 @@ class PickAndPlace:
             self.in_hand = None
         return self._report(action, reason)
 
-    def _clear_hand(self) -> None:
-        held = self.in_hand
-        if held and not self._put(held, "put_back").ok and not self._put(held, "put_down").ok:
+    def _put_away(self, held: HeldObject) -> None:
+        is_held = self.robot.finger_contacts().holds(held.name)
+        if not is_held or not (self._put(held, "put_back").ok or self._put(held, "put_down").ok):
             self._drop(held)
+
+    def _clear_hand(self) -> None:
+        if self.in_hand:
+            self._put_away(self.in_hand)
         if self._is_interrupted:
             points = self._vision.obstacles("")
-            self._motion.release(PathPlanner(self.robot, points, points))
+            planner = PathPlanner(self.robot, points, points)
+            self._motion.release(planner, self.robot.gripper.opening)
         self._is_interrupted = False
 
     def _point_at(self, percept: Percept) -> MotionReport:
@@ -181,7 +178,7 @@ class PickAndPlace:
         return MotionReport("point_at", ok=not reason, reason=reason)
 
     def _drop(self, held: HeldObject) -> MotionReport:
-        self._motion.release(held.planner)
+        self._motion.release(held.planner, held.path.grasp.opening)
         self.in_hand = None
         return self._report("release", "")
 
@@ -218,7 +215,7 @@ class PickAndPlace:
             if not reason:
                 break
             self._task = self._task.with_failure(reason)
-            self._motion.release(planner)
+            self._motion.release(planner, path.grasp.opening)
             self.in_hand = None
         return self._report("grasp", reason)
 
@@ -226,7 +223,7 @@ class PickAndPlace:
         name = self._task.name
         before = self.world.pose(name)
         try:
-            contacts = self._motion.grasp(path)
+            contacts = self._motion.grasp(path, force=context.force)
         except MotionInterruptedError:
             if self.robot.finger_contacts().holds(name):
                 self.in_hand = self._motion.held_object(context, planner, path, before)
@@ -249,7 +246,7 @@ class PickAndPlace:
         report = act(held)
         while report.reason in LOST:
             self._task = self._task.with_failure(report.reason)
-            self._drop(self.in_hand or held)
+            self._put_away(self.in_hand or held)
             report = replace(report, failures=self._task.failures)
             if self._task.is_given_up:
                 break
@@ -274,7 +271,10 @@ class PickAndPlace:
 
     def _hold(self, held: HeldObject, action: str, seconds: float) -> MotionReport:
         held_s = self._motion.hold_still(held, seconds)
-        return self._report(action, "" if held_s >= seconds else "dropped", held_s=held_s)
+        slip_m, slip_rad = self._motion.slip(held)
+        is_loose = slip_m > MAX_SLIP or slip_rad > MAX_TURN
+        reason = "dropped" if held_s < seconds else "slipped" if is_loose else ""
+        return self._report(action, reason, held_s=held_s)
 
     def _grasp_and_lift(self) -> MotionReport:
         grasped = self._grasp()

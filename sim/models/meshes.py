@@ -16,9 +16,9 @@ import numpy as np
 import shapely
 import trimesh
 from numpy.typing import NDArray
-from scipy.optimize import linprog
 from scipy.spatial import ConvexHull, HalfspaceIntersection
 from trimesh import Trimesh
+from trimesh.convex import convex_hull
 
 from ..poses import Array
 
@@ -27,7 +27,7 @@ Faces = NDArray[np.int64]
 CREASE = radians(40)  # faces that meet at a sharper angle keep an edge between them
 _TINY_AREA = 5e-14  # [m^2]
 MARGIN = 0.001  # [m], what PyBullet adds round a convex mesh from a file
-MIN_SHARE = 0.1  # of its inner radius, which a piece thinner than the margin keeps
+MIN_SHARE = 0.1  # of its depth, which a piece thinner than the margin keeps
 
 
 def loft(rings: Sequence[Array], *, caps: Faces | None = None) -> Trimesh:
@@ -71,16 +71,6 @@ def shaded_obj(mesh: Trimesh) -> str:
     return str(smooth.export(file_type="obj", include_normals=True, digits=6, header=None))
 
 
-def grouped_obj(meshes: Sequence[Trimesh]) -> str:
-    """Return several meshes as OBJ text, each a group of its own."""
-    return str(trimesh.Scene(list(meshes)).export(file_type="obj", digits=7, header=None))
-
-
-def hull(points: Array) -> Trimesh:
-    """Return the convex hull of points (n, 3), faces outwards."""
-    return trimesh.convex.convex_hull(points)
-
-
 def merge(pieces: Sequence[Array], *, tolerance: float) -> list[Array]:
     """Return pieces (n, 3), merged where their common hull adds at most a share of their volume.
 
@@ -106,25 +96,13 @@ def merge(pieces: Sequence[Array], *, tolerance: float) -> list[Array]:
 def shrink(points: Array, distance: float) -> Array:
     """Return the corners of a hull whose faces are moved inwards by `distance` [m].
 
-    A piece too thin for that keeps `MIN_SHARE` of its inner radius.
+    A piece too thin for that keeps `MIN_SHARE` of the distance from its centre to its nearest face.
     """
     planes = np.unique(np.round(ConvexHull(points).equations, 9), axis=0)
-    centre, radius = _inner_ball(planes)
-    offset = min(distance, (1 - MIN_SHARE) * radius)
-    moved = planes + np.array([0, 0, 0, offset])
+    centre = convex_hull(points).center_mass
+    depth = -float((planes[:, :3] @ centre + planes[:, 3]).max())
+    moved = planes + np.array([0, 0, 0, min(distance, (1 - MIN_SHARE) * depth)])
     return HalfspaceIntersection(moved, centre).intersections
-
-
-def _inner_ball(planes: Array) -> tuple[Array, float]:
-    """Return centre and radius of the largest ball within the half-spaces a x + b <= 0 (n, 4)."""
-    lengths = np.linalg.norm(planes[:, :3], axis=1)
-    answer = linprog(
-        (0, 0, 0, -1),
-        A_ub=np.column_stack([planes[:, :3], lengths]),
-        b_ub=-planes[:, 3],
-        bounds=[(None, None)] * 3 + [(0, None)],
-    )
-    return np.asarray(answer.x[:3]), float(answer.x[3])
 
 
 def mass_properties(pieces: Sequence[Array], mass: float) -> tuple[Array, Array]:
@@ -132,6 +110,6 @@ def mass_properties(pieces: Sequence[Array], mass: float) -> tuple[Array, Array]
 
     The convex pieces (n, 3) have one density, and this mass [kg] together.
     """
-    triangles = np.concatenate([hull(piece).triangles for piece in pieces])
+    triangles = np.concatenate([convex_hull(piece).triangles for piece in pieces])
     unit: Any = trimesh.triangles.mass_properties(triangles)  # of density 1
     return unit.center_mass, unit.inertia * (mass / unit.volume)

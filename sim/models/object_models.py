@@ -29,7 +29,7 @@ _NUMBERS_FILE = "numbers.npz"
 _URDF_FILE, _MOUNTED_FILE = "model.urdf", "mounted.urdf"
 _ELEVATION = np.radians(40)  # of a camera above the table
 _DIRECTIONS = 8  # of equal distance round the object
-_SOURCES = ("meshes.py", "object_models.py", "solids.py", "urdf.py", "../poses.py")
+_SOURCES = ("mesh_files.py", "meshes.py", "object_models.py", "solids.py", "urdf.py", "../poses.py")
 
 
 @dataclass(frozen=True)
@@ -101,12 +101,14 @@ def write_model(kind: ObjectType, folder: Path) -> None:
 
 
 def _write_link(part: PartType, built: Sequence[SolidGeometry], stem: str, folder: Path) -> str:
+    import trimesh
+
     from . import meshes
 
     pieces = [piece for geometry in built for piece in geometry.collision]
-    shrunk = [meshes.hull(meshes.shrink(piece, meshes.MARGIN)) for piece in pieces]
+    shrunk = (trimesh.convex.convex_hull(meshes.shrink(each, meshes.MARGIN)) for each in pieces)
     collision = f"{stem}_collision.obj"
-    (folder / collision).write_text(meshes.grouped_obj(shrunk), encoding="ascii")
+    trimesh.Scene(list(shrunk)).export(str(folder / collision), digits=7, header=None)
     visuals: list[str] = []
     for number, (solid, geometry) in enumerate(zip(part.shape, built, strict=True)):
         if geometry.visual is not None:

@@ -10,17 +10,16 @@ bent rod into segments, a plate into prisms.
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise, product
-from typing import Any
 
 import numpy as np
 import trimesh
 from scipy.interpolate import Akima1DInterpolator, CubicSpline
 
 from ...ontology import part_shapes as forms
-from ...ontology.errors import DataError
 from .. import poses
 from ..poses import Array
 from . import meshes
+from .mesh_files import convex_pieces, read_mesh
 from .meshes import loft, triangulate
 
 VISUAL_SIDES, COLLISION_SIDES = 48, 24  # corners of a circle
@@ -29,7 +28,6 @@ VISUAL_SECTION, COLLISION_SECTION = 28, 16  # corners of a swept section
 VISUAL_STEPS, COLLISION_STEPS = 4, 2  # pieces between two points of a smooth curve
 MERGE_TOLERANCE = 0.01  # share of volume that merging two convex pieces may add
 STAVE_TOLERANCE = 0.06  # the same for the staves of a thin wall: 0.1 mm on 2 mm
-MIN_MESH_SIZE = 0.002  # [m], a mesh smaller than this could not be seen
 
 
 @dataclass(frozen=True)
@@ -60,7 +58,7 @@ def build_solid(solid: forms.PlacedSolid) -> SolidGeometry:
 def _surface(form: forms.Form) -> trimesh.Trimesh:
     match form:
         case forms.Box():
-            return meshes.hull(_box_corners(form))
+            return trimesh.convex.convex_hull(_box_corners(form))
         case forms.Lathe():
             return loft(_lathe_rings(form, form.sides or VISUAL_SIDES, VISUAL_STEPS))
         case forms.Extrusion():
@@ -69,7 +67,7 @@ def _surface(form: forms.Form) -> trimesh.Trimesh:
         case forms.Sweep():
             return loft(_sweep_rings(form, VISUAL_SECTION, VISUAL_STEPS))
         case forms.MeshFile():
-            return _read_mesh(form)
+            return read_mesh(form)
 
 
 def _pieces(form: forms.Form) -> Sequence[Array]:
@@ -85,8 +83,7 @@ def _pieces(form: forms.Form) -> Sequence[Array]:
         case forms.Sweep():
             return _segments(_sweep_rings(form, COLLISION_SECTION, COLLISION_STEPS))
         case forms.MeshFile():
-            bodies = _read_mesh(form).split(only_watertight=False)
-            return [np.asarray(body.vertices) for body in bodies]
+            return convex_pieces(form)
 
 
 def _segments(rings: Sequence[Array]) -> list[Array]:
@@ -219,21 +216,3 @@ def _section(sweep: forms.Sweep, corners: int, centre: Array, size: Array, ahead
     across, up = (np.sign(wave) * np.abs(wave) ** (2 / sweep.power) for wave in waves)
     half = np.maximum(size / 2, 0.0)
     return centre + half[0] * across[:, None] * side + half[1] * up[:, None] * np.cross(ahead, side)
-
-
-def _read_mesh(form: forms.MeshFile) -> trimesh.Trimesh:
-    try:
-        mesh: Any = trimesh.load_mesh(form.path)
-    except Exception as error:  # each of its readers has errors of its own
-        raise DataError(f"is no mesh that can be read: {error}.", source=str(form.path)) from error
-    if not len(getattr(mesh, "faces", ())):
-        raise DataError("has no faces.", source=str(form.path))
-    mesh.apply_scale(form.scale)
-    largest = float(np.ptp(mesh.vertices, axis=0).max())
-    if not MIN_MESH_SIZE <= largest <= forms.MAX_LENGTH:
-        raise DataError(
-            f"is {largest:g} m long with the scale {form.scale:g}; expected {MIN_MESH_SIZE:g} to "
-            f"{forms.MAX_LENGTH:g} m. Many files are in millimetres: their scale is 0.001.",
-            source=str(form.path),
-        )
-    return mesh

@@ -114,28 +114,21 @@ class HandFile:
     turn: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
 
-def robot_file(
-    name: str, urdf: Path, *, attachment: HandFile | None = None, speeds: Sequence[float] = ()
-) -> Path:
+def robot_file(name: str, urdf: Path, *, attachment: HandFile | None = None) -> Path:
     """Return the URDF file of a robot, made when it is not in the cache yet.
 
-    `urdf` is the file of its arm, and `attachment` its hand, from another file. `speeds` limit its
-    moving joints, instead of those in the file [rad/s]. A file that is no URDF or lacks a link is a
-    `DataError`, a cache that cannot be written a `SimulationError`.
+    `urdf` is the file of its arm, and `attachment` its hand, from another file. A file that is no
+    URDF or lacks a link is a `DataError`, a cache that cannot be written a `SimulationError`.
     """
     sources = [urdf, *([attachment.urdf] if attachment else [])]
-    what = repr((sources, attachment, tuple(speeds))).encode()
+    what = repr((sources, attachment)).encode()
     key = content_key(_VERSION, what, *(path.read_bytes() for path in sources))
     path = cache_folder() / "robots" / f"{name}-{key}.urdf"
-    return cached(path, lambda draft: _assemble(urdf, attachment, speeds, draft))
+    return cached(path, lambda draft: _assemble(urdf, attachment, draft))
 
 
-def _assemble(urdf: Path, attachment: HandFile | None, speeds: Sequence[float], path: Path) -> None:
+def _assemble(urdf: Path, attachment: HandFile | None, path: Path) -> None:
     root = _read(urdf)
-    moving = [joint for joint in root.findall("joint") if joint.get("type") != "fixed"]
-    for joint, speed in zip(moving, speeds, strict=False):
-        for limit in joint.findall("limit"):
-            limit.set("velocity", f"{speed:g}")
     if attachment:
         root.extend(_attached_elements(_read(attachment.urdf), attachment))
     ElementTree.ElementTree(root).write(path, encoding="utf-8")

@@ -139,12 +139,12 @@ class Bodies:
             numbers = number, other_number, link, other_link
             self._client.call("setCollisionFilterPair", *numbers, int(enabled))
 
-    def set_sleeping(self, body: str, *, asleep: bool) -> None:
-        """Put a body that lies still to sleep, or wake it and compute it at every step from now on.
+    def put_to_sleep(self, body: str) -> None:
+        """Leave a body that lies still out, until something touches it, and when it is still again.
 
-        One that sleeps is computed once something touches it, until it has lain still for a while.
+        The thing in a hand never sleeps, as the robot does not.
         """
-        for state in ("ENABLE_SLEEPING", "SLEEP") if asleep else ("WAKE_UP", "DISABLE_SLEEPING"):
+        for state in ("ENABLE_SLEEPING", "SLEEP"):
             constant = self._client.constant(f"ACTIVATION_STATE_{state}")
             self._client.call("changeDynamics", *self.link_id(body), activationState=constant)
 
@@ -232,12 +232,19 @@ class Joints:
             velocityGains=[1.0] * count,
         )
 
-    def drive_at(self, body: str, joint: str, speed: float, *, force: float) -> None:
-        """Let a motor keep a joint at a speed [rad/s] or [m/s] from now on, with a force limit."""
+    def drive_at(
+        self, body: str, joint: str, speed: float, *, force: float, to: float | None = None
+    ) -> None:
+        """Let a motor keep a joint at a speed [rad/s] or [m/s] from now on, with a force limit.
+
+        With a position `to` [rad] or [m] it goes there, at most at that speed, and stays.
+        """
         number, (index,) = self._bodies.joint_ids(body, [joint])
-        options = {"targetVelocity": speed, "force": force}
-        control = self._client.constant("VELOCITY_CONTROL")
-        self._client.call("setJointMotorControl2", number, index, control, **options)
+        options = {"targetVelocity": speed}
+        if to is not None:
+            options = {"targetPosition": to, "maxVelocity": speed}
+        mode = self._client.constant("VELOCITY_CONTROL" if to is None else "POSITION_CONTROL")
+        self._client.call("setJointMotorControl2", number, index, mode, force=force, **options)
 
     def add_gear(
         self, body: str, joint: str, other: str, *, ratio: float, force: float, stiffness: float

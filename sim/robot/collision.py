@@ -98,16 +98,14 @@ def _gap_to_points(centres: Array, radius: Array, points: Array) -> float:
     return gap
 
 
-def self_clearance(
-    chain: KinematicChain, held: CollisionSpheres, arm: CollisionSpheres, joints: Array
-) -> float:
-    """The smallest gap [m] between a held object and the arm, over postures `joints` (n, k) [rad].
+def self_clearance(chain: KinematicChain, spheres: CollisionSpheres, joints: Array) -> float:
+    """The smallest gap [m] between hand and held object and the arm, over postures (n, k) [rad].
 
-    Spheres of the arm that move with the hand do not count.
+    Spheres on the link that carries the hand do not count.
     """
     last = np.flatnonzero(chain.moves)[-1]
-    behind = arm.link < last
-    frames = chain.frames(joints)
-    at = held.placed(frames)[:, :, None] - arm.placed(frames)[:, None, behind]
-    gaps = np.linalg.norm(at, axis=-1) - held.radius[:, None] - arm.radius[behind]
+    ahead, behind = spheres.link > last, spheres.link < last
+    centres = spheres.placed(chain.frames(joints))
+    at = centres[:, ahead, None] - centres[:, None, behind]
+    gaps = np.linalg.norm(at, axis=-1) - spheres.radius[ahead, None] - spheres.radius[behind]
     return float(gaps.min(initial=np.inf))

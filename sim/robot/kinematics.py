@@ -54,6 +54,7 @@ class KinematicChain:
         axes: unit axes of the joints that move, in their own frames (k, 3).
         low, high: limits (k,) [rad] or [m].
         speed: highest speeds (k,) [rad/s] or [m/s].
+        acceleration: highest accelerations (k,) [rad/s^2] or [m/s^2].
     """
 
     links: tuple[str, ...]
@@ -65,6 +66,7 @@ class KinematicChain:
     low: Array
     high: Array
     speed: Array
+    acceleration: Array
 
     @cached_property
     def _terms(self) -> tuple[Array, Array, Array, Array]:
@@ -183,6 +185,7 @@ def read_chain(path: Path, tip: str) -> KinematicChain:
         low=low,
         high=high,
         speed=speed,
+        acceleration=np.full(len(moving), np.inf),  # URDF has none
     )
 
 
@@ -197,9 +200,8 @@ def _damped_step(jacobian: Array, error: Array) -> Array:
 
 
 def _is_small(error: Array) -> np.ndarray:
-    return (np.linalg.norm(error[:, :3], axis=1) < POSITION_TOLERANCE) & (
-        np.linalg.norm(error[:, 3:], axis=1) < ROTATION_TOLERANCE
-    )
+    sizes = np.linalg.norm(error.reshape(-1, 2, 3), axis=2)
+    return (sizes < (POSITION_TOLERANCE, ROTATION_TOLERANCE)).all(axis=1)
 
 
 def _limits(joint: ElementTree.Element) -> tuple[float, float, float]:

@@ -4,7 +4,7 @@ The head of that file describes its entries. Joint limits come from the robot's 
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import cache, cached_property
 from pathlib import Path
 from types import MappingProxyType
@@ -22,29 +22,15 @@ from .kinematics import KinematicChain, read_chain
 
 ROBOTS_FILE = Path(__file__).with_name("robots.yaml")
 OWN_FILE = ".yaml"
+_LIMITS = ("speeds", "accelerations")
 
 
 @dataclass(frozen=True)
 class Gripper:
-    """A parallel gripper with two fingers.
+    """A parallel gripper with two fingers, as `robots.yaml` describes it.
 
     The grip frame lies midway between the pads: x along their width, y the closing direction, z out
-    of the hand.
-
-    Attributes:
-        joints, links: names of those of the two fingers.
-        grip: distance from the hand's origin to the grip frame, along z [m].
-        opening: widest gap between the pads [m].
-        force: force of each finger [N].
-        pad_width: width of the flat part of a finger, along x [m].
-        finger_width: width of a finger, along x [m].
-        pad_length: length of a pad along z, centred on the grip frame [m].
-        tip: z of the finger tips in the grip frame [m].
-        finger_thickness: thickness of a finger at its tip, along y [m].
-        root_thickness: thickness of a finger between the hand and `root`, along y [m].
-        root: z in the grip frame at which the fingers become thicker [m].
-        palm: z of the front of the hand in the grip frame [m].
-        palm_size: size of the hand along x and y [m].
+    of the hand. Lengths are in [m], the force is that of each finger [N].
     """
 
     joints: tuple[str, ...]
@@ -87,7 +73,8 @@ class RobotType:
         gripper: the gripper; None for an arm without one.
         spheres: centres and radii (n, 4) of the collision spheres of each link [m].
         attachment: the hand, when it comes from another file.
-        speeds: speed limits of the joints, where the URDF has none [rad/s].
+        speeds: speed limits of the joints, instead of those of the URDF [rad/s].
+        accelerations: limits of the joints; none when empty [rad/s^2].
     """
 
     name: str
@@ -100,16 +87,20 @@ class RobotType:
     spheres: Mapping[str, Array]
     attachment: HandFile | None = None
     speeds: tuple[float, ...] = ()
+    accelerations: tuple[float, ...] = ()
 
     @cached_property
     def file(self) -> Path:
         """The URDF file of arm and hand together."""
-        return robot_file(self.name, self.urdf, attachment=self.attachment, speeds=self.speeds)
+        return robot_file(self.name, self.urdf, attachment=self.attachment)
 
     @cached_property
     def arm(self) -> KinematicChain:
         """The kinematic chain from the base to the hand."""
-        return read_chain(self.file, self.hand)
+        chain = read_chain(self.file, self.hand)
+        speed = np.array(self.speeds or chain.speed)
+        acceleration = np.array(self.accelerations or chain.acceleration)
+        return replace(chain, speed=speed, acceleration=acceleration)
 
     @cached_property
     def starts(self) -> Array:
@@ -153,7 +144,7 @@ def _shipped() -> Mapping[str, RobotType]:
 def _read_robot(name: str, field: YamlNode) -> RobotType:
     entries = field.entries(
         required=("label", "urdf", "hand", "home", "spheres"),
-        optional=("turns", "gripper", "attached", "speeds"),
+        optional=("turns", "gripper", "attached", *_LIMITS),
     )
     home = np.array(entries["home"].numbers(low=-np.pi * 2, high=np.pi * 2))
     robot = RobotType(
@@ -169,10 +160,12 @@ def _read_robot(name: str, field: YamlNode) -> RobotType:
             for link, spheres in entries["spheres"].entries().items()
         },
         attachment=_read_attachment(entries["attached"]) if "attached" in entries else None,
-        speeds=entries["speeds"].numbers(low=0.0, high=20.0) if "speeds" in entries else (),
+        **{key: entries[key].numbers(low=0.01, high=100.0) for key in _LIMITS if key in entries},
     )
-    if len(home) != (count := len(robot.arm.names)):
-        raise entries["home"].fail(f"expected {count} joints, found {len(home)}.")
+    count = len(robot.arm.names)
+    for key in ("home", *_LIMITS):
+        if key in entries and (found := len(entries[key].items())) != count:
+            raise entries[key].fail(f"expected {count} joints, found {found}.")
     return robot
 
 

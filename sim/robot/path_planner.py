@@ -13,12 +13,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from .. import poses
-from ..physics.engine import TIME_STEP
 from ..poses import Array
 from ..vision.point_cloud_operations import farthest_points
 from .collision import CollisionSpheres, clearance, self_clearance
 from .kinematics import IkSolutions
-from .robot import Robot, resample, time_path
+from .robot import Robot, resample
 
 RETREAT = 0.09  # [m] before the grasp, where the straight approach begins
 STRAIGHT_STEP = 0.0225  # [m] between the poses of a straight path; between them it bends by 0.5 mm
@@ -32,6 +31,7 @@ TRIED_POINTS = 8  # of a part, before it is called unreachable
 TRIED_ORIENTATIONS = slice(None, None, 6)  # of the gripper there
 VIA_HEIGHT = 0.30  # [m] above the table, high enough to pass over things
 DOWN = poses.rotation_about((1.0, 0.0, 0.0), np.pi)  # the gripper looks straight down
+FINGERS_EXCHANGED = np.stack([np.eye(4), np.diag([-1.0, -1.0, 1.0, 1.0])])  # as they are, or so
 LEVEL_ROLLS = 24  # of the gripper that looks straight down
 TILTS_DEG = ((25.0, 8, 6), (50.0, 8, 6), (75.0, 12, 6))  # tilt, headings, rolls
 
@@ -51,11 +51,6 @@ class Grasp:
     width: float
     opening: float
     score: float
-
-    def half_turned(self) -> Grasp:
-        """The same grasp with the fingers exchanged."""
-        half = poses.pose(poses.rotation_about((0, 0, 1), np.pi), np.zeros(3))
-        return replace(self, world_from_grip=self.world_from_grip @ half)
 
 
 @dataclass(frozen=True)
@@ -96,16 +91,17 @@ class PathPlanner:
             yield from self._grasp_paths(grasps[first : first + BATCH], lift)
 
     def _grasp_paths(self, grasps: Sequence[Grasp], lift: float) -> Iterator[GraspPath]:
-        both = [turned for grasp in grasps for turned in (grasp, grasp.half_turned())]
-        at = np.stack([grasp.world_from_grip for grasp in both])
+        pairs = np.stack([grasp.world_from_grip for grasp in grasps])[:, None]
+        at = (pairs @ FINGERS_EXCHANGED).reshape(-1, 4, 4)
         approach = self._approaches(at)
         up = self._straight(at, poses.translation(0, 0, lift) @ at, approach.joints[:, -1])
         found = approach.found & up.found
         # Of a grasp and its half turn, the one that is nearer comes first.
-        pairs = self.travel_time(approach.joints[:, 0]).reshape(-1, 2).argsort(axis=1)
-        order = (2 * np.arange(len(grasps))[:, None] + pairs).ravel()
+        nearer = self.travel_time(approach.joints[:, 0]).reshape(-1, 2).argsort(axis=1)
+        order = (2 * np.arange(len(grasps))[:, None] + nearer).ravel()
         for index in order[found[order]]:
-            path = self._free_path(both[index], approach.joints[index], up.joints[index])
+            grasp = replace(grasps[index // 2], world_from_grip=at[index])
+            path = self._free_path(grasp, approach.joints[index], up.joints[index])
             if path is not None:
                 yield path
 
@@ -125,9 +121,9 @@ class PathPlanner:
         return IkSolutions(joints, found)
 
     def _free_path(self, grasp: Grasp, approach: Array, up: Array) -> GraspPath | None:
-        spheres = self.robot.body_spheres(grasp.opening)
-        if self._gap(spheres, approach, self.obstacles) < APPROACH_GAP:
+        if not self.is_clear(np.vstack([approach, up]), grasp.opening):
             return None
+        spheres = self.robot.body_spheres(grasp.opening)
         transit = self.plan_transit(approach[0], spheres, self.scene)
         if transit is None:
             return None
@@ -144,8 +140,8 @@ class PathPlanner:
     ) -> Array | None:
         """Plan a path through free space from where the arm is to a posture (k,) [rad].
 
-        It keeps a gap [m] between the spheres of arm and hand and obstacles, points (n, 3) [m]. The
-        spheres of a held object may not hit the arm either. Returns postures (n, k), or None when
+        It keeps a gap [m] between the spheres of arm and hand and obstacles, points (n, 3) [m], and
+        between the hand with a held object and the arm. Returns postures (n, k), or None when
         there is no such path.
         """
         start = self.robot.joints
@@ -155,13 +151,20 @@ class PathPlanner:
         for via in ([], [over_goal], [over_start, over_goal], [home], detour):
             path = np.vstack([start, *via, goal])
             # The arm may already be nearer to something than a path should come.
-            least = min(gap, self._gap(spheres, path[:1], points, held))
+            least = np.minimum(gap, self._gaps(spheres, path[:1], points, held))
             # Its corners are checked as the arm rounds them.
-            executed, _ = time_path(path, self.robot.chain.speed, step=TIME_STEP, pace=MAX_PACE)
+            executed, _ = self.robot.timed(path, pace=MAX_PACE)
             checked = resample(executed, CHECK_STEP)
-            if self._gap(spheres, checked, points, held) >= least - ROUNDING:
+            if (self._gaps(spheres, checked, points, held) >= least - ROUNDING).all():
                 return path
         return None
+
+    def is_clear(self, path: Array, opening: float) -> bool:
+        """Whether a path (n, k) hits no obstacle with the hand open by `opening` [m]."""
+        spheres, home = self.robot.body_spheres(opening), self.robot.kind.home[None]
+        # Spheres of the arm may be so large that some always overlap.
+        least = np.minimum(APPROACH_GAP, self._gaps(spheres, home, self.obstacles))
+        return bool((self._gaps(spheres, path, self.obstacles) >= least).all())
 
     def plan_straight(
         self, goal: Array, *, start: Array | None = None, joints: Array | None = None
@@ -209,17 +212,18 @@ class PathPlanner:
         answer = chain.solve(base_from_hand, joints[None])
         return answer.joints[0] if answer.found[0] else joints
 
-    def _gap(
+    def _gaps(
         self,
         spheres: CollisionSpheres,
         path: Array,
         points: Array,
         held: CollisionSpheres | None = None,
-    ) -> float:
+    ) -> Array:
+        """The smallest gaps (2,) [m] along a path: to what is around, and to the arm itself."""
         chain = self.robot.chain
         body = spheres if held is None else spheres.joined(held)
-        gap = clearance(chain, body, path, points=points, table=self.table)
-        return gap if held is None else min(gap, self_clearance(chain, held, spheres, path))
+        around = clearance(chain, body, path, points=points, table=self.table)
+        return np.array([around, self_clearance(chain, body, path)])
 
 
 def grasp_orientations(heading: float) -> Array:

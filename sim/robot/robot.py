@@ -20,7 +20,7 @@ from .models import Gripper, RobotType
 
 NAME = "robot"
 MIN_FORCE = 0.01  # [N], weaker contacts are ignored
-CLOSING_SPEED = 0.06  # [m/s] of each finger
+FINGER_SPEED = 0.05  # [m/s] of each finger, as the real hand's
 CLOSING_TIME = 1.6  # [s], longer than the fingers ever need
 STILL = 2e-4  # [m/s], a slower finger has met something or its end
 STILL_STEPS = 30  # after which closing is over
@@ -33,7 +33,8 @@ PEAK = 1.5  # the highest speed of s = 3 t^2 - 2 t^3, in units of the mean one
 REACTION_STEPS = 6  # between two looks at the interruption while nothing is commanded: 25 ms
 BRAKE_STEPS, AT_REST = 60, 0.02  # at most, until the arm is slower [rad/s] when it is interrupted
 MIN_DURATION = 0.12  # [s], of a path
-ROUNDING = 0.1  # [s] over which corners are rounded
+ROUNDING = 0.1  # [s] over which corners, starts and ends are rounded, which bounds the jerk
+LEAST_STRETCH = 1.02  # of a path that asks for too much acceleration
 
 
 @dataclass(frozen=True)
@@ -142,7 +143,7 @@ class Robot:
         The arm moves at `pace`, a share in (0, 1] of the joints' speed limits, and stops when
         `stop`, called at every step, returns true. Returns whether it came to the path's end.
         """
-        positions, speeds = time_path(path, self.chain.speed, step=TIME_STEP, pace=pace)
+        positions, speeds = self.timed(path, pace=pace)
         for index, (position, speed) in enumerate(zip(positions, speeds, strict=True)):
             if self.interruption.is_requested:
                 self.halt()
@@ -154,6 +155,11 @@ class Robot:
                 self._hold_arm(self.joints)
                 return False
         return True
+
+    def timed(self, path: Array, *, pace: float) -> tuple[Array, Array]:
+        """Positions and speeds (t, k) of a path (n, k) at each step, as `follow` executes it."""
+        limits = self.chain.speed, self.chain.acceleration
+        return time_path(path, *limits, step=TIME_STEP, pace=pace)
 
     def advance(self, count: int) -> None:
         """Let `count` steps pass while the arm stands still."""
@@ -177,19 +183,18 @@ class Robot:
     def open(self, opening: float) -> None:
         """Open the gripper [m]; takes effect as time passes."""
         half = float(np.clip(opening, 0.0, self.gripper.opening)) / 2
-        self.engine.joints.drive_to(
-            NAME, self.gripper.joints, [half] * 2, forces=[OPENING_FORCE] * 2
-        )
+        self._drive_fingers(FINGER_SPEED, OPENING_FORCE, to=half)
 
-    def close(self) -> None:
-        """Close the gripper until it meets something or its end, and squeeze."""
-        self._drive_fingers()
+    def close(self, force: float = np.inf) -> None:
+        """Close the gripper until it meets something or its end; squeeze by at most `force` [N]."""
+        squeeze = -FINGER_SPEED, min(force, self.gripper.force)
+        self._drive_fingers(*squeeze)
         still = 0
         for step in range(round(CLOSING_TIME / TIME_STEP)):
             if self.interruption.is_requested:
                 self.open(self.opening)
                 self.halt()
-                self._drive_fingers()
+                self._drive_fingers(*squeeze)
             self._step(1)
             speeds = self.engine.joints.speeds(NAME, self.gripper.joints)
             still = still + 1 if step > STILL_STEPS and np.abs(speeds).max() < STILL else 0
@@ -197,9 +202,9 @@ class Robot:
                 break
         self.advance(SQUEEZE_STEPS)
 
-    def _drive_fingers(self) -> None:
+    def _drive_fingers(self, speed: float, force: float, to: float | None = None) -> None:
         for joint in self.gripper.joints:
-            self.engine.joints.drive_at(NAME, joint, -CLOSING_SPEED, force=self.gripper.force)
+            self.engine.joints.drive_at(NAME, joint, speed, force=force, to=to)
 
     def finger_contacts(self) -> FingerContacts:
         """What both fingers touch now."""
@@ -232,25 +237,30 @@ class Robot:
         self.open(gripper.opening)
 
 
-def time_path(points: Array, limits: Array, *, step: float, pace: float) -> tuple[Array, Array]:
+def time_path(
+    points: Array, speed: Array, acceleration: Array, *, step: float, pace: float
+) -> tuple[Array, Array]:
     """Parametrise a path of postures (n, k) [rad] by time.
 
-    It uses a share `pace` in (0, 1] of the limits (k,) of the joints' speeds [rad/s]. Returns
-    positions (t, k) [rad] and speeds (t, k) [rad/s] at intervals of `step` [s]; the last speeds are
-    zero.
+    It uses a share `pace` in (0, 1] of the joints' highest speeds (k,) [rad/s], and no more than
+    their accelerations (k,) [rad/s^2]. Returns positions (t, k) [rad] and speeds (t, k) [rad/s] at
+    intervals of `step` [s]; the last speeds are zero.
     """
-    lengths = np.max(np.abs(np.diff(points, axis=0)) / limits, axis=1)
+    lengths = np.max(np.abs(np.diff(points, axis=0)) / speed, axis=1)
     along = np.concatenate([[0.0], np.cumsum(lengths)])
     duration = max(MIN_DURATION, PEAK * along[-1] / pace)
-    t = np.linspace(0.0, 1.0, max(2, int(np.ceil(duration / step))) + 1)[1:]
-    where = along[-1] * t * t * (3 - 2 * t)
-    positions = np.column_stack([np.interp(where, along, column) for column in points.T])
-    if len(points) > 2:
-        positions = _rounded(positions, points[0], max(1, round(ROUNDING / step / 2)))
-    before = np.vstack([points[:1], positions[:-1]])
-    speeds = (positions - before) / step
-    speeds[-1] = 0.0
-    return positions, speeds
+    while True:
+        t = np.linspace(0.0, 1.0, max(2, int(np.ceil(duration / step))) + 1)[1:]
+        where = along[-1] * t * t * (3 - 2 * t)
+        exact = np.column_stack([np.interp(where, along, column) for column in points.T])
+        positions = _rounded(exact, points[0], max(1, round(ROUNDING / step / 2)))
+        speeds = np.diff(positions, axis=0, prepend=points[:1]) / step
+        speeds[-1] = 0.0
+        changes = np.diff(speeds, axis=0, prepend=0 * points[:1]) / step
+        excess = float(np.max(np.abs(changes) / acceleration))
+        if excess <= 1:
+            return positions, speeds
+        duration *= max(LEAST_STRETCH, excess**0.5)
 
 
 def _rounded(positions: Array, start: Array, half: int) -> Array:

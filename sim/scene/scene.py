@@ -18,7 +18,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import chain, count
+from itertools import repeat
 from math import radians
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -235,9 +235,8 @@ def _mounted(
         free = (p for p in result if p.object == mount.support and p.name not in taken)
         support = next(free, None)
         if support is None:
-            names = {each.name for each in result}
-            others = (f"{mount.support} {number}" for number in count(2))
-            name = next(n for n in chain([mount.support], others) if n not in names)
+            taken = {each.name for each in result}
+            name = next(n for n in numbered(repeat(mount.support)) if n not in taken)
             support = Placement(name, mount.support, placement.at, placement.yaw)
             result.append(support)
         elif placement.at is not None or placement.yaw is not None:

@@ -1,4 +1,4 @@
-"""The simulated world: a table, the objects of a scene, and time; sleeping of still objects.
+"""The simulated world: a table, the objects of a scene, and time.
 
 A `World` loads the room and the objects of a scene into an engine and lets them settle. The robot
 is not part of it: `robot` loads it into the same engine. Everything steps through `World.step`, so
@@ -37,9 +37,6 @@ SETTLE_LIMIT = 3.0  # [s]
 STILL_STEPS = 24  # between compared poses; the speeds of light objects jitter, also at rest
 STILL_SHIFT = 1e-4  # [m]
 STILL_TURN = 0.004  # [rad]
-
-CHECK_INTERVAL = 12  # steps between two checks: a twentieth of a second
-MOVED = 5e-4  # [m], an object that lies still moves less
 
 
 @dataclass(repr=False)
@@ -133,6 +130,11 @@ class World(AbstractContextManager["World"]):
             before = after
         return False
 
+    def let_sleep(self) -> None:
+        """Put the loose objects to sleep; the engine computes each again once it is touched."""
+        for name in self.loose:
+            self.engine.bodies.put_to_sleep(name)
+
     def _poses(self) -> Array:
         return np.array([self.pose(name) for name in self.kinds] or [np.eye(4)])
 
@@ -166,61 +168,3 @@ class World(AbstractContextManager["World"]):
         points = self.points(name)
         middle = (points.min(axis=0) + points.max(axis=0)) / 2
         return np.array([middle[0], middle[1], points[:, 2].max()])
-
-
-class SleepManager:
-    """Puts the loose objects of a world to sleep, and wakes those that are moved.
-
-    The engine does not compute an object that sleeps. It solves all objects together whose bounding
-    boxes overlap, each pressed on the table by a dozen contacts, so most of the time would go into
-    objects that do nothing. Contacts between two sleeping objects, which cannot change, are left
-    out too. An object that has moved is awake, and touches all others again, from that moment on.
-
-    The objects lie still when it begins; `asleep` tells where those were that sleep (3,) [m].
-    """
-
-    def __init__(self, world: World) -> None:
-        self._world = world
-        self._awake: dict[str, Array] = {}  # where each object was at the last check (3,)
-        self.asleep: dict[str, Array] = {}
-        self._steps = 0
-        for name in world.loose:
-            self._put_to_sleep(name)
-
-    def step(self, count: int) -> None:
-        """Let `count` steps pass in the world, and wake what is moved."""
-        for _ in range(count):
-            self._world.step()
-            self._steps = (self._steps + 1) % CHECK_INTERVAL
-            if self._steps == 0:
-                self._check()
-
-    def sleep_again(self, *, but: str) -> None:
-        """Put objects back to sleep that have come to lie still, but for one that will be moved."""
-        for name, before in list(self._awake.items()):
-            if name != but and np.abs(self._position(name) - before).max() < MOVED:
-                del self._awake[name]
-                self._put_to_sleep(name)
-
-    def _check(self) -> None:
-        for name, before in list(self.asleep.items()):
-            if np.abs(self._position(name) - before).max() > MOVED:
-                self._wake(name)
-        self._awake = {name: self._position(name) for name in self._awake}
-
-    def _put_to_sleep(self, name: str) -> None:
-        bodies = self._world.engine.bodies
-        for other in self.asleep:
-            bodies.enable_contacts(name, other, enabled=False)
-        bodies.set_sleeping(name, asleep=True)
-        self.asleep[name] = self._position(name)
-
-    def _wake(self, name: str) -> None:
-        bodies = self._world.engine.bodies
-        self._awake[name] = self.asleep.pop(name)
-        bodies.set_sleeping(name, asleep=False)
-        for other in self.asleep:
-            bodies.enable_contacts(name, other, enabled=True)
-
-    def _position(self, name: str) -> Array:
-        return self._world.engine.bodies.pose(name)[:3, 3]

@@ -202,5 +202,4 @@ def _outline(points: Array) -> tuple[Array, Array, Array]:
 
 def _histogram(values: Array, bins: int) -> Array:
     """The share of values in each of `bins` bins over [0, 1]; those beyond go to the last ones."""
-    index = np.clip((values * bins).astype(int), 0, bins - 1)
-    return np.bincount(index, minlength=bins) / len(values)
+    return np.histogram(np.clip(values, 0, 1), bins, (0, 1))[0] / len(values)

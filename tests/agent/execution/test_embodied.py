@@ -9,11 +9,24 @@ from hilt.agent.agent import Agent
 from hilt.agent.cli import main
 from hilt.agent.config import AgentConfig
 from hilt.agent.execution.outcome import WorldOutcome
+from hilt.sim.grasping.planner import ACCEPTABLE
 from hilt.sim.manipulation.hand_motions import MEETING
 
 pytestmark = pytest.mark.sim
 
 ALONE = "objects:knife"
+ROD = """
+objects:
+  rod:
+    is_a: tool
+    parts:
+      end: {role: grip, material: steel, colour: "#8a8a8a", mass: 0.05,
+            shape: [{box: {size: [0.04, 0.02, 0.02]}, at: [0.02, 0, 0.01]}]}
+      weight: {role: surface, material: steel, colour: "#333333", mass: 0.45,
+               shape: [{box: {size: [0.26, 0.02, 0.02]}, at: [0.17, 0, 0.01]}]}
+    rests:
+      flat: {turn_deg: [0, 0, 0]}
+"""
 
 
 def world(agent: Agent, command: str) -> WorldOutcome:
@@ -41,6 +54,26 @@ def test_fingers_touch_the_part_that_was_said(pick_up: str, hand_over: str):
     assert passed.as_json()["handed_over_at"]["position_m"] == pytest.approx(MEETING, abs=0.125)
     assert min(passed.lifted_m, picked.lifted_m) >= 0.10
     assert min(passed.held_s, picked.held_s) >= 1.0
+    assert 0 <= passed.as_json()["slip_m"] < 0.01 and passed.as_json()["turn_deg"] < 15
+    assert passed.as_json()["score"] > ACCEPTABLE
+
+
+def test_object_that_turns_in_the_hand_is_not_handed_over(tmp_path: Path):
+    """The answer is that it slips, and the world says by how much it turned."""
+    (tmp_path / "rod.yaml").write_text(ROD, encoding="utf-8")
+    config = AgentConfig(objects=tmp_path / "rod.yaml", scene="objects:rod", seed=2)
+    with Agent.open("memory:", config) as agent:
+        reply = agent.hear("pass me the rod by the end")
+
+    assert (reply.ending, reply.said) == (
+        "failed",
+        "I couldn't get a firm hold of the rod: it slips in my hand.",
+    )
+    assert reply.result is not None
+    happened = reply.result.world.as_json()
+    assert not happened["handed_over"]
+    assert happened["turn_deg"] > 15
+    assert [trial.outcome for trial in reply.result.trials] == ["slipped"]
 
 
 def test_robot_does_not_move_for_what_it_was_not_told():

@@ -44,13 +44,6 @@ def test_hand_hangs_on_the_arm(files: tuple[Path, Path]):
     assert "stand" not in file.read_text()
 
 
-def test_speeds_replace_those_of_the_file(files: tuple[Path, Path]):
-    """What robots.yaml says about speed counts."""
-    file = robot_file("x", files[0], speeds=(2.0,))
-
-    assert read_chain(file, "wrist").speed == pytest.approx([2.0])
-
-
 def test_link_that_is_not_there_is_told(files: tuple[Path, Path]):
     """The error names the link and the file."""
     arm, hand = files

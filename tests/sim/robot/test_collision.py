@@ -80,5 +80,17 @@ def test_object_held_into_the_arm_is_detected():
     shoulder = poses.transform(poses.inverse(ARM.forward(HOME)[0]), np.array([[0.0, 0, 0.333]]))
     below = np.array([[0.0, 0.0, 0.25]])
 
-    assert self_clearance(ARM, hand_spheres(ARM, shoulder, 0.01), spheres, HOME) < 0
-    assert self_clearance(ARM, hand_spheres(ARM, below, 0.01), spheres, HOME) > 0.05
+    def free(points: np.ndarray) -> float:
+        held = spheres.joined(hand_spheres(ARM, points, 0.01))
+        return self_clearance(ARM, held, HOME)
+
+    assert free(shoulder) < 0
+    assert free(below) > 0.02
+
+
+def test_hand_folded_back_to_the_forearm_is_detected():
+    """The wrist can bend so far that the hand is in the arm, though within its limits."""
+    folded = HOME.copy()
+    folded[0, 5:] = 0.0
+
+    assert self_clearance(ARM, arm_spheres(ARM, PANDA.spheres), folded) < 0

@@ -35,19 +35,27 @@ def test_hand_of_the_panda_waits_over_the_table_and_looks_down():
     assert base_from_hand[2, 2] < -0.9
 
 
+def test_limits_of_the_data_sheet_replace_those_of_the_file():
+    """Speeds of the KUKA and accelerations of the Panda are those of robots.yaml."""
+    assert find_robot("kuka").arm.speed == pytest.approx([1.48, 1.48, 1.75, 1.31, 2.27, 2.36, 2.36])
+    assert find_robot("panda").arm.acceleration[1] == pytest.approx(7.5)
+    assert np.isinf(find_robot("kuka").arm.acceleration).all()
+
+
 def test_unknown_robot_names_the_known_ones():
     """The error lists the known robots."""
     with pytest.raises(UnknownNameError, match=r'no robot "pando"\. Did you mean "panda"'):
         find_robot("pando")
 
 
-def test_wrong_number_of_joints_is_an_error_with_its_line(tmp_path: Path):
-    """A posture with a joint too few is found in its line."""
-    text = ROBOTS_FILE.read_text(encoding="utf-8").replace(", 1.75, 0.785]", ", 1.75]")
+@pytest.mark.parametrize("cut", [", 0.785]", ", 20.0]", ", 2.36]"])
+def test_wrong_number_of_joints_is_an_error_with_its_line(cut: str, tmp_path: Path):
+    """A posture, or the limits of speeds or accelerations, with a joint too few."""
+    text = ROBOTS_FILE.read_text(encoding="utf-8").replace(cut, "]")
     file = tmp_path / "robots.yaml"
     file.write_text(text, encoding="utf-8")
 
-    with pytest.raises(DataError, match=r"robots\.yaml:\d+:9: expected 7 joints, found 6\."):
+    with pytest.raises(DataError, match=r"robots\.yaml:\d+:\d+: expected 7 joints, found 6\."):
         load_robots(file)
 
 

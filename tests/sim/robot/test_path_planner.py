@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
+from hilt.sim import poses
 from hilt.sim.physics.engine import PhysicsEngine
 from hilt.sim.robot.models import find_robot
 from hilt.sim.robot.path_planner import PathPlanner
@@ -51,3 +52,25 @@ def test_path_through_nothing_is_the_shortest(robot: Robot):
 
     assert path is not None
     assert len(path) == 2
+
+
+@pytest.mark.parametrize(("beside", "clear"), [(0.15, False), (0.45, True)])
+def test_straight_path_is_clear_of_what_stands_beside_it(robot: Robot, beside: float, clear: bool):
+    """A path of 20 cm to the side is barred by a pole on it, and not by one beyond its end."""
+    start = robot.world_from_grip
+    seen = start[:3, 3] + [(0.0, beside, height) for height in np.linspace(-0.05, 0.05, 9)]
+    planner = PathPlanner(robot, seen, seen)
+
+    path = planner.plan_straight(poses.translation(0, 0.2, 0) @ start)
+
+    assert path is not None
+    assert planner.is_clear(path, 0.04) == clear
+
+
+def test_way_into_the_arm_is_none(robot: Robot):
+    """No path leads to a posture whose hand is in the forearm."""
+    planner = PathPlanner(robot, NOTHING, NOTHING)
+    folded = robot.kind.home.copy()
+    folded[5:] = 0.0
+
+    assert planner.plan_transit(folded, robot.body_spheres(0.03), NOTHING) is None

@@ -11,13 +11,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hilt.sim import poses
-from hilt.sim.physics.engine import TIME_STEP, PhysicsEngine
+from hilt.sim.physics.engine import PhysicsEngine
 from hilt.sim.poses import Array
 from hilt.sim.robot.models import find_robot
 from hilt.sim.robot.robot import NAME, Robot, resample, time_path
 
 STEP = 1 / 240
-LIMITS = np.array([2.0, 1.0])
+SPEEDS, ACCELERATIONS = np.array([2.0, 1.0]), np.array([15.0, 7.5])
 postures = st.lists(st.tuples(st.floats(-2, 2), st.floats(-2, 2)), min_size=2, max_size=6)
 BLOCK = """<robot name="block"><link name="core">
 <inertial><mass value="0.1"/>
@@ -48,9 +48,7 @@ def test_follow_ends_where_the_path_does(robot: Robot):
 def test_arm_keeps_to_its_way_when_all_its_joints_hurry(robot: Robot):
     """Also where the wrist is flung about, no joint is farther from its way than a step's worth."""
     goal = robot.kind.home + np.array((0.8, 0.3, 0.25, -0.3, -1.7, 0.5, -0.9))
-    wanted, _ = time_path(
-        np.vstack([robot.joints, goal]), robot.chain.speed, step=TIME_STEP, pace=0.9
-    )
+    wanted, _ = robot.timed(np.vstack([robot.joints, goal]), pace=0.9)
     found: list[Array] = []
     robot.follow(
         np.vstack([robot.joints, goal]), pace=0.9, stop=lambda: found.append(robot.joints) or False
@@ -94,6 +92,23 @@ def test_opening_and_closing_move_both_fingers_alike(robot: Robot):
 
 
 @pytest.mark.sim
+def test_fingers_are_no_faster_than_real_ones(robot: Robot):
+    """Opening and closing, neither finger passes 5 cm a second."""
+    speeds: list[float] = []
+    robot.open(0.0)
+    for _ in range(200):
+        robot.advance(1)
+        speeds += robot.engine.joints.speeds(NAME, robot.gripper.joints).tolist()
+    robot.open(robot.gripper.opening)
+    for _ in range(200):
+        robot.advance(1)
+        speeds += robot.engine.joints.speeds(NAME, robot.gripper.joints).tolist()
+
+    assert np.abs(speeds).max() < 0.0505
+    assert robot.opening == pytest.approx(robot.gripper.opening, abs=1e-3)
+
+
+@pytest.mark.sim
 def test_closed_gripper_senses_what_is_between_its_fingers(robot: Robot, tmp_path: Path):
     """Both fingers press on a block, and hold it against gravity without any constraint."""
     urdf = tmp_path / "block.urdf"
@@ -124,7 +139,7 @@ def test_empty_gripper_senses_nothing(robot: Robot):
 @given(postures, st.floats(0.1, 1.0))
 def test_path_ends_at_rest_where_the_path_ends(points, pace):
     """The last position is the path's end, and it stands still there."""
-    positions, speeds = time_path(np.array(points), LIMITS, step=STEP, pace=pace)
+    positions, speeds = time_path(np.array(points), SPEEDS, ACCELERATIONS, step=STEP, pace=pace)
 
     assert np.allclose(positions[-1], points[-1])
     assert not speeds[-1].any()
@@ -133,15 +148,26 @@ def test_path_ends_at_rest_where_the_path_ends(points, pace):
 @given(postures, st.floats(0.1, 1.0))
 def test_path_keeps_to_the_speed_limits(points, pace):
     """No joint is asked for more than its share of its limit."""
-    _, speeds = time_path(np.array(points), LIMITS, step=STEP, pace=pace)
+    _, speeds = time_path(np.array(points), SPEEDS, ACCELERATIONS, step=STEP, pace=pace)
 
-    assert np.all(np.abs(speeds) <= LIMITS * pace * 1.02 + 1e-9)
+    assert np.all(np.abs(speeds) <= SPEEDS * pace * 1.02 + 1e-9)
+
+
+@given(postures, st.floats(0.1, 1.0))
+def test_path_keeps_to_the_accelerations(points, pace):
+    """Nor to get faster or slower than it can, and the acceleration itself changes gradually."""
+    _, speeds = time_path(np.array(points), SPEEDS, ACCELERATIONS, step=STEP, pace=pace)
+
+    accelerations = np.diff(speeds, axis=0, prepend=np.zeros((1, 2))) / STEP
+    assert np.all(np.abs(accelerations) <= ACCELERATIONS * (1 + 1e-9))
+    jerks = np.diff(accelerations, axis=0) / STEP
+    assert np.all(np.abs(jerks) <= 7500)
 
 
 @given(postures, st.floats(0.05, 0.5))
 def test_resampling_leaves_no_gap(points, apart):
     """Of a run are kept its ends, and so much that a joint turns little between two positions."""
-    positions, _ = time_path(np.array(points), LIMITS, step=STEP, pace=0.9)
+    positions, _ = time_path(np.array(points), SPEEDS, ACCELERATIONS, step=STEP, pace=0.9)
 
     kept = resample(positions, apart)
 
@@ -151,9 +177,12 @@ def test_resampling_leaves_no_gap(points, apart):
 
 
 def test_path_takes_longer_at_a_slower_pace():
-    """Half the pace takes twice as long."""
+    """Half the pace takes twice as long, but for the rounding."""
     path = np.array([[0.0, 0.0], [1.0, 0.5]])
 
-    fast, slow = (len(time_path(path, LIMITS, step=STEP, pace=pace)[0]) for pace in (0.8, 0.4))
+    fast, slow = (
+        len(time_path(path, SPEEDS, ACCELERATIONS, step=STEP, pace=pace)[0]) - 0.1 / STEP
+        for pace in (0.8, 0.4)
+    )
 
     assert slow == pytest.approx(2 * fast, abs=2)
