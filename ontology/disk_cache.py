@@ -79,18 +79,15 @@ def kept(name: str, files: Iterable[Path], make: Callable[[], T]) -> T:
     value = make()
     body = pickle.dumps(value)
     with suppress(OSError):
-        _write(path, f"{stamp} {content_key(body)}\n".encode() + body, mode=0o600)
+        head = f"{stamp} {content_key(body)}\n".encode()
+        write_atomically(path, head + body, mode=0o600)
     return value
 
 
-def write_atomically(path: Path, text: str) -> None:
-    """Write a text file under another name, then rename it: no reader sees half of it."""
-    _write(path, text.encode())
-
-
-def _write(path: Path, content: bytes, mode: int = 0o666) -> None:
+def write_atomically(path: Path, content: str | bytes, *, mode: int = 0o666) -> None:
+    """Write a file under another name, then rename it: no reader sees half of it."""
     path.parent.mkdir(parents=True, exist_ok=True)
     beside = path.with_name(f".{path.name}.{uuid4().hex}")
     with open(beside, "xb", opener=partial(os.open, mode=mode)) as file:
-        file.write(content)
+        file.write(content.encode() if isinstance(content, str) else content)
     beside.replace(path)

@@ -29,7 +29,6 @@ from .options import app
 WRONG_USAGE, INTERRUPTED = 2, 130
 MAY_LEAD = {"--kb": 1, "--scene": 1, "--seed": 1, "--speaker": 1, "--json": 0}  # option: values
 ANYWHERE = ("--debug", "--verbose")
-_FEW_COLLECTIONS = 50_000  # new objects between two collections of garbage
 UNREADABLE = (errors.DataError, errors.IntervalError, errors.QueryError, errors.UnknownNameError)
 # What was asked for in the right way, and not got.
 MISSED = (errors.NotFoundError, errors.QueryLimitError)
@@ -42,7 +41,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         sys.stdin = TextIOWrapper(BytesIO())
     if isinstance(sys.stdout, TextIOWrapper):  # what it cannot show is spelt out, as on stderr
         sys.stdout.reconfigure(errors="backslashreplace")
-    gc.set_threshold(_FEW_COLLECTIONS)  # what a command makes at its start all stays in use
+    gc.set_threshold(50_000)  # new objects: what a command makes at its start all stays in use
     atexit.register(gc.freeze)  # else the interpreter looks for cycles in all of it when it ends
     words = [word for word in given if word not in ANYWHERE]
     command = typer.main.get_command(app)
