@@ -13,8 +13,9 @@ from pathlib import Path
 
 from ..ontology.errors import InUseError, StoreError
 from .knowledge_base import KnowledgeBase
-from .stores.base import MEMORY, open_store
+from .stores.base import MEMORY
 from .stores.directory import replaced_place, sync, unfinished_name
+from .stores.opening import open_store
 from .stores.oxigraph import open_folder
 
 LOCK = "LOCK"  # the file of a folder that its owner has locked

@@ -32,7 +32,8 @@ from .rule import DEFAULT_SPEAKER
 from .sparql import query_text
 from .sparql.named_queries import named_query
 from .sparql.results import QueryLimits, QueryResult, SelectResult
-from .stores.base import EmbeddedStore, ReadableStore, Store, batched, described_nodes, open_store
+from .stores.base import EmbeddedStore, ReadableStore, Store, batched, described_nodes
+from .stores.opening import open_store
 from .writer import RuleWriter, to_milliseconds, trust_quads
 
 if TYPE_CHECKING:

@@ -33,7 +33,8 @@ from .rule import DEFAULT_SPEAKER, Rule
 from .sparql.query_text import refuse_external_access
 from .sparql.results import QueryLimits, SelectResult
 from .sparql.update_operations import UpdateOperation, parse_update, readable_update
-from .stores.base import ReadableStore, Store, open_store
+from .stores.base import ReadableStore, Store
+from .stores.opening import open_store
 from .stores.query_subprocess import WorkerProcess
 from .validation import causes, check_shapes, raise_findings
 from .writer import to_milliseconds

@@ -25,7 +25,8 @@ from .rdf import rule_mapping
 from .rdf.rule_mapping import BELIEFS, DERIVED, TYPE
 from .rdf.terms import BASE_GRAPH, Quad
 from .rule import Rule
-from .stores.base import MEMORY, ReadableStore, Store, open_store
+from .stores.base import MEMORY, ReadableStore, Store
+from .stores.opening import open_store
 from .stores.rdf_text import write_rdf
 
 # Statements that a person may have written, which take a second by SHACL. The invariants find the

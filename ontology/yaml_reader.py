@@ -13,17 +13,13 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from typing import Any
 
-from .disk_cache import kept
 from .errors import DataError
 
 MAX_BYTES = 64 * 2**20
 MAX_DEPTH = 64
-_CODE = Path(__file__)
-_PACKAGE = _CODE.parents[1]
 _OPENING = frozenset({"SequenceStartEvent", "MappingStartEvent"})
 _CLOSING = frozenset({"SequenceEndEvent", "MappingEndEvent"})
 
@@ -162,15 +158,7 @@ def _suggestion(name: str, known: Collection[str]) -> str:
 
 
 def read_yaml(path: Path) -> YamlNode:
-    """Read a YAML file; `DataError` where it is none, or uses a rejected feature.
-
-    Hilt's own files are kept in the cache, so that most programs need not import a YAML parser.
-    """
-    read = partial(_read_yaml, path)
-    return kept(path.stem, (path, _CODE), read) if path.is_relative_to(_PACKAGE) else read()
-
-
-def _read_yaml(path: Path) -> YamlNode:
+    """Read a YAML file; `DataError` where it is none, or uses a rejected feature."""
     return parse_yaml(read_text(path, most_bytes=MAX_BYTES), source=str(path))
 
 

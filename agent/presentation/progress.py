@@ -5,10 +5,9 @@ The file of a picture or film is shown by the viewer of the desktop, where there
 
 import os
 import sys
+import webbrowser
 from collections.abc import Mapping
 from pathlib import Path
-
-import typer
 
 from ...inference.node_rules import FIND
 from ..execution.outcome import WalkStep
@@ -46,4 +45,4 @@ def doing(step: WalkStep, found: str) -> str:
 def view(path: Path) -> None:
     """Open a file in the viewer of the desktop; nothing happens where there is none."""
     if sys.platform in _ALWAYS or any(map(os.environ.get, _DISPLAYS)):
-        typer.launch(str(path))
+        webbrowser.open(path.absolute().as_uri())

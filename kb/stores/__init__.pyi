@@ -1,4 +1,5 @@
-from .base import MEMORY, Store, open_store
+from .base import MEMORY, Store
+from .opening import open_store
 from .oxigraph import OxigraphStore
 from .rdf_text import write_rdf, write_result
 from .remote import RemoteStore

@@ -10,7 +10,6 @@ A store holds RDF 1.1 quads and knows nothing of rules. Its guarantees, tested f
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Iterator
 from contextlib import AbstractContextManager
 from itertools import groupby, islice
@@ -18,14 +17,11 @@ from operator import attrgetter
 from pathlib import Path
 from typing import Any, Protocol, TypeAlias, TypeVar, cast, runtime_checkable
 
-from ...ontology.errors import StoreError
-from ...ontology.plugins import call_plugin, plugin_names
 from ...ontology.vocabulary import Iri, term
 from ..rdf.terms import BASE_GRAPH, BASE_NODE, Properties, Quad, Term
 from ..sparql.results import QueryLimits, QueryResult, SelectResult
 
 MEMORY = "memory:"
-_SCHEME = re.compile(r"[A-Za-z]{2,}:")  # one letter is a Windows drive
 T = TypeVar("T")
 EngineQuad: TypeAlias = Any  # a statement as pyoxigraph has it
 
@@ -118,40 +114,6 @@ class EmbeddedStore(Protocol):
     def load(self, lines: Iterable[bytes]) -> None:
         """Add the statements of lines of N-Quads as one unit, while they are made."""
         ...
-
-
-def open_store(location: str | Path, *, read_only: bool = False) -> Store:
-    """Open or create a store; StoreError if it cannot be opened, with what to do.
-
-    Args:
-        location: `memory:`, a folder, the address of an endpoint (`hilt.kb.stores.http`), or what
-            a plug-in of `hilt.stores` opens: its name and a colon, then what it makes of the rest.
-        read_only: refuse writes; the store must exist. A folder that another process writes to
-            is read as it is now.
-    """
-    text = str(location)
-    if text.startswith(("http://", "https://")):
-        from .remote import open_remote
-
-        return open_remote(text, read_only=read_only)
-    if _SCHEME.match(text) and text != MEMORY and not Path(text).exists():
-        return _open_by_plugin(text, read_only=read_only)
-    from .oxigraph import open_folder, open_memory  # the engine, only when a store is opened
-
-    if text == MEMORY:
-        return open_memory(read_only=read_only)
-    return open_folder(Path(text).expanduser(), read_only=read_only)
-
-
-def _open_by_plugin(location: str, *, read_only: bool) -> Store:
-    group, name = "hilt.stores", location.partition(":")[0]
-    known = plugin_names(group)
-    if name not in known:
-        others = f" (plug-ins: {', '.join(known)})" if known else ""
-        raise StoreError(
-            f'"{location}" is not a store: expected memory:, a folder, or http(s)://...{others}'
-        )
-    return call_plugin(group, name, location, read_only=read_only, methods=("select", "apply"))
 
 
 def described_nodes(store: ReadableStore, graph: Iri) -> Iterator[tuple[Iri, Properties]]:

@@ -15,7 +15,8 @@ from hilt.kb.formats.import_export import import_file
 from hilt.kb.interval import Interval
 from hilt.kb.knowledge_base import KnowledgeBase
 from hilt.kb.rule import Rule, functional, grasping
-from hilt.kb.stores.base import Store, open_store
+from hilt.kb.stores.base import Store
+from hilt.kb.stores.opening import open_store
 
 HIGH = Interval(0.95, 1)
 CUTTING = functional("knife", "cutting", interval=HIGH)

@@ -50,7 +50,7 @@ from hilt.kb.bulk.importer import merge
 from hilt.kb.formats.import_export import import_file
 from hilt.kb.knowledge_base import KnowledgeBase
 from hilt.kb.sparql_update import update
-from hilt.kb.stores.base import open_store
+from hilt.kb.stores.opening import open_store
 
 job, location, given = sys.argv[1:]
 jobs = {

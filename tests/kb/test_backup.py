@@ -14,8 +14,8 @@ from hilt.kb.backup import backup, restore
 from hilt.kb.knowledge_base import KnowledgeBase
 from hilt.kb.rule import functional
 from hilt.kb.stores import directory
-from hilt.kb.stores.base import open_store
 from hilt.kb.stores.directory import replaced_place
+from hilt.kb.stores.opening import open_store
 from hilt.kb.validation import check_invariants
 from hilt.ontology.errors import InUseError, StoreError
 

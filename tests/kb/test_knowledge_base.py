@@ -15,7 +15,7 @@ from hilt.kb.knowledge_base import KnowledgeBase
 from hilt.kb.rdf import rule_mapping
 from hilt.kb.rdf.terms import BASE_GRAPH, BASE_NODE, Quad
 from hilt.kb.rule import Atom, Rule, functional, grasping
-from hilt.kb.stores.base import open_store
+from hilt.kb.stores.opening import open_store
 from hilt.kb.validation import check_invariants
 from hilt.ontology.errors import QueryError, StoreError, UnknownNameError, ValidationError
 from hilt.ontology.vocabulary import iri, term

@@ -26,7 +26,7 @@ from hilt.kb.rule import Atom, functional
 from hilt.kb.sparql.query_text import delete_insert
 from hilt.kb.sparql.results import QueryLimits
 from hilt.kb.sparql_update import update
-from hilt.kb.stores.base import open_store
+from hilt.kb.stores.opening import open_store
 from hilt.kb.stores.query_subprocess import WorkerProcess
 from hilt.kb.validation import findings
 from hilt.ontology.actions import Actions

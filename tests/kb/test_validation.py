@@ -13,7 +13,7 @@ from hilt.kb.knowledge_base import KnowledgeBase
 from hilt.kb.rdf import rule_mapping
 from hilt.kb.rdf.terms import Quad
 from hilt.kb.rule import Rule
-from hilt.kb.stores.base import open_store
+from hilt.kb.stores.opening import open_store
 from hilt.kb.validation import (
     ValidationFinding,
     check_invariants,

@@ -13,7 +13,7 @@ from hilt.kb.interval import Interval
 from hilt.kb.knowledge_base import KnowledgeBase
 from hilt.kb.learned import LearnedWord
 from hilt.kb.rule import Atom, Rule, functional
-from hilt.kb.stores.base import open_store
+from hilt.kb.stores.opening import open_store
 from hilt.kb.views import (
     compare_bases,
     find_rule,

@@ -1,7 +1,7 @@
 """What who watches is told of the robot, and shown on the desktop."""
 
-import subprocess
 import sys
+import webbrowser
 from pathlib import Path
 
 import pytest
@@ -35,27 +35,26 @@ def test_named_thing_is_looked_for_by_its_name(taught: Agent):
 
 
 @pytest.fixture
-def opened(monkeypatch: pytest.MonkeyPatch) -> list[list[str]]:
-    """The programs that are started."""
-    programs: list[list[str]] = []
-    monkeypatch.setattr(subprocess, "Popen", lambda words, **_: programs.append(words))
-    monkeypatch.setattr("shutil.which", lambda name: f"/usr/bin/{name}")
+def opened(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """The addresses that the desktop is asked to show."""
+    addresses: list[str] = []
+    monkeypatch.setattr(webbrowser, "open", addresses.append)
     monkeypatch.setattr(sys, "platform", "linux")
     monkeypatch.delenv("DISPLAY", raising=False)
     monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
-    return programs
+    return addresses
 
 
-def test_file_is_shown_on_a_desktop(opened: list[list[str]], monkeypatch: pytest.MonkeyPatch):
+def test_file_is_shown_on_a_desktop(opened: list[str], monkeypatch: pytest.MonkeyPatch):
     """By the program that belongs to it."""
     monkeypatch.setenv("DISPLAY", ":0")
 
     view(Path("a.png"))
 
-    assert opened == [["xdg-open", "a.png"]]
+    assert opened == [Path("a.png").absolute().as_uri()]
 
 
-def test_nothing_is_opened_without_a_display(opened: list[list[str]]):
+def test_nothing_is_opened_without_a_display(opened: list[str]):
     """On a server, for instance."""
     view(Path("a.png"))
 

@@ -11,7 +11,7 @@ from hilt.kb.interval import Interval
 from hilt.kb.knowledge_base import KnowledgeBase
 from hilt.kb.rdf.rule_mapping import rule_quads
 from hilt.kb.rule import Rule
-from hilt.kb.stores.base import open_store
+from hilt.kb.stores.opening import open_store
 from hilt.kb.validation import check_invariants
 from hilt.ontology.errors import ValidationError
 

@@ -31,7 +31,7 @@ from hilt.kb.formats.value_notation import read_table, write_table
 from hilt.kb.interval import Interval
 from hilt.kb.knowledge_base import KnowledgeBase
 from hilt.kb.rule import Rule, functional, grasping
-from hilt.kb.stores.base import open_store
+from hilt.kb.stores.opening import open_store
 from hilt.ontology.errors import DataError, HiltError, ValidationError
 
 from ..conftest import BLADE, CUTTING, import_text, teach, ticking

@@ -19,7 +19,7 @@ from hilt.kb.formats.import_export import export_file, import_file, write_base
 from hilt.kb.knowledge_base import KnowledgeBase
 from hilt.kb.rdf.rule_mapping import DERIVED_FROM
 from hilt.kb.rule import Rule
-from hilt.kb.stores.base import open_store
+from hilt.kb.stores.opening import open_store
 from hilt.kb.validation import check_invariants
 from hilt.ontology.actions import load_actions
 from hilt.ontology.errors import DataError, ValidationError

@@ -16,7 +16,7 @@ from hilt.kb.sparql.query_text import (
     syntax_message,
     with_prefixes,
 )
-from hilt.kb.stores.base import open_store
+from hilt.kb.stores.opening import open_store
 from hilt.ontology.errors import HiltError, QueryError
 from hilt.ontology.vocabulary import Iri
 

@@ -9,7 +9,8 @@ import yaml
 
 from hilt.kb.rdf.terms import Quad
 from hilt.kb.sparql.update_operations import UpdateOperation, parse_update, readable_update
-from hilt.kb.stores.base import Store, open_store
+from hilt.kb.stores.base import Store
+from hilt.kb.stores.opening import open_store
 from hilt.ontology.errors import QueryError
 from hilt.ontology.vocabulary import Iri, iri
 

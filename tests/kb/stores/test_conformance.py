@@ -22,8 +22,9 @@ from hilt.kb.rdf.terms import Literal, Quad, Term
 from hilt.kb.rule import Atom, functional, grasping, norm
 from hilt.kb.sparql.named_queries import query_names
 from hilt.kb.sparql.results import BooleanResult, ConstructResult, QueryLimits, SelectResult
-from hilt.kb.stores.base import Store, open_store
+from hilt.kb.stores.base import Store
 from hilt.kb.stores.http import parse_address
+from hilt.kb.stores.opening import open_store
 from hilt.kb.stores.remote import BATCH, RemoteStore, open_remote
 from hilt.kb.validation import check_invariants
 from hilt.nlu.language import Language

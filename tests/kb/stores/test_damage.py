@@ -24,7 +24,8 @@ import pytest
 
 from hilt.kb.backup import backup, restore
 from hilt.kb.knowledge_base import KnowledgeBase
-from hilt.kb.stores.base import EmbeddedStore, open_store
+from hilt.kb.stores.base import EmbeddedStore
+from hilt.kb.stores.opening import open_store
 from hilt.ontology.errors import StoreError
 
 FLIPS = int(os.environ.get("HILT_FLIPS", "20"))

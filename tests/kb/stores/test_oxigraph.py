@@ -17,7 +17,8 @@ import pytest
 from hilt.kb.bulk.nquads_reader import read_groups, read_quads
 from hilt.kb.rdf.terms import Quad
 from hilt.kb.stores import directory
-from hilt.kb.stores.base import EmbeddedStore, open_store
+from hilt.kb.stores.base import EmbeddedStore
+from hilt.kb.stores.opening import open_store
 from hilt.kb.stores.rdf_text import write_rdf
 from hilt.ontology.errors import DataError, StoreError
 from hilt.ontology.vocabulary import Iri
@@ -43,7 +44,7 @@ def test_folder_is_owned_by_one_process(tmp_path: Path):
     """A second process is told so in one line and changes nothing."""
     store = open_store(tmp_path / "store")
     program = (
-        "import sys; from hilt.kb.stores.base import open_store\n"
+        "import sys; from hilt.kb.stores.opening import open_store\n"
         "try: open_store(sys.argv[1])\n"
         "except OSError as error: print(error)"
     )

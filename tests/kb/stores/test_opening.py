@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from hilt.kb.stores.base import open_store
+from hilt.kb.stores.opening import open_store
 from hilt.ontology.errors import StoreError
 
 
