@@ -35,8 +35,8 @@ TILTS_DEG = ((0, 1, 12), (30, 12, 12), (60, 12, 12), (80, 12, 12), (90, 12, 12))
 INWARDS = 0.4  # share of the way from the rim of a face to its middle, where it may strike
 MAX_POSES = 60  # that are tried
 
-START_HEIGHT = 0.07  # [m] above the target, where a blow starts
-THROUGH = (0.05, 0.02, 0.005)  # [m] below the target, where a blow aims
+START_HEIGHT = 0.10  # [m] above the target, where a blow starts
+THROUGH = (0.12, 0.05, 0.02, 0.005)  # [m] below the target, where a blow aims
 BLOW_PACE, RAISE_PACE = 0.9, 0.4
 BLOW_FORCE = 2.0  # [N], contacts with more are a hit
 FOLLOW_STEPS = 5  # for which the hand moves on after a hit

@@ -14,7 +14,7 @@ from hilt.sim.robot.robot import NAME
 
 LATEST = 0.05  # [s] of simulated time until the arm reacts
 AT_REST = 0.05  # [rad/s]
-IN_GRASP, IN_LIFT, IN_HANDOVER = 0.8, 1.8, 4.0  # [s] of simulated time after the command
+IN_GRASP, IN_LIFT, IN_HANDOVER = 0.8, 2.6, 4.8  # [s] of simulated time after the command
 
 sim = pytest.mark.sim
 
