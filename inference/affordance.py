@@ -60,7 +60,7 @@ class Affordances:
         self.experience = experience
         self.settings = settings or Settings()
         self._declared = self._taxonomy = taxonomy
-        self._sequence = -1
+        self._sequence: int | None = None
         self._rules: dict[str, tuple[Rule, ...]] = {}
 
     @property
@@ -191,8 +191,6 @@ class Affordances:
         return derive("fuse", concluded, operators)
 
     def _fusion_groups(self, rules: Sequence[Rule]) -> Iterable[Sequence[Rule]]:
-        if len(rules) == 1:
-            return [rules]
         in_time = sorted(rules, key=lambda rule: (rule.utterance or 0, rule.id))
         if self.settings.stage == "conclusions":
             return [[rule] for rule in in_time]
