@@ -221,7 +221,8 @@ class Trial:
             return self._survives(mutant)
         lines = self.reached[str(mutant.path)]
         tests = {test for line in statement for test in lines.get(str(line), ())}
-        code = self._exit_code(partial(self._try, mutant, tests)) if tests else PASSED
+        task = partial(self._try, mutant, tests)
+        code = self._exit_code(task, self.limit_s) if tests else PASSED
         assert code != BROKEN, f"{mutant} cannot be tried"
         return code == PASSED
 
@@ -240,7 +241,7 @@ class Trial:
 
     def _measured(self) -> dict[str, dict[str, list[str]]]:
         """Return the tests that run each line of each file, and find the order of the tests."""
-        if self._exit_code(self._measure) != PASSED:
+        if self._exit_code(self._measure, None) != PASSED:
             raise pytest.UsageError("A test fails without any mutant.")
         found = json.loads((self.folder / "reach.json").read_text())
         self.order: list[str] = found["order"]
@@ -264,11 +265,11 @@ class Trial:
         (self.folder / "reach.json").write_text(json.dumps(found))
         return code
 
-    def _exit_code(self, task: Callable[[], int]) -> int | None:
-        """Run a task in a fork of this process; return None if it is stopped at the limit."""
+    def _exit_code(self, task: Callable[[], int], limit_s: float | None) -> int | None:
+        """Run a task in a fork of this process, which is killed at the limit."""
         process = FORK.Process(target=self._exit, args=(task,))
         process.start()
-        process.join(self.limit_s)
+        process.join(limit_s)
         if process.exitcode is None:
             process.kill()
             process.join()
