@@ -1,37 +1,62 @@
 """Mutation testing of the inference and of the execution of action trees.
 
-    python benchmarks/mutation.py                       every mutant, which takes hours
+    python benchmarks/mutation.py                       every mutant
     python benchmarks/mutation.py --sample 40 --seed 1  some of them
     python benchmarks/mutation.py --only decision.py    those of files with this in their path
     python benchmarks/mutation.py --evaluate paper      which ones `hilt evaluate paper` notices
 
 A mutant is the program with one operator or constant replaced. It is killed if a test fails, or if
 the tests take longer than the limit; those that survive are printed: each is a behaviour that no
-test states, or a change without effect. No file is changed: the mutant is compiled in a process of
-its own when its module is imported.
+test states, or a change without effect. No file is changed.
+
+The tests are collected once. A mutant of a function replaces its code in a fork of that process and
+meets the tests that reach its line, fastest first. Any other mutant meets all tests in a process of
+its own, where it is compiled when its module is imported.
 """
 
 from __future__ import annotations
 
 import argparse
 import ast
+import gc
+import json
+import multiprocessing
+import os
 import random
 import subprocess
 import sys
-from collections.abc import Callable, Generator, Iterator, Sequence
-from contextlib import contextmanager
+import time
+from collections.abc import Callable, Collection, Generator, Iterable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager, redirect_stdout
 from dataclasses import dataclass
+from functools import partial
 from importlib.machinery import SourceFileLoader
 from pathlib import Path
-from types import CodeType
+from tempfile import TemporaryDirectory
+from types import CodeType, FunctionType
 
-ROOT = Path(__file__).parents[1]
+import pytest
+from coverage import Coverage
+from hypothesis import Phase, settings
+
+ROOT = Path(__file__).resolve().parents[1]
 FILES = (
-    *sorted((ROOT / "inference").glob("[a-z]*.py")),
-    ROOT / "agent" / "execution" / "action_tree_executor.py",
+    *sorted(ROOT.glob("inference/[a-z]*.py")),
+    *ROOT.glob("agent/execution/action_tree_executor.py"),
 )
-TESTS = ("tests/inference", "tests/agent/execution")
-TIME_LIMIT_S = 300.0
+TESTS = (
+    *("tests/inference", "tests/agent/execution"),
+    *("tests/agent/dialogue", "tests/kb/formats/test_ontology.py"),  # go through them, too
+)
+TIME_LIMIT_S = 100.0
+# Without cache: no file is written, and failures of one mutant do not order another's tests.
+OPTIONS = [
+    *("-x", "-q", "-s", "--tb=no", "--assert=plain", "-m", "not sim"),
+    *("-p", "no:cacheprovider", "-p", "no:benchmark"),
+]
+PASSED, BROKEN, FAILED = range(3)  # exit codes of forks; a fault of this program is 1
+FORK = multiprocessing.get_context("fork")
 
 COMPARISONS: dict[type[ast.cmpop], ast.cmpop] = {
     ast.Gt: ast.GtE(), ast.GtE: ast.Gt(), ast.Lt: ast.LtE(), ast.LtE: ast.Lt(),
@@ -130,14 +155,138 @@ def mutated(path: Path, index: int) -> Generator[None]:
     SourceFileLoader.get_code = original
 
 
+def replace_code(path: Path, index: int) -> None:
+    """Put the code of a mutant into the functions of a file that is imported."""
+    code = {_place(each): each for each in _nested(compile_mutant(path, index))}
+    gc.unfreeze()  # or not all functions are found
+    functions = [each for each in gc.get_objects() if isinstance(each, FunctionType)]
+    for each in functions:
+        old = each.__code__
+        if old.co_filename.endswith(path.name) and path.samefile(old.co_filename):
+            each.__code__ = code.get(_place(old), old)
+
+
+def _nested(code: CodeType) -> Iterator[CodeType]:
+    for each in code.co_consts:
+        if isinstance(each, CodeType):
+            yield each
+            yield from _nested(each)
+
+
+def _place(code: CodeType) -> tuple[str, int]:
+    return code.co_name, code.co_firstlineno
+
+
+def statement_at(path: Path, line: int) -> range | None:
+    """Return the lines of the innermost statement in a function; None outside of functions."""
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    functions = [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)]
+    bodies = [statement for function in functions for statement in function.body]
+    nodes = (node for body in bodies for node in ast.walk(body) if isinstance(node, ast.stmt))
+    spans = (range(node.lineno, (node.end_lineno or 0) + 1) for node in nodes)
+    return min((span for span in spans if line in span), key=len, default=None)
+
+
+class Trial:
+    """A plugin of pytest: what each mutant comes to with the tests that are collected.
+
+    `survives` judges the mutants outside of functions. The result is in `alive`.
+    """
+
+    def __init__(
+        self, found: Sequence[Mutant], jobs: int, limit_s: float, survives: Callable[[Mutant], bool]
+    ) -> None:
+        self.found, self.jobs, self.limit_s, self._survives = found, jobs, limit_s, survives
+        self.alive: list[Mutant] = []
+
+    def pytest_collection(self) -> None:
+        """Let any example be enough against a mutant, so that no smaller one is looked for."""
+        phases = [Phase.explicit, Phase.generate]
+        settings.register_profile("mutation", settings(), phases=phases)
+        settings.load_profile("mutation")
+
+    def pytest_runtestloop(self, session: pytest.Session) -> bool:
+        """Try all mutants."""
+        self.session = session
+        self.items = {item.nodeid: item for item in session.items}
+        with TemporaryDirectory() as name, ThreadPoolExecutor(self.jobs) as pool:
+            self.folder = Path(name)
+            self.reached = self._measured()
+            self.alive = reported(self.found, pool.map(self._is_alive, self.found))
+        return True
+
+    def _is_alive(self, mutant: Mutant) -> bool:
+        statement = statement_at(mutant.path, mutant.line)
+        if statement is None:
+            return self._survives(mutant)
+        lines = self.reached[str(mutant.path)]
+        tests = {test for line in statement for test in lines.get(str(line), ())}
+        task = partial(self._try, mutant, tests)
+        code = self._exit_code(task, self.limit_s) if tests else PASSED
+        assert code != BROKEN, f"{mutant} cannot be tried"
+        return code == PASSED
+
+    def _try(self, mutant: Mutant, tests: Collection[str]) -> int:
+        replace_code(mutant.path, mutant.index)
+        return self._run([test for test in self.order if test in tests])
+
+    def _run(self, tests: Sequence[str], begin: Callable[[str], None] = str) -> int:
+        items = [self.items[test] for test in tests]
+        for item, following in zip(items, [*items[1:], None], strict=True):
+            begin(item.nodeid)
+            item.ihook.pytest_runtest_protocol(item=item, nextitem=following)
+            if self.session.testsfailed:
+                return FAILED
+        return PASSED
+
+    def _measured(self) -> dict[str, dict[str, list[str]]]:
+        """Return the tests that run each line of each file, and find the order of the tests."""
+        if self._exit_code(self._measure, None) != PASSED:
+            raise pytest.UsageError("A test fails without any mutant.")
+        found = json.loads((self.folder / "reach.json").read_text())
+        self.order: list[str] = found["order"]
+        return found["reached"]
+
+    def _measure(self) -> int:
+        coverage = Coverage(data_file=None, config_file=False, include=list(map(str, FILES)))
+        begun: list[tuple[str, float]] = []
+
+        def begin(test: str) -> None:
+            begun.append((test, time.process_time()))
+            coverage.switch_context(test)
+
+        with coverage.collect():
+            code = self._run([*self.items], begin)
+        ended = [*(start for _, start in begun[1:]), time.process_time()]
+        spent = {test: end - start for (test, start), end in zip(begun, ended, strict=True)}
+        data = coverage.get_data()
+        reached = {str(path): data.contexts_by_lineno(str(path)) for path in FILES}
+        found = {"order": sorted(spent, key=spent.__getitem__), "reached": reached}
+        (self.folder / "reach.json").write_text(json.dumps(found))
+        return code
+
+    def _exit_code(self, task: Callable[[], int], limit_s: float | None) -> int | None:
+        """Run a task in a fork of this process, which is killed at the limit."""
+        process = FORK.Process(target=self._exit, args=(task,))
+        process.start()
+        process.join(limit_s)
+        if process.exitcode is None:
+            process.kill()
+            process.join()
+        return process.exitcode
+
+    def _exit(self, task: Callable[[], int]) -> None:
+        os.environ["PYTEST_DEBUG_TEMPROOT"] = str(self.folder)
+        silence = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(silence, 1)
+        os.dup2(silence, 2)
+        os._exit(task())  # without the end of the threads, which are not in a fork
+
+
 def run_tests(path: Path, index: int, tests: Sequence[str]) -> int:
     """Run tests in this process with a mutant in place of its module; return the exit code."""
-    import pytest
-
-    # Without cache: no file is written, and failures of one mutant do not order another's tests.
-    options = ["-x", "-q", "-m", "not sim", "-p", "no:cacheprovider", "-p", "no:benchmark"]
     with mutated(path, index):
-        return int(pytest.main([*options, *tests]))
+        return int(pytest.main([*OPTIONS, *tests]))
 
 
 def run_evaluation(path: Path, index: int, name: str) -> int:
@@ -153,9 +302,8 @@ def run_evaluation(path: Path, index: int, name: str) -> int:
 
 
 def survives(mutant: Mutant, options: Sequence[str], limit_s: float) -> bool:
-    """Whether all tests pass with a mutant within the time limit [s]."""
-    arguments = ["--run", f"{mutant.path}:{mutant.index}", *options]
-    command = [sys.executable, __file__, *arguments]
+    """Whether all tests pass with a mutant, in a process of its own, within the time limit [s]."""
+    command = [sys.executable, __file__, "--run", f"{mutant.path}:{mutant.index}", *options]
     try:
         done = subprocess.run(  # noqa: S603 - this file, with a path of its own
             command, cwd=ROOT, timeout=limit_s, capture_output=True, check=False
@@ -165,38 +313,63 @@ def survives(mutant: Mutant, options: Sequence[str], limit_s: float) -> bool:
     return done.returncode == 0
 
 
-def main() -> int:
-    """Print the mutants that survive, and return 1 if there are any."""
+def reported(found: Sequence[Mutant], results: Iterable[bool]) -> list[Mutant]:
+    """Return the mutants that survive, and show what is known so far."""
+    alive: list[Mutant] = []
+    for number, (mutant, is_alive) in enumerate(zip(found, results, strict=True), 1):
+        if is_alive:
+            alive.append(mutant)
+        state = "survives" if is_alive else "killed"
+        print(f"{number}/{len(found)} {state}: {mutant}", file=sys.stderr)
+    return alive
+
+
+def try_all(found: Sequence[Mutant], chosen: argparse.Namespace) -> list[Mutant]:
+    """Return the mutants that survive the chosen tests or evaluation."""
+    if chosen.evaluate:
+        options = ["--evaluate", chosen.evaluate]
+        return reported(found, (survives(each, options, chosen.limit) for each in found))
+    alone = partial(survives, options=["--tests", *chosen.tests], limit_s=chosen.limit)
+    trial = Trial(found, chosen.jobs, chosen.limit, alone)
+    with redirect_stdout(sys.stderr):
+        code = pytest.main([*OPTIONS, *chosen.tests], plugins=[trial])
+    if code != pytest.ExitCode.OK:
+        raise SystemExit("The tests cannot be collected, or one fails without any mutant.")
+    return trial.alive
+
+
+def arguments() -> argparse.Namespace:
+    """Return the options of the command line."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
     parser.add_argument("--only", default="", help="a part of the paths of the files to mutate")
     parser.add_argument("--change", default="", help="a part of the line that shows the mutant")
     parser.add_argument("--sample", type=int, help="how many mutants to draw")
     parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--jobs", type=int, default=2, help="how many mutants at a time")
     parser.add_argument("--limit", type=float, default=TIME_LIMIT_S, help="seconds for a mutant")
     parser.add_argument("--tests", nargs="+", default=list(TESTS))
     parser.add_argument("--evaluate", help="an evaluation that is run instead of the tests")
     parser.add_argument("--run", help=argparse.SUPPRESS)
-    chosen = parser.parse_args()
+    return parser.parse_args()
+
+
+def main() -> int:
+    """Print the mutants that survive, and return 1 if there are any."""
+    chosen = arguments()
     if chosen.run:
         path, _, index = chosen.run.rpartition(":")
         if chosen.evaluate:
             return run_evaluation(Path(path), int(index), chosen.evaluate)
         return run_tests(Path(path), int(index), chosen.tests)
-    options = ["--evaluate", chosen.evaluate] if chosen.evaluate else ["--tests", *chosen.tests]
     paths = [path for path in FILES if chosen.only in str(path.relative_to(ROOT))]
-    found = [each for path in paths for each in mutants(path)]
-    found = [each for each in found if chosen.change in str(each)]
+    found = [each for path in paths for each in mutants(path) if chosen.change in str(each)]
     if chosen.sample:
         drawn = random.Random(chosen.seed)  # noqa: S311 - a sample, not a secret
         found = drawn.sample(found, min(chosen.sample, len(found)))
-    alive = 0
-    for number, mutant in enumerate(found, 1):
-        if survives(mutant, options, chosen.limit):
-            alive += 1
-            print(f"survives: {mutant}", flush=True)
-        elif sys.stderr.isatty():
-            print(f"{number}/{len(found)} killed: {mutant}", file=sys.stderr)
-    print(f"{len(found) - alive} of {len(found)} mutants were killed")
+    alive = try_all(found, chosen)
+    for mutant in alive:
+        print(f"survives: {mutant}")
+    print(f"{len(found) - len(alive)} of {len(found)} mutants were killed")
     return 1 if alive else 0
 
 

@@ -60,7 +60,7 @@ class Affordances:
         self.experience = experience
         self.settings = settings or Settings()
         self._declared = self._taxonomy = taxonomy
-        self._sequence = -1
+        self._sequence: int | None = None
         self._rules: dict[str, tuple[Rule, ...]] = {}
 
     @property

@@ -20,7 +20,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cache
 from math import exp, lgamma, log, log1p
 
 from ..kb.episodes import HELD
@@ -34,10 +34,10 @@ from ..ontology.vocabulary import Iri
 from .proof import Json
 
 CREDIBILITY = 0.95
-BISECTIONS, PRECISION = 60, 1e-16
+PRECISION = 1e-16
 
 
-@lru_cache(maxsize=4096)
+@cache
 def credible_interval(held: int, trials: int) -> Interval:
     """Return the interval of the probability of success after some successes in some trials."""
     return Interval(_lower_bound(held, trials), 1 - _lower_bound(trials - held, trials))
@@ -48,11 +48,8 @@ def _lower_bound(held: int, trials: int) -> float:
     tail = (1 - CREDIBILITY) / 2
     if held == 0:
         return 0.0
-    if held == trials:
-        return tail ** (1 / trials)
     low, high = 0.0, held / trials
-    for _ in range(BISECTIONS):
-        middle = (low + high) / 2
+    while low < (middle := (low + high) / 2) < high:
         low, high = (middle, high) if _upper_tail(held, trials, middle) < tail else (low, middle)
     return low
 
@@ -60,12 +57,11 @@ def _lower_bound(held: int, trials: int) -> float:
 def _upper_tail(least: int, trials: int, share: float) -> float:
     ways = lgamma(trials + 1) - lgamma(least + 1) - lgamma(trials - least + 1)
     term = exp(ways + least * log(share) + (trials - least) * log1p(-share))
-    total, odds = 0.0, share / (1 - share)
-    for held in range(least, trials + 1):
+    total, odds, held = 0.0, share / (1 - share), least
+    while term > total * PRECISION:
         total += term
         term *= odds * (trials - held) / (held + 1)
-        if term < total * PRECISION:
-            break
+        held += 1
     return total
 
 
@@ -160,7 +156,8 @@ class Experience:
     """
 
     def __init__(self, base: KnowledgeBase, robot: str, *, before: int | None = None) -> None:
-        self.base, self._version = base, (-1, -1)
+        self.base = base
+        self._version: tuple[object, object] | None = None
         self._wanted = {"robot": robot} | ({"before": str(before)} if before else {})
         self._counts: dict[str, dict[tuple[str, str], OutcomeCounts]] = {}
 

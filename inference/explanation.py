@@ -134,7 +134,7 @@ def _along(path: Sequence[Interval], share: float) -> Interval:
     lengths = [_distance(*pair) for pair in pairwise(path)]
     left = share * sum(lengths)
     for (start, end), length in zip(pairwise(path), lengths, strict=True):
-        if left <= length and length > 0:
+        if left < length:
             part = left / length
             lower = start.lower + part * (end.lower - start.lower)
             upper = start.upper + part * (end.upper - start.upper)

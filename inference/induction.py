@@ -108,7 +108,7 @@ class InducedRuleSource:
     def __init__(self, source: TaughtRules, objects: ObjectTypes, classes: Classes) -> None:
         self.source = source
         self._objects, self._classes = objects, classes
-        self._sequence = -1
+        self._sequence: int | None = None
         self._induced: dict[str, list[Rule]] = defaultdict(list)
 
     @property
@@ -196,9 +196,10 @@ def _transferred(
             return None
         alike = max(alike, LEAST_SIMILARITY)  # what matters for the use is the same
     if rule.part:
-        part, alike_part, shared_part = _corresponding_part(rule, name, objects)
-        if part is None:
+        found = _corresponding_part(rule.part, objects[rule.object], objects[name])
+        if found is None:
             return None
+        part, alike_part, shared_part = found
         argument = Atom("part", part)
         alike, shared = (alike + alike_part) / 2, tuple(dict.fromkeys((*shared, *shared_part)))
     if alike < LEAST_SIMILARITY:
@@ -216,22 +217,21 @@ def _transferred(
 
 
 def _corresponding_part(
-    rule: Rule, name: str, objects: ObjectTypes
-) -> tuple[str | None, float, tuple[str, ...]]:
+    name: str, source: ObjectType, target: ObjectType
+) -> tuple[str, float, tuple[str, ...]] | None:
     import networkx as nx  # imported here: it takes half a second to load
 
-    source, target = objects[rule.object or ""], objects[name]
-    if rule.part is None or rule.part not in source.parts:
-        return None, 0.0, ()
+    if name not in source.parts:
+        return None
     pairs: nx.Graph[tuple[str, str]] = nx.Graph()
     for one, other in product(source.parts.values(), target.parts.values()):
         alike, _ = similarity(_part_traits(one), _part_traits(other))
         pairs.add_edge(("one", one.name), ("other", other.name), weight=alike)
     matching = [dict(pair) for pair in nx.max_weight_matching(pairs, maxcardinality=True)]
-    best = next((pair["other"] for pair in matching if pair["one"] == rule.part), None)
+    best = next((pair["other"] for pair in matching if pair["one"] == name), None)
     if best is None:
-        return None, 0.0, ()
-    found = _part_traits(source.parts[rule.part]), _part_traits(target.parts[best])
+        return None
+    found = _part_traits(source.parts[name]), _part_traits(target.parts[best])
     return best, *similarity(*found)
 
 

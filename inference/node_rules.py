@@ -128,7 +128,7 @@ class Specificity:
         return any(kind == above for kind, _ in self._taxonomy.above(atom))
 
     def _competes(self, one: Rule, other: Rule) -> bool:
-        if one.argument is None or other.argument is None or one.argument == other.argument:
+        if one.argument is None or other.argument is None:
             return True
         return self._is_kind(one.argument, other.argument) or (one.asserts and other.asserts)
 
@@ -143,7 +143,7 @@ class NodeRules:
         self, node: str, goal: Goal, rules_at: Callable[[str], Sequence[Rule]], taxonomy: Taxonomy
     ) -> None:
         self.node, self.goal, self.taxonomy = node, goal, taxonomy
-        self.action = node.rsplit("/", 1)[-1]
+        self.action = node.rpartition("/")[2]
         self._rules_at = rules_at
         self._selected: dict[str, Sequence[Rule]] = {}
 
@@ -189,8 +189,6 @@ class NodeRules:
 
     def threshold(self, settings: Settings) -> float:
         """Return the threshold Λ at this node."""
-        if not settings.thresholds:
-            return settings.threshold
         return settings.threshold_of((context.name for context in self.contexts), self.given)
 
     @property

@@ -123,7 +123,7 @@ class NormChecker:
         lifted = {each.overruled.id for each in conflicts}
         standing = [rule for rule in against if rule.id not in lifted]
         if not standing:
-            return NormVerdict(conflicts=conflicts) if conflicts else ALLOWED
+            return NormVerdict(conflicts=conflicts)
         strongest = max(standing, key=lambda rule: (not judged.unseen(rule), _rank(rule)))
         proof = judged.proof(strongest, self.affordances.settings.operators)
         return NormVerdict(strongest, proof, judged.unseen(strongest), conflicts)
@@ -203,7 +203,7 @@ class _JudgedAct:
         return not self._is_met(rule)
 
     def _is_met(self, rule: Rule) -> bool:
-        first = rule.argument.name if rule.argument else ""
+        first = rule.argument and rule.argument.name
         named = next((atom.name for atom in rule.contexts if atom.kind == "object"), None)
         held, thing = self.act.holding, named or self.act.object
         kinds = self.taxonomy.names_above
@@ -226,8 +226,7 @@ class _JudgedAct:
         for one, other in pairs:
             if one.trust > other.trust:
                 return NormConflict(one, other, "told by somebody who is trusted more")
-        is_later = _rank(permission) > _rank(rule)
-        return NormConflict(*pairs[0 if is_later else 1], "later")
+        return NormConflict(*max(pairs, key=lambda pair: _rank(pair[0])), "later")
 
     def proof(self, rule: Rule, operators: Operators) -> Proof:
         shown = (atom for atom in self._premises(rule) if atom in self._shown)

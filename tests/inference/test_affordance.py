@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import pairwise
 
 import pytest
 from hypothesis import given
@@ -10,7 +11,7 @@ from hypothesis import strategies as st
 from hilt.inference.affordance import Affordances
 from hilt.inference.settings import Settings
 from hilt.inference.taxonomy import Taxonomy
-from hilt.inference.types import Goal, Observation, Target
+from hilt.inference.types import Conclusion, Goal, Observation, Target
 from hilt.kb.interval import Interval
 from hilt.kb.rule import Atom, Rule, functional, grasping
 from hilt.ontology.errors import UnknownNameError
@@ -390,3 +391,129 @@ def test_unknown_stage_is_an_error():
     """A misspelt stage is refused when the settings are made."""
     with pytest.raises(UnknownNameError, match="fusion stage"):
         Settings(stage="nonsense")
+
+
+# --- What is shown of a decision -----------------------------------------------------------
+
+
+def cutting_with(name: str, other: str, interval: Interval = G) -> Rule:
+    """The rule that an object cuts another one."""
+    features = frozenset({Atom("object", name)})
+    return Rule(features, frozenset(), "cutWith", Atom("object", other), interval)
+
+
+def test_nothing_is_absent_where_something_in_view_will_do():
+    """A knife that is not there does not matter when a spoon is accepted."""
+    rules = [functional(name, "cutting", interval=G) for name in ("knife", "spoon")]
+
+    assert found(*rules, scene=["spoon"]).absent == ()
+
+
+def test_object_in_view_is_not_absent_though_hardly_seen():
+    """What is in view is not looked for elsewhere, accepted or not."""
+    rule = functional("knife", "cutting", interval=G)
+
+    inference = Affordances(Rules(rule)).infer(FIND, CUTTING, [seen("knife", 0.0)])
+
+    assert inference.best is None
+    assert inference.absent == ()
+
+
+@pytest.mark.parametrize(
+    ("wanted", "absent"), [(None, ["knife", "saw"]), (Atom("object", "bread"), ["knife"])]
+)
+def test_what_is_absent_affords_what_is_asked_for(wanted: Atom | None, absent: list[str]):
+    """With an argument, only what affords it for this argument; otherwise for any."""
+    rules = [cutting_with("knife", "bread"), cutting_with("saw", "wood")]
+    goal = Goal("pass", Target(affords=Conclusion("cutWith", wanted)))
+
+    inference = found(*rules, goal=goal, scene=["mug"])
+
+    assert [each.object for each in inference.absent] == absent
+    assert [each.inherited for each in inference.absent] == [0] * len(absent)
+
+
+def test_confirmed_object_need_only_be_seen():
+    """What the speaker confirmed is accepted without any rule."""
+    goal = Goal("pass", Target(used_for="cutting", is_confirmed=True))
+
+    best = found(goal=goal, scene=["knife"]).best
+
+    assert best is not None
+    assert best.interval == Interval(1.0, 1.0)
+    assert best.proof.label == "knife was confirmed by the speaker"
+
+
+def test_feature_that_was_not_seen_is_reported_with_its_object():
+    """The evidence says on which object a property was not seen."""
+    goal = Goal("pass", Target(object="mug", properties=frozenset({"red"})))
+
+    [mug] = found(goal=goal, scene=["mug"]).candidates
+
+    assert [leaf.label for leaf in mug.proof.leaves] == [
+        "object:mug seen on mug",
+        "property:red not seen on mug",
+    ]
+
+
+@pytest.mark.parametrize("times", [(1, 2), (2, 1), (None, 1), (1, None), (0, None), (None, 0)])
+@pytest.mark.parametrize("stage", ["rules", "conclusions"])
+def test_proof_has_the_rules_in_the_order_of_teaching(times: tuple[int | None, ...], stage: str):
+    """What was told first stands first, for one antecedent and for several; unstored is first."""
+    rule = functional("knife", "cutting", interval=G)
+    red = functional("knife", "cutting", interval=C, properties=["red"])
+    told = [replace(each, utterance=n) for each, n in zip((rule, red), times, strict=True)]
+    sharing = [replace(rule, utterance=n, speaker=f"teacher {n}") for n in times]
+    goal = Goal("pass", Target(used_for="cutting"))
+
+    for rules in (told, sharing):
+        [knife] = (
+            Affordances(Rules(*rules), Settings(stage=stage))
+            .infer(FIND, goal, [seen("knife", 1.0)])
+            .candidates
+        )
+        shown = [each.utterance or 0 for each in knife.rules]
+        assert shown == sorted(shown)
+
+
+def test_unknown_use_is_not_shown_as_afforded():
+    """Where nothing was told, the proof says so."""
+    [knife] = found(scene=["knife"]).candidates
+
+    assert knife.proof.label == "nothing was told of knife"
+    assert knife.inherited == 0
+
+
+def test_what_is_afforded_has_its_functor():
+    """Uses and parts imply it; what else is afforded is shown with it, if a rule says so."""
+    bread = Conclusion("cutWith", Atom("object", "bread"))
+    goal = Goal("pass", Target(affords=bread))
+    red = Goal("pass", Target(properties=frozenset({"red"}), affords=bread))
+
+    [knife] = found(cutting_with("knife", "bread"), goal=goal, scene=["knife"]).candidates
+    [unknown] = found(goal=red, scene=["knife"]).candidates
+    [cutter] = found(functional("knife", "cutting", interval=G), scene=["knife"]).candidates
+
+    assert knife.proof.label == "knife affords cutWith(object:bread)"
+    assert unknown.proof.label == "knife affords object:bread"
+    assert cutter.proof.label == "knife affords affordance:cutting"
+
+
+def test_single_best_object_has_no_tie():
+    """One candidate is not as good as itself."""
+    rules = [functional("knife", "cutting", interval=G), functional("spoon", "cutting", interval=C)]
+
+    assert found(*rules, scene=["knife", "spoon"]).ties == ()
+
+
+@pytest.mark.parametrize(("steps", "end"), [(1, "1 step up"), (2, "2 steps up")])
+def test_inherited_rule_is_reported_with_its_distance(steps: int, end: str):
+    """The reason says how far up the hierarchy the rule stands."""
+    names = ["bread knife", "knife", "cutlery"]
+    atoms = [Atom("object", name) for name in names]
+    kinds = Taxonomy(list(pairwise(atoms)))
+    rule = functional(names[steps], "cutting", interval=G)
+
+    inference = Affordances(Rules(rule), taxonomy=kinds).infer(FIND, CUTTING, [seen("bread knife")])
+
+    assert inference.candidates[0].reason.endswith(f"; inherited, {end}")

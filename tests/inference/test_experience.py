@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from dataclasses import replace
 from itertools import product
 from math import comb
 
@@ -14,14 +16,18 @@ from hilt.inference.affordance import Affordances
 from hilt.inference.experience import (
     CREDIBILITY,
     NO_TRIALS,
+    Experience,
     GraspRecord,
     OutcomeCounts,
     contradiction,
     credible_interval,
+    read_records,
     teacher_records,
 )
 from hilt.inference.types import Candidate, Goal, Observation, Target
+from hilt.kb.episodes import HELD, Episode, GraspTrial
 from hilt.kb.interval import VACUOUS, Interval
+from hilt.kb.knowledge_base import KnowledgeBase
 from hilt.kb.rule import Atom, Rule, grasping
 
 from .rule_sources import Told
@@ -193,6 +199,17 @@ def test_other_parts_and_contexts_are_not_touched():
     assert passed[0].interval.lower < HIGH.lower
 
 
+def test_experience_is_of_grasps_alone():
+    """What else is done with something is as certain as it was told, and no trial is no step."""
+    rule = Rule(frozenset(SEEN.atoms), frozenset(), "cutWith", Atom("object", "bread"), HIGH)
+    grasp = grasping("screwdriver", "shaft", interval=HIGH)
+    engine = Affordances(Told(rule, grasp), experience=KnownCounts(bread=outcomes(0, 9)))
+
+    for node in ("pass/cutWith", "pass/graspObject"):
+        [found] = engine.infer(node, PASS, [SEEN]).candidates
+        assert (found.interval, found.experience, found.proof.step) == (HIGH, None, "modus ponens")
+
+
 def test_the_proof_shows_experience_and_gives_the_numbers_again():
     """What was told is discounted in a step of its own, which can be evaluated."""
     rule = grasping("screwdriver", "shaft", "pass", interval=HIGH)
@@ -258,3 +275,72 @@ def test_suggested_trust_changes_no_more_than_needed(trial: tuple[int, int], tru
 
     bounds = credible_interval(*trial)
     assert kim.suggested == sorted((bounds.lower, trust, bounds.upper))[1]
+
+
+# --- Read from a base ------------------------------------------------------------------------
+
+SLIP = GraspTrial("knife", "blade", "pass", "slipped", "panda")
+EPISODE = Episode(
+    goal="pass(self,knife)", text="pass me the knife", speaker="sam", outcome="done",
+    said="Here is the knife.", seed=7, document="{}",
+)  # fmt: skip
+
+
+@pytest.fixture
+def base() -> Iterator[KnowledgeBase]:
+    """A base with one episode: of two grasps by the blade one held."""
+    with KnowledgeBase.open("memory:") as found:
+        found.believe("A knife is used for cutting", "", "sam", [])
+        found.record_episode(replace(EPISODE, trials=(SLIP, replace(SLIP, outcome=HELD))))
+        yield found
+
+
+def test_records_name_objects_parts_and_actions_plainly(base: KnowledgeBase):
+    """Names are those of the rules, and the outcomes are counted."""
+    counts = OutcomeCounts.of({HELD: 1, "slipped": 1})
+
+    assert read_records(base) == [GraspRecord("knife", "blade", "pass", "panda", counts)]
+
+
+def test_experience_is_that_of_the_robot_until_an_utterance(base: KnowledgeBase):
+    """Others' grasps do not count, nor those after the utterance that is given."""
+    for before, robot, trials in [(None, "panda", 2), (None, "ur5", 0), (1, "panda", 0)]:
+        assert Experience(base, robot, before=before).of("knife", "blade", "pass").trials == trials
+
+
+def test_experience_is_read_once_until_the_base_changes(
+    base: KnowledgeBase, monkeypatch: pytest.MonkeyPatch
+):
+    """What was asked for is kept; another episode counts at once."""
+    select, asked = base.select, list[object]()
+    monkeypatch.setattr(base, "select", lambda *given: asked.append(given) or select(*given))
+    experience = Experience(base, "panda")
+
+    before = [experience.of("knife", part, "pass").trials for part in ("blade", "blade", "handle")]
+    base.record_episode(replace(EPISODE, trials=(SLIP,)))
+    after = experience.of("knife", "blade", "pass").trials
+
+    assert (before, after, len(asked)) == ([2, 2, 0], 3, 2)
+
+
+# --- Shown -----------------------------------------------------------------------------------
+
+
+def test_counts_are_shown_with_their_number():
+    """Each outcome with how often it occurred; failures are all but what held."""
+    counts = OutcomeCounts.of({HELD: 2, "wrong_part": 1, "slipped": 0})
+
+    assert str(counts) == "held 2, wrong part 1 of 3"
+    assert str(NO_TRIALS) == "none"
+    assert counts.failures == {"wrong_part": 1}
+
+
+def test_speaker_without_known_trust_is_not_trusted():
+    """The record is there all the same, and figures have six digits."""
+    rule = grasping("knife", "blade", "pass", interval=HIGH, speaker="kim")
+    record = GraspRecord("knife", "blade", "pass", "panda", outcomes(3, 3))
+
+    [kim] = teacher_records([rule], {}, [record])
+
+    assert kim.trust == 0.0
+    assert kim.as_json()["suggested"] == round(TAIL ** (1 / 3), 6)

@@ -13,6 +13,7 @@ from hilt.inference.affordance import Affordances
 from hilt.inference.decision import DecisionRule
 from hilt.inference.explanation import counterfactuals, rejection_reason
 from hilt.inference.interval_operators import Operators
+from hilt.inference.proof import Proof, apply_operator
 from hilt.inference.settings import Settings
 from hilt.inference.types import Goal, Inference, Observation, Target
 from hilt.kb.interval import VACUOUS, Interval
@@ -102,6 +103,15 @@ def test_why_not_says_what_is_against_the_rejected_object(name: str, reason: str
     assert reason in rejection_reason(inference, candidate)
 
 
+def test_as_good_as_the_choice_is_told_from_worse():
+    """Of two equal objects the first one in the scene is chosen, and the reason says so."""
+    inference = decided([rule("knife", 0.95), rule("spoon", 0.95)])
+
+    assert rejection_reason(inference, inference.candidates[1]) == (
+        "the knife is as good, and I saw it first"
+    )
+
+
 def test_smallest_change_makes_the_rival_as_good_as_the_choice():
     """A spoon with .5 is chosen as soon as its rule has the interval of the knife's rule."""
     inference = decided([rule("knife", 0.75), rule("spoon", 0.5)], sure=1.0)
@@ -187,3 +197,31 @@ def test_json_of_a_proof_has_its_rules_and_intervals():
     seen, told = document["inputs"]
     assert seen["about"] == "object:knife seen on knife"
     assert told["rule"].startswith("rule/")
+
+
+def test_json_of_a_proof_says_nothing_of_what_is_not_there():
+    """A leaf has no inputs, an operator no description, and most proofs overrule nothing."""
+    proof = decided([rule("knife", 0.95)]).candidates[0].proof
+    plain = replace(proof, label="")
+
+    assert set(plain.as_json()) == {"step", "lower", "upper", "inputs"}
+    assert set(proof.inputs[0].as_json()) == {"step", "lower", "upper", "about"}
+    assert set(proof.inputs[1].as_json()) == {"step", "lower", "upper", "about", "rule"}
+
+
+def test_lines_of_a_proof_are_indented_by_depth():
+    """Two spaces for each step down; what is overruled stands with the inputs."""
+    proof = decided([rule("knife", 0.95)]).candidates[0].proof
+    above = Proof("and", proof.interval, inputs=(replace(proof, overruled=(rule("fork", 0.5),)),))
+
+    depths = [len(line) - len(line.lstrip()) for line in above.lines()]
+
+    assert depths == [0, 2, 4, 4, 4]
+
+
+def test_conjunction_in_a_proof_is_no_modus_ponens():
+    """Each step has its own operator."""
+    half = Interval(0.5, 0.5)
+
+    assert apply_operator("and", [half, half], Operators()) == Interval(0.25, 0.25)
+    assert apply_operator("modus ponens", [half, half], Operators()) == Interval(0.25, 0.75)

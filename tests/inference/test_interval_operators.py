@@ -24,7 +24,7 @@ from hilt.inference.interval_operators import (
     modus_ponens_published,
     relative_plausibility,
 )
-from hilt.kb.interval import VACUOUS, Interval
+from hilt.kb.interval import EPSILON, VACUOUS, Interval
 from hilt.ontology.errors import ConflictError, UnknownNameError
 
 TRUE, FALSE = Interval(1.0, 1.0), Interval(0.0, 0.0)
@@ -343,3 +343,47 @@ def test_conclusion_is_accepted_only_above_the_threshold(acceptance: str, degree
     assert not operators.accepts(interval, sure)
     assert operators.accepts(interval, nextafter(sure, 0.0))
     assert not operators.accepts(interval, nextafter(sure, 1.0))
+
+
+# --- Single values ---------------------------------------------------------------------------
+
+
+@given(intervals)
+@pytest.mark.parametrize("name", ["yager", "dempster", "latest"])
+def test_fusion_of_one_source_is_that_source_to_the_last_bit(name: str, interval: Interval):
+    """Nothing is computed where there is nothing to fuse."""
+    assert FUSIONS[name]([interval]) == interval
+
+
+def test_latest_source_is_the_last_one():
+    """Whatever was said before; nothing said is ignorance."""
+    assert FUSIONS["latest"]([TRUE, FALSE]) == FALSE
+    assert FUSIONS["latest"]([]) == VACUOUS
+
+
+def test_frechet_bound_is_what_the_sources_must_have_in_common():
+    """Of 90 and 80 percent at least 70 are both."""
+    assert close(
+        CONJUNCTIONS["frechet"]([Interval(0.9, 1.0), Interval(0.8, 0.95)]), Interval(0.7, 0.95)
+    )
+
+
+@pytest.mark.parametrize("share", [0.0, 0.5, 1.0])
+def test_cautious_rule_refuses_what_is_certain(share: float):
+    """A point has no weights."""
+    with pytest.raises(ConflictError, match=r"needs lower < upper"):
+        fuse_cautious([Interval(share, share)])
+
+
+def test_rankings_are_in_the_unit_interval():
+    """Each is the share of the name."""
+    interval, ranks = Interval(0.2, 0.6), {"belief": 0.2, "pignistic": 0.4}
+
+    for name, rank in ranks.items():
+        assert Operators(ranking=name).rank(interval) == pytest.approx(rank)
+
+
+def test_what_is_true_by_a_rounding_error_is_not_affirmed():
+    """The sum of the bounds must exceed 1 by more than the tolerance."""
+    assert not is_affirmed(Interval(EPSILON, 1.0), -1.0)
+    assert is_affirmed(Interval(3 * EPSILON, 1.0), -1.0)

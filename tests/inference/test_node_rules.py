@@ -1,12 +1,15 @@
 """Rules about any object apply to those that have the part they name."""
 
+from dataclasses import replace
+
 import pytest
 
 from hilt.inference.affordance import Affordances
+from hilt.inference.node_rules import implied_atoms
 from hilt.inference.taxonomy import Taxonomy
-from hilt.inference.types import Goal, Observation, Target
+from hilt.inference.types import Conclusion, Goal, Observation, Target
 from hilt.kb.interval import CERTAIN, Interval
-from hilt.kb.rule import Atom, Rule, grasping
+from hilt.kb.rule import Atom, Rule, functional, grasping
 
 from .rule_sources import Told
 
@@ -80,3 +83,79 @@ def test_rule_about_grasping_holds_whatever_an_object_is_grasped_for():
 
     assert [each.argument for each in alone.denied] == [BLADE]
     assert both.best is not None and both.best.overruled == (never,)
+
+
+KNIFE, SPOON = Atom("object", "knife"), Atom("object", "spoon")
+BY_BLADE, BY_BOWL = (
+    grasping(name, part, interval=G) for name, part in (("knife", "blade"), ("spoon", "bowl"))
+)
+
+
+def test_only_rules_about_a_named_object_are_of_interest_where_it_is_grasped():
+    """Vision looks for the features of all rules where no object is named."""
+    engine = Affordances(Told(BY_BLADE, BY_BOWL))
+
+    assert engine.features(GRASP, Goal("pass", Target(object="knife"))) == (KNIFE,)
+    assert engine.features(GRASP, Goal("pass", Target())) == (KNIFE, SPOON)
+
+
+def test_rules_about_other_objects_are_of_interest_where_one_is_looked_for():
+    """A thing that is named, and is to cut, is looked for among all that cuts."""
+    told = [functional(name, "cutting", interval=G) for name in ("knife", "spoon")]
+    goal = Goal("pass", Target(object="knife", used_for="cutting"))
+
+    assert Affordances(Told(*told)).features("pass/findObject", goal) == (KNIFE, SPOON)
+
+
+def test_only_a_grasp_is_done_in_the_context_of_grasping():
+    """What holds for grasping says nothing of shaking."""
+    grasped = Rule(frozenset(), frozenset({Atom("action", "grasp")}), "shake", HANDLE, G)
+    seen = Observation("hammer", "hammer", {Atom("object", "hammer"): CERTAIN})
+
+    inference = Affordances(Told(grasped)).infer("season/shake", HAMMER, [seen])
+
+    assert inference.candidates == ()
+
+
+@pytest.mark.parametrize("is_first", [True, False])
+def test_rule_without_argument_competes_with_all(is_first: bool):
+    """That a hammer is not to be shaken in the kitchen goes before how anything is shaken."""
+    hammer, kitchen = Atom("object", "hammer"), Atom("place", "kitchen")
+    whole = Rule(frozenset({hammer}), frozenset({kitchen}), "shake", None, NEVER)
+    gently = Rule(frozenset({hammer}), frozenset(), "shake", Atom("property", "gentle"), G)
+    if not is_first:
+        whole, gently = replace(whole, argument=gently.argument), replace(gently, argument=None)
+    goal = Goal("season", Target(object="hammer"), {kitchen: CERTAIN})
+    seen = Observation("hammer", "hammer", {hammer: CERTAIN})
+
+    [only] = Affordances(Told(gently, whole)).infer("season/shake", goal, [seen]).candidates
+
+    assert (only.rules, only.overruled) == ((whole,), (gently,))
+
+
+def test_rule_about_anything_is_not_inherited():
+    """Where a rule names no feature, there is no distance to it."""
+    seen = Observation("hammer", "hammer", {HANDLE: CERTAIN})
+
+    [handle] = Affordances(Told(BY_HANDLE)).infer(GRASP, HAMMER, [seen]).candidates
+
+    assert (handle.accepted, handle.inherited) == (True, 0)
+
+
+def test_any_argument_will_do_where_none_is_asked_for():
+    """Something to cut with is what cuts bread, too."""
+    told = Rule(frozenset({KNIFE}), frozenset(), "cutWith", Atom("object", "bread"), G)
+    goal = Goal("pass", Target(affords=Conclusion("cutWith")))
+    seen = Observation("knife", "knife", {KNIFE: CERTAIN})
+
+    assert Affordances(Told(told)).infer("pass/findObject", goal, [seen]).best is not None
+
+
+def test_implied_atom_follows_from_the_nearest_one():
+    """Of equally near ones from the first."""
+    fork, cutlery, tool = (Atom("object", name) for name in ("fork", "cutlery", "tool"))
+    kinds = Taxonomy([(KNIFE, cutlery), (fork, cutlery), (cutlery, tool)])
+
+    assert implied_atoms([KNIFE, fork], kinds)[cutlery] == (1, KNIFE)
+    for atoms in ([KNIFE, cutlery], [cutlery, KNIFE]):
+        assert implied_atoms(atoms, kinds)[tool] == (1, cutlery)

@@ -3,7 +3,7 @@
 import pytest
 
 from hilt.inference.induction import CAUTION, InducedRule, induce, needed_features
-from hilt.inference.rule_analysis import find_conflicts, find_hypotheses
+from hilt.inference.rule_analysis import find_conflicts, find_hypotheses, parse_conclusion
 from hilt.inference.types import Conclusion
 from hilt.kb.interval import Interval
 from hilt.kb.rule import Atom, Rule, functional, grasping, kind_rule, norm
@@ -68,6 +68,41 @@ def test_denied_conclusion_explains_nothing():
     denial = functional("spoon", "cutting", interval=NEVER)
 
     assert find_hypotheses([denial], CUTTING) == []
+
+
+def test_what_is_as_plausible_as_its_negation_explains_nothing():
+    """A rule that says nothing is no hypothesis."""
+    assert find_hypotheses([functional("spoon", "cutting", interval=Interval(0, 1))], CUTTING) == []
+
+
+def test_rules_about_other_objects_than_the_given_one_are_ignored():
+    """Other features of the rules stay hypotheses; a place is no object."""
+    knife, kitchen = Atom("object", "knife"), Atom("place", "kitchen")
+    sharp = functional("knife", "cutting", interval=S, properties=["sharp"])
+    spoon = functional("spoon", "cutting", interval=G)
+
+    [found] = find_hypotheses([sharp, spoon], CUTTING, given=frozenset({knife}))
+    anywhere = find_hypotheses([sharp, spoon], CUTTING, given=frozenset({kitchen}))
+
+    assert found.features == {Atom("property", "sharp")}
+    assert [each.rules for each in anywhere] == [(spoon,), (sharp,)]
+
+
+@pytest.mark.parametrize(
+    ("text", "conclusion"),
+    [
+        ("part:blade", Conclusion("graspObject", Atom("part", "blade"))),
+        ("affordance:cutting", Conclusion("usedFor", Atom("affordance", "cutting"))),
+        ("cutWith", Conclusion("cutWith")),
+        ("cutWith()", Conclusion("cutWith")),
+        ("cutWith(bread)", Conclusion("cutWith", Atom("object", "bread"))),
+        ("cutWith ( object:bread ) ", Conclusion("cutWith", Atom("object", "bread"))),
+        ("usedFor(cutting)", CUTTING),
+    ],
+)
+def test_conclusion_is_read_in_each_notation(text: str, conclusion: Conclusion):
+    """An atom, a functor, or a functor with an argument, whose kind may be left out."""
+    assert parse_conclusion(text) == conclusion
 
 
 # --- Induction -----------------------------------------------------------------------------

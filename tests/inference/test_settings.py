@@ -103,3 +103,17 @@ def test_mistake_on_the_command_line_is_reported(choice: str, message: str):
 def test_shipped_settings_are_the_defaults():
     """Settings without a file, and those of the file that is shipped."""
     assert Settings.load() == Settings()
+
+
+def test_threshold_of_a_file_needs_no_contexts(tmp_path: Path):
+    """The general one stands alone."""
+    assert Settings.load(written(tmp_path, "threshold: {default: 0.02}\n")).threshold == 0.02
+
+
+def test_mistake_on_the_command_line_has_no_line():
+    """The message begins with the choice."""
+    with pytest.raises(DataError) as told:
+        Settings().with_choices(["fusion=nonsense"])
+
+    assert str(told.value).startswith('fusion=nonsense: There is no fusion "nonsense"')
+    assert (told.value.line, told.value.column) == (0, 0)

@@ -12,7 +12,7 @@ from hilt.inference.affordance import Affordances
 from hilt.inference.settings import Settings
 from hilt.inference.taxonomy import Taxonomy
 from hilt.inference.types import Candidate, Conclusion, Goal, Observation, Target
-from hilt.kb.interval import CERTAIN, Interval
+from hilt.kb.interval import CERTAIN, EPSILON, Interval
 from hilt.kb.rule import Atom, Rule, functional, grasping
 
 from .rule_sources import Told
@@ -108,6 +108,36 @@ def test_rule_for_a_place_overrides_where_the_place_holds(sure: float | None, ve
     goal = replace(CUTTING, contexts=contexts)
 
     assert used([CUTS, there], knife(), goal).verdict == verdict
+
+
+@pytest.mark.parametrize("sure", [Interval(0.0, 1.0), Interval(EPSILON, 1.0)])
+def test_doubtful_property_overrides_nothing(sure: Interval):
+    """Where it is as likely sharp as blunt, what is told of blunt ones goes before nothing."""
+    seen = Observation("knife", "knife", {Atom("object", "knife"): CERTAIN, BLUNT: sure})
+
+    assert used([CUTS, BLUNT_DOES_NOT], seen).overruled == ()
+
+
+def test_rule_for_a_kind_of_place_overrides_one_for_the_place_above():
+    """The kitchen is a room: what is told of it goes before what is told of rooms."""
+    room = Atom("place", "room")
+    in_room, in_kitchen = (
+        replace(CUTS, contexts=frozenset({place}), interval=interval)
+        for place, interval in ((room, G), (KITCHEN, NEVER))
+    )
+    goal = replace(CUTTING, contexts={KITCHEN: CERTAIN})
+    engine = Affordances(Told(in_room, in_kitchen), taxonomy=Taxonomy([(KITCHEN, room)]))
+
+    [candidate] = engine.infer(FIND, goal, [knife()]).candidates
+
+    assert (candidate.rules, candidate.overruled) == ((in_kitchen,), (in_room,))
+
+
+def test_material_is_no_premise_where_none_is_named():
+    """What is told of cutting wood and of cutting is fused, and both count for cutting."""
+    on_wood = functional("knife", "cutting", interval=S, material="wood")
+
+    assert set(used([CUTS, on_wood], knife()).rules) == {CUTS, on_wood}
 
 
 def test_taxonomy_decides_even_if_the_object_is_hardly_seen():

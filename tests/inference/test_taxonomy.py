@@ -1,12 +1,14 @@
 """A rule about a kind holds for its subkinds, unless a more specific rule exists."""
 
+from dataclasses import replace
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from hilt.inference.affordance import Affordances
 from hilt.inference.settings import Settings
-from hilt.inference.taxonomy import Taxonomy
+from hilt.inference.taxonomy import FLAT, Taxonomy
 from hilt.inference.types import Goal, Observation, Target
 from hilt.kb.interval import CERTAIN, Interval
 from hilt.kb.rule import Atom, Rule, functional, grasping, kind_rule
@@ -189,3 +191,37 @@ def test_kinds_that_are_told_are_read_again_after_a_change():
 
     assert told is not None
     assert (told.interval, told.inherited, forgotten) == (G, 1, None)
+
+
+AWL, BODKIN, CHISEL = (Atom("object", name) for name in ("awl", "bodkin", "chisel"))
+
+
+def test_what_is_not_likely_or_about_no_object_is_no_kind():
+    """Where nothing of the kind is told, the taxonomy stays itself."""
+    doubtful = kind_rule("awl", "bodkin", interval=Interval(0, 1))
+    anything = Rule(frozenset({Atom("property", "red")}), frozenset(), "kindOf", BODKIN, G)
+
+    for rules in ([], [doubtful], [anything]):
+        assert FLAT.with_rules(rules) is FLAT
+
+
+@pytest.mark.parametrize("order", [1, -1])
+def test_kinds_that_were_told_last_come_first(order: int):
+    """What is not stored yet was told before all that is."""
+    unstored = kind_rule("awl", "bodkin", interval=G)
+    stored = replace(kind_rule("awl", "chisel", interval=G), utterance=1)
+
+    assert FLAT.with_rules([unstored, stored][::order]).above(AWL) == (
+        (AWL, 0),
+        (CHISEL, 1),
+        (BODKIN, 1),
+    )
+
+
+def test_kinds_of_others_do_not_turn_those_of_the_household_round():
+    """Two synonyms of theirs may each be a kind of the other."""
+    found = Taxonomy([(AWL, BODKIN)], foreign=[(BODKIN, AWL), (BODKIN, CHISEL), (CHISEL, BODKIN)])
+
+    assert found.above(BODKIN) == ((BODKIN, 0), (CHISEL, 1))
+    assert found.above(AWL) == ((AWL, 0), (BODKIN, 1), (CHISEL, 2))
+    assert found.above(CHISEL) == ((CHISEL, 0), (BODKIN, 1))

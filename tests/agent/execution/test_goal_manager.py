@@ -584,3 +584,68 @@ def test_part_of_a_kind_is_the_part_that_the_thing_has():
         reply = agent.hear("pass me the knife")
 
     assert (reply.ending, arm.parts) == ("done", ["serrated blade"])
+
+
+# --- What is recorded ----------------------------------------------------------------------
+
+
+def steps(reply: Reply) -> dict[str, str]:
+    """What became of each node."""
+    assert reply.result is not None
+    return {step.node: step.action for step in reply.result.steps}
+
+
+def test_steps_say_what_became_of_them():
+    """Trees are walked, primitives executed; a failure stands at all nodes that it ends."""
+    with robot(nail=1.0, hammer=1.0) as (agent, _):
+        done = agent.hear(POUND)
+        acts = list(agent.goals.done)
+    with robot(Arm({("grasp", "hammer"): "slipped"}), nail=1.0, hammer=1.0) as (agent, _):
+        dropped = agent.hear(POUND)
+        began = list(agent.goals.done)
+
+    assert set(steps(done).values()) == {"walked", "executed"}
+    assert steps(done)["pound/pickUp"] == "walked"
+    assert steps(done)["pound/lower"] == "executed"
+    assert {key for key, value in steps(dropped).items() if value == "dropped"} == {
+        "pound", "pound/pickUp", "pound/pickUp/graspObject",
+    }  # fmt: skip
+    assert acts[:3] == [("graspObject", "hammer"), ("moveTo", "hammer"), ("pickUp", "hammer")]
+    assert ("findObject", "hammer") not in acts
+    assert began == []
+
+
+def test_without_a_robot_things_are_found_and_not_taken():
+    """The steps of a plan say so, though none failed."""
+    with Agent.open("memory:", AgentConfig(simulate=False)) as agent:
+        planned = steps(agent.hear("pass me the hammer"))
+
+    assert planned["pass/findObject"] == "executed"
+    assert planned["pass/graspObject"] == planned["pass/handOver"] == "not executed"
+
+
+def test_result_has_the_grasps_and_what_the_world_came_to():
+    """A grasp that slipped is one trial; without a robot there is neither."""
+    with robot(Arm({("grasp", "hammer"): "slipped"}), nail=1.0, hammer=1.0) as (agent, _):
+        dropped = agent.hear(POUND).result
+    with Agent.open("memory:", AgentConfig(simulate=False)) as agent:
+        planned = agent.hear("pass me the hammer").result
+
+    assert dropped is not None and planned is not None
+    assert [trial.outcome for trial in dropped.trials] == ["slipped"]
+    assert dropped.world.executed
+    assert (planned.trials, planned.world.executed) == ((), False)
+
+
+@pytest.mark.parametrize(("detection", "upper"), [("open", 1.0), ("point", 0.5)])
+def test_confidence_of_a_detection_is_a_bound_or_a_point(detection: str, upper: float):
+    """By the setting, what is seen with .5 is [.5, 1] or [.5, .5]."""
+    settings = Settings(detection=detection)
+    config = AgentConfig(settings=settings)
+    with Agent.open("memory:", config, vision=Eyes(mug=0.5), motion=Arm({})) as agent:
+        agent.hear("A mug is used for containing")
+        result = agent.hear("pass me something used for containing").result
+
+    assert result is not None and result.decision is not None
+    [mug] = result.decision.object.candidates
+    assert mug.proof.leaves[0].interval == Interval(0.5, upper)
