@@ -11,6 +11,7 @@ doing anything.
 
 from __future__ import annotations
 
+import gc
 from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache, partial
@@ -123,6 +124,10 @@ class Language:
         adverbs[degrees.intervals[degrees.default]] = ""
         answers = load_answers(folder / "answers.yaml", builder, adverbs)
         realizer = load_realizer(folder / "sentences.yaml", answers)
+        if not gc.get_freeze_count():
+            # All of a language is kept: make it old at once, without a collection of the young.
+            gc.freeze()
+            gc.unfreeze()
         sentences = read_yaml(folder / "examples.yaml").entries(required=("examples",), optional=())
         examples = {
             text: frozenset(tokenize(text, builder.contractions).words)

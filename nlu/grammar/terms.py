@@ -8,7 +8,7 @@ checked against their category before they are used (`typecheck`), so evaluation
 
     >>> f, x = BoundVariable(1), BoundVariable(0)
     >>> twice = Lambda(Lambda(Application(f, Application(f, x))))
-    >>> str(normal_form(Application(Application(twice, Constant("f")), Constant("a"))))
+    >>> str(quote(evaluate(Application(Application(twice, Constant("f")), Constant("a")))))
     'f(f(a))'
 """
 

@@ -601,13 +601,13 @@ def test_steps_say_what_became_of_them():
         done = agent.hear(POUND)
         acts = list(agent.goals.done)
     with robot(Arm({("grasp", "hammer"): "slipped"}), nail=1.0, hammer=1.0) as (agent, _):
-        dropped = agent.hear(POUND)
+        slipped = agent.hear(POUND)
         began = list(agent.goals.done)
 
     assert set(steps(done).values()) == {"walked", "executed"}
     assert steps(done)["pound/pickUp"] == "walked"
     assert steps(done)["pound/lower"] == "executed"
-    assert {key for key, value in steps(dropped).items() if value == "dropped"} == {
+    assert {key for key, value in steps(slipped).items() if value == "slipped"} == {
         "pound", "pound/pickUp", "pound/pickUp/graspObject",
     }  # fmt: skip
     assert acts[:3] == [("graspObject", "hammer"), ("moveTo", "hammer"), ("pickUp", "hammer")]
