@@ -9,10 +9,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hilt.inference.affordance import Affordances
+from hilt.inference.decision import DecisionRule, ObjectRules
+from hilt.inference.interval_operators import Operators
+from hilt.inference.proof import Proof
 from hilt.inference.settings import Settings
 from hilt.inference.taxonomy import Taxonomy
 from hilt.inference.types import Conclusion, Goal, Observation, Target
-from hilt.kb.interval import Interval
+from hilt.kb.interval import EPSILON, Interval
 from hilt.kb.rule import Atom, Rule, functional, grasping
 from hilt.ontology.errors import UnknownNameError
 
@@ -517,3 +520,20 @@ def test_inherited_rule_is_reported_with_its_distance(steps: int, end: str):
     inference = Affordances(Rules(rule), taxonomy=kinds).infer(FIND, CUTTING, [seen("bread knife")])
 
     assert inference.candidates[0].reason.endswith(f"; inherited, {end}")
+
+
+def test_candidates_are_as_good_up_to_rounding_errors():
+    """Less than the tolerance apart, the first one is best; from there on it is not."""
+    decision = DecisionRule(FIND, 0.0, Operators(ranking="belief"))
+    best = Interval(0.75, 1.0)
+
+    for less, is_tied in ((EPSILON, False), (EPSILON / 2, True)):
+        intervals = [Interval(best.lower - less, 1.0), best]
+        found = [
+            decision.candidate(seen(name), None, [Proof("given", interval)], ObjectRules())
+            for name, interval in zip(("knife", "spoon"), intervals, strict=True)
+        ]
+        assert decision.best_index(intervals) == (0 if is_tied else 1)
+        assert [each.name for each in decision.ranked(found).ties] == (
+            ["knife", "spoon"] if is_tied else []
+        )

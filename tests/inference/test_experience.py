@@ -210,6 +210,14 @@ def test_experience_is_of_grasps_alone():
         assert (found.interval, found.experience, found.proof.step) == (HIGH, None, "modus ponens")
 
 
+def test_what_was_told_is_kept_apart_from_experience():
+    """The contradiction is that of the rules alone with experience."""
+    [shaft] = decided(grasping("screwdriver", "shaft", interval=HIGH), shaft=outcomes(0, 9))
+
+    assert shaft.told == HIGH
+    assert shaft.contradiction == contradiction(HIGH, outcomes(0, 9).interval)
+
+
 def test_the_proof_shows_experience_and_gives_the_numbers_again():
     """What was told is discounted in a step of its own, which can be evaluated."""
     rule = grasping("screwdriver", "shaft", "pass", interval=HIGH)

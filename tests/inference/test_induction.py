@@ -117,10 +117,11 @@ def test_part_without_counterpart_is_not_guessed():
 
 
 def test_parts_that_have_nothing_in_common_correspond_for_want_of_others():
-    """Two alike objects with one part each are held by it."""
-    tongs, pole = thing("tongs", "long", arm="grip"), thing("pole", "long", end="tip")
+    """Where the other parts of two alike objects correspond, the last ones do."""
+    tongs = thing("tongs", "long", handle="grip", jaw="jaw")
+    pole = thing("pole", "long", hold="grip", end="tip")
 
-    [found] = induce([grasping("tongs", "arm", "pass", interval=G)], {"tongs": tongs, "pole": pole})
+    [found] = induce([grasping("tongs", "jaw", "pass", interval=G)], {"tongs": tongs, "pole": pole})
 
     assert (found.rule.part, found.similarity, found.needed) == ("end", 0.5, ())
     assert found.shared == ("property:long",)
@@ -178,3 +179,13 @@ def test_rules_are_induced_once_for_each_change(sequence: int):
     taught.sequence += 1
     source.rules_at_nodes([POKING.node])
     assert taught.read == 2
+
+
+def test_grasp_rests_on_no_feature():
+    """Even where it was taught for long things alone."""
+    tongs, pliers = thing("tongs", "long", grip="grip"), thing("pliers", "long", hold="grip")
+    taught = grasping("tongs", "grip", "pass", interval=G, properties=["long"])
+
+    [found] = induce([taught], {"tongs": tongs, "pliers": pliers})
+
+    assert found.needed == ()

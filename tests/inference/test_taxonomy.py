@@ -1,6 +1,7 @@
 """A rule about a kind holds for its subkinds, unless a more specific rule exists."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 from hypothesis import given
@@ -10,7 +11,9 @@ from hilt.inference.affordance import Affordances
 from hilt.inference.settings import Settings
 from hilt.inference.taxonomy import FLAT, Taxonomy
 from hilt.inference.types import Goal, Observation, Target
+from hilt.kb.formats.ontology import import_ontology
 from hilt.kb.interval import CERTAIN, Interval
+from hilt.kb.knowledge_base import KnowledgeBase
 from hilt.kb.rule import Atom, Rule, functional, grasping, kind_rule
 from hilt.ontology.errors import DataError
 
@@ -225,3 +228,29 @@ def test_kinds_of_others_do_not_turn_those_of_the_household_round():
     assert found.above(BODKIN) == ((BODKIN, 0), (CHISEL, 1))
     assert found.above(AWL) == ((AWL, 0), (BODKIN, 1), (CHISEL, 2))
     assert found.above(CHISEL) == ((CHISEL, 0), (BODKIN, 1))
+
+
+ONTOLOGY = """@prefix : <http://x.org/tools#> .
+@prefix rdfs: <http://www.w3.org/2000/01/rdf-schema#> .
+@prefix owl: <http://www.w3.org/2002/07/owl#> .
+:HandSaw rdfs:subClassOf :Saw , [ a owl:Restriction ; owl:onProperty :hasPart ] .
+:Saw rdfs:subClassOf :T ; rdfs:label "saw" , "scie"@fr , "wood saw"@en-GB .
+:Fretsaw owl:equivalentClass :Saw .
+"""
+
+
+def test_names_of_an_ontology_are_those_in_english(tmp_path: Path):
+    """Of a class, the end of its address and its labels; classes without a name have none."""
+    file = tmp_path / "tools.ttl"
+    file.write_text(ONTOLOGY)
+    with KnowledgeBase.open("memory:") as base:
+        import_ontology(base, str(file))
+        base.taxonomies = ("tools",)
+        kinds = Taxonomy.declared(base)
+
+    saws = {"saw", "wood saw", "fretsaw"}
+    assert kinds.names_above("object", "hand saw") == {"hand saw", "t"} | saws
+    assert kinds.names_above("object", "scie") == {"scie"}
+    assert kinds.names_above("object", "saw") == {"saw", "t", "fretsaw", "wood saw"}
+    assert kinds.names_above("object", "fretsaw") == {"t"} | saws
+    assert {atom.name for atom in kinds.below(Atom("object", "t"))} == {"t", "hand saw"} | saws

@@ -18,7 +18,9 @@ def test_part_to_act_on_is_the_argument_if_it_is_a_part(argument: Atom | None, p
     """A use is no part."""
     proof = Proof("given", CERTAIN)
 
-    assert Candidate("knife", "knife", argument, proof, 1.0, "accepted", "").part == part
+    candidate = Candidate("knife", "knife", argument, proof, 1.0, "accepted", "")
+
+    assert (candidate.part, candidate.inherited) == (part, 0)
 
 
 def test_conclusion_is_written_with_its_argument():

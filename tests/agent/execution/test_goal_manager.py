@@ -6,6 +6,7 @@ can go on is met without a simulator.
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import FrozenInstanceError
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,7 @@ import pytest
 from hilt.agent.agent import Agent
 from hilt.agent.config import AgentConfig
 from hilt.agent.dialogue.reply import Reply
+from hilt.agent.execution.action_tree_executor import FoundObject
 from hilt.inference.affordance import Affordances
 from hilt.inference.settings import Settings
 from hilt.inference.taxonomy import Taxonomy
@@ -33,9 +35,11 @@ class Eyes:
 
     def __init__(self, **things: float) -> None:
         self.things = {name.replace("_", " "): sure for name, sure in things.items()}
+        self.asked: list[list[str]] = []
 
     def search(self, features: Sequence[str]) -> list[Percept]:
         """The things that show one of the features."""
+        self.asked.append([*features])
         wanted = {feature.partition(":")[2] for feature in features}
         return [
             Percept(name=name, object=name, confidence=sure, parts={})
@@ -649,3 +653,106 @@ def test_confidence_of_a_detection_is_a_bound_or_a_point(detection: str, upper: 
     assert result is not None and result.decision is not None
     [mug] = result.decision.object.candidates
     assert mug.proof.leaves[0].interval == Interval(0.5, upper)
+
+
+# --- What is looked for --------------------------------------------------------------------
+
+
+def test_nothing_is_looked_for_where_the_command_itself_is_forbidden():
+    """What the command names is enough to refuse it."""
+    eyes = Eyes(mug=1.0)
+    with Agent.open("memory:", vision=eyes, motion=Arm({})) as agent:
+        agent.hear("Never pick up the mug")
+        eyes.asked.clear()
+        reply = agent.hear("pick up the mug")
+
+    assert (reply.ending, eyes.asked) == ("refused", [])
+
+
+def test_only_what_was_found_is_looked_for_from_then_on():
+    """To grasp a hammer, what was told of shoes does not matter; for nothing there is no search."""
+    eyes = Eyes(nail=1.0, hammer=1.0, shoe=1.0)
+    with Agent.open("memory:", vision=eyes, motion=Arm({})) as agent:
+        for name, part in (("hammer", "handle"), ("shoe", "sole")):
+            agent.hear(f"A {name} is used for pounding")
+            agent.hear(f"To pick up a {name} grab it by the {part}")
+        result = agent.hear(POUND).result
+
+    assert result is not None
+    features = {step.node: step.features for step in result.steps}
+    assert features["pound/pickUp/findObject"] == ("object:hammer", "object:shoe")
+    assert features["pound/pickUp/graspObject"] == ("object:hammer",)
+    assert [] not in eyes.asked
+
+
+def test_object_that_is_forbidden_is_not_even_grasped_in_thought():
+    """Where all that would do is forbidden, the walk ends where it is looked for."""
+    with robot(hammer=1.0) as (agent, _):
+        agent.hear("Never pass the hammer")
+        reply = agent.hear("pass me something used for pounding")
+
+    assert reply.ending == "refused"
+    assert list(steps(reply)) == ["pass", "pass/findObject"]
+
+
+def test_part_that_was_named_is_not_replaced_by_the_one_that_is_obliged():
+    """Who asks for the blade is told that it must be the handle."""
+    seen = Percept("knife", "knife", 1.0, dict.fromkeys(PARTS, POINT))
+    arm = Arm({})
+    with Agent.open("memory:", vision=OneThing(seen), motion=arm) as agent:
+        agent.hear("You must pass a knife only by the handle")
+        named = agent.hear("pass me the knife by the blade")
+        free = agent.hear("pass me the knife")
+
+    assert (named.ending, free.ending, arm.parts) == ("refused", "done", ["handle"])
+
+
+def test_nothing_else_is_done_instead_of_what_is_forbidden(own: Path):
+    """What is done about any failure is not done about that."""
+    with robot(actions=own, glass=1.0, mug=1.0) as (agent, arm):
+        agent.hear("A glass is used for seasoning")
+        agent.hear("Never pick up the glass")
+        reply = agent.hear("season the mug")
+
+    assert (reply.ending, arm.done) == ("refused", [])
+
+
+POINTED = """
+  spice:
+    parameters: [patient]
+    steps:
+      - season: {patient: patient}
+  adorn:
+    parameters: [patient, tool]
+    defaults: {tool: {usedFor: seasoning}}
+    steps:
+      - pickUp: tool
+      - pointTo: patient
+"""
+
+
+def test_tree_in_a_tree_has_its_own_defaults(own: Path):
+    """The tool that the outer one does not name is looked for by the inner one."""
+    own.write_text(OWN + POINTED, encoding="utf-8")
+    with robot(actions=own, glass=1.0, mug=1.0) as (agent, arm):
+        agent.hear("A glass is used for seasoning")
+        agent.hear("spice the mug")
+
+    assert arm.done == ["grasp glass", "lift glass", "shake glass"]
+
+
+def test_decision_is_about_the_tool_though_its_patient_is_looked_for_later(own: Path):
+    """What is pointed to with it was named."""
+    own.write_text(OWN + POINTED, encoding="utf-8")
+    with robot(actions=own, glass=1.0, mug=1.0) as (agent, arm):
+        agent.hear("A glass is used for seasoning")
+        reply = agent.hear("adorn the mug")
+
+    assert arm.done == ["grasp glass", "lift glass", "point mug"]
+    assert tool(reply) == "glass"
+
+
+def test_what_was_found_cannot_be_changed():
+    """It is shared by all steps after it."""
+    with pytest.raises(FrozenInstanceError):
+        FoundObject(*[None] * 3).percept = None
