@@ -18,7 +18,7 @@ objects:
     properties: [wooden, long]
     parts:
       grip: {role: grip, material: wood, colour: "#8a5a33", mass: 0.08, shape: [{cylinder: {radius: 0.012, length: 0.1}, at: [-0.16, 0, 0.03], turn_deg: [0, 90, 0]}]}
-      roller: {role: surface, material: wood, colour: "#c99e6c", mass: 0.4, shape: [{cylinder: {radius: 0.03, length: 0.22}, at: [0, 0, 0.03], turn_deg: [0, 90, 0]}]}
+      roller: {role: surface, material: wood, colour: "#c99e6c", mass: 0.15, shape: [{cylinder: {radius: 0.03, length: 0.22}, at: [0, 0, 0.03], turn_deg: [0, 90, 0]}]}
     rests:
       flat: {turn_deg: [0, 0, 0]}
 """  # noqa: E501 - as a person would write it
@@ -51,7 +51,7 @@ def test_changed_file_of_objects_is_refused(mine: Path):
     """Other objects would be another embodiment."""
     kept = embodiment_as_json(Embodiment.from_config(AgentConfig(objects=mine)))
 
-    mine.write_text(ROLLING_PIN.replace("0.4", "0.5"), encoding="utf-8")
+    mine.write_text(ROLLING_PIN.replace("0.15", "0.5"), encoding="utf-8")
 
     with pytest.raises(DataError, match="changed since"):
         embodiment_from_json(kept)
