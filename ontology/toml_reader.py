@@ -1,7 +1,6 @@
-"""Reader and writer for flat TOML files: keys and values, without tables.
+"""Reader for flat TOML files: keys and values, without tables.
 
-What is read has the positions of `yaml_reader`, so that an error names file, line and column. What
-is written changes one value and keeps all else, comments included.
+What is read has the positions of `yaml_reader`, so that an error names file, line and column.
 """
 
 import re
@@ -39,19 +38,6 @@ def read_toml(path: Path) -> YamlNode:
         column += len(line[column:]) - len(line[column:].lstrip()) + 1
         entries[key] = _node(value, source, keys[-1].line, column, line)
     return YamlNode(entries, source, 1, 1, keys=tuple(keys))
-
-
-def with_value(text: str, source: str, key: str, value: object) -> str:
-    """Return the text of a file in which a key has this value; None removes the key.
-
-    DataError if the text is not TOML.
-    """
-    import tomlkit  # imported here: most commands only read
-
-    _parse(text, source)
-    document = tomlkit.parse(text)
-    document.pop(key, None) if value is None else document.update({key: value})
-    return tomlkit.dumps(document)
 
 
 def _key(key: str, text: str, source: str) -> YamlNode:

@@ -131,14 +131,6 @@ class YamlNode:
                 raise self.fail(f'the key "{name}" is missing; found {", ".join(found) or "none"}.')
         return found
 
-    def plain(self) -> Any:
-        """Return this value as plain Python data, without positions."""
-        if isinstance(self.value, tuple):
-            return [item.plain() for item in self.value]
-        if isinstance(self.value, dict):
-            return {key: field.plain() for key, field in self.value.items()}
-        return self.value
-
     def shown(self) -> str:
         """Return the description of this value for an error message."""
         if isinstance(self.value, dict):

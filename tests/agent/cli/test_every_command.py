@@ -65,7 +65,7 @@ def _without_the_simulator(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
     """In an empty folder, over an empty base, without the extra, and with nothing to read."""
     monkeypatch.setitem(sys.modules, "pybullet", None)
     monkeypatch.setenv("HILT_KB", str(tmp_path / "kb"))
-    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))  # which `hilt config set` writes into
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
     monkeypatch.setattr(sys, "stdin", TextIOWrapper(BytesIO()))
     monkeypatch.setattr("time.sleep", _interrupt)  # of `hilt watch`, which has no other end
     monkeypatch.chdir(tmp_path)
