@@ -82,8 +82,7 @@ class DecisionRule:
         if experience:
             seen_before = Proof("experienced", experience.interval, str(experience))
             proof = derive("discount", (proof, seen_before), self.operators)
-        if applied.overrides:
-            proof = replace(proof, overruled=applied.overruled)
+        proof = replace(proof, overruled=applied.overruled)
         if argument is not None and proof.step not in LEAVES:
             # Affordances and parts imply their functor: usedFor, graspObject.
             is_plain = argument.kind in {"affordance", "part"}

@@ -221,8 +221,6 @@ def _corresponding_part(
 ) -> tuple[str, float, tuple[str, ...]] | None:
     import networkx as nx  # imported here: it takes half a second to load
 
-    if name not in source.parts:
-        return None
     pairs: nx.Graph[tuple[str, str]] = nx.Graph()
     for one, other in product(source.parts.values(), target.parts.values()):
         alike, _ = similarity(_part_traits(one), _part_traits(other))

@@ -76,8 +76,6 @@ def modus_ponens_material(antecedent: Interval, rule: Interval) -> Interval:
 
 def fuse_yager(intervals: Sequence[Interval]) -> Interval:
     """Fuse by Yager's rule (1987) over all sources at once (`ontology.evidence_operators`)."""
-    if len(intervals) == 1:
-        return intervals[0]
     return Interval(*evidence_operators.fuse_yager([*map(_pair, intervals)]))
 
 

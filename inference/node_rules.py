@@ -231,8 +231,6 @@ class NodeRules:
         fitting = [rule for rule in rules if features_of(rule) <= shown.keys()]
         # What asserts and denies nothing only says on what a use rests (`induction`).
         fitting = [rule for rule in fitting if not rule.interval.is_vacuous]
-        if not fitting:
-            return ObjectRules()
 
         def is_affirmed(one: Premises, other: Premises) -> bool:
             evidence = self._evidence(one, seen, shown)
