@@ -140,10 +140,9 @@ def _foreign_pairs(base: KnowledgeBase, name: str) -> Iterator[tuple[Atom, Atom]
     for kind, is_same, above in base.select(_FOREIGN, graph):
         ends = [_names(cast(Iri, node), names) for node in (kind, above)]
         for lower, upper in product(*ends):
-            if lower != upper:
-                yield lower, upper
-                if is_same:
-                    yield upper, lower
+            yield lower, upper
+            if is_same:
+                yield upper, lower
 
 
 def _names(node: Iri, labels: Mapping[Iri, set[str]]) -> list[Atom]:

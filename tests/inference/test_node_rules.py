@@ -110,13 +110,18 @@ def test_rules_about_other_objects_are_of_interest_where_one_is_looked_for():
 def test_only_a_grasp_is_done_in_the_context_of_grasping():
     """What holds for grasping says nothing of shaking."""
     hammer = Atom("object", "hammer")
-    actions = [frozenset({Atom("action", name)}) for name in ("grasp", "season")]
-    rules = [Rule(frozenset({hammer}), each, "shake", Atom("part", "head"), G) for each in actions]
+    rules = [
+        Rule(frozenset({hammer}), frozenset({Atom("action", name)}), "shake", HAFT, G)
+        for name in ("grasp", "season")
+    ]
     seen = Observation("hammer", "hammer", {hammer: CERTAIN})
 
-    [only] = Affordances(Told(*rules)).infer("season/shake", HAMMER, [seen]).candidates
+    grasped, seasoned = (
+        Affordances(Told(rule)).infer("season/shake", HAMMER, [seen]).candidates for rule in rules
+    )
 
-    assert only.rules == (rules[1],)
+    assert grasped == ()
+    assert [each.rules for each in seasoned] == [(rules[1],)]
 
 
 @pytest.mark.parametrize("is_first", [True, False])
