@@ -298,9 +298,8 @@ class TreeExecutor:
 
     def _unmet_property(self, condition: Precondition, argument: Argument) -> Failure:
         prop, name = condition.property or "", named(argument) or "thing"
-        told = self._request.contexts.get(Atom("property", prop))
-        seen = self._context.search([f"property:{prop}"]) if told is None else ()
-        if told is None and all(each.object != name for each in seen):
+        told, features = self._request.contexts.get(Atom("property", prop)), [f"property:{prop}"]
+        if told is None and all(each.object != name for each in self._context.search(features)):
             slots = {"object": name, "property": prop}
             return AnswerContent("is_it_so", slots, "asked", "required")
         is_so = told is None or told.lower > 0

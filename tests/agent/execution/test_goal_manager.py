@@ -7,6 +7,7 @@ can go on is met without a simulator.
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import FrozenInstanceError
+from itertools import chain, repeat
 from pathlib import Path
 
 import numpy as np
@@ -57,6 +58,17 @@ class OneThing:
     def search(self, features: Sequence[str]) -> list[Percept]:
         """The one thing."""
         return [self.seen]
+
+
+class Fleeting:
+    """Sees these things at first, and those from then on."""
+
+    def __init__(self, first: Sequence[Percept], then: Sequence[Percept]) -> None:
+        self._views = chain([first], repeat(then))
+
+    def search(self, features: Sequence[str]) -> Sequence[Percept]:
+        """What is there now."""
+        return next(self._views)
 
 
 class Arm:
@@ -496,6 +508,16 @@ def test_guess_about_a_part_is_asked_about_first(threshold: float):
     assert (asked.ending, done.said) == ("asked", "I would pass the screwdriver by the shaft.")
 
 
+def test_guess_about_a_part_is_not_asked_about_where_another_one_is_obliged():
+    """What must be done needs no guess."""
+    with Agent.open("memory:", AgentConfig(simulate=False, induce=True)) as agent:
+        agent.hear("To pass a knife grab it by the blade")
+        agent.hear("Only pass the screwdriver by the handle")
+        done = agent.hear("pass me the screwdriver")
+
+    assert done.said == "I would pass the screwdriver by the handle."
+
+
 @pytest.mark.parametrize("threshold", [0.005, 0.5])
 def test_guess_about_a_use_is_said_to_be_one_and_asked_about(threshold: float):
     """Nobody said that a glass is used for containing: Hilt says so before it acts."""
@@ -685,6 +707,23 @@ def test_only_what_was_found_is_looked_for_from_then_on():
     assert [] not in eyes.asked
 
 
+@pytest.mark.parametrize(("is_gone", "looked_at"), [(False, ["knife"]), (True, [])])
+def test_another_thing_of_the_kind_does_not_stand_for_the_one_that_was_found(
+    is_gone: bool, looked_at: list[str]
+):
+    """Once a knife was found, only that one is looked at, and none if it is gone."""
+    names = ("knife", "knife 2")
+    knives = [Percept(each, "knife", 1.0, dict.fromkeys(PARTS, POINT)) for each in names]
+    eyes = Fleeting(knives, knives[1:] if is_gone else knives)
+    with Agent.open("memory:", vision=eyes, motion=Arm({})) as agent:
+        agent.hear("To pass a knife grab it by the blade")
+        result = agent.hear("pass me the knife").result
+
+    assert result is not None
+    [grasped] = [step for step in result.steps if step.node == "pass/graspObject"]
+    assert [*grasped.percepts] == looked_at
+
+
 def test_object_that_is_forbidden_is_not_even_grasped_in_thought():
     """Where all that would do is forbidden, the walk ends where it is looked for."""
     with robot(hammer=1.0) as (agent, _):
@@ -705,6 +744,19 @@ def test_part_that_was_named_is_not_replaced_by_the_one_that_is_obliged():
         free = agent.hear("pass me the knife")
 
     assert (named.ending, free.ending, arm.parts) == ("refused", "done", ["handle"])
+
+
+@pytest.mark.parametrize(("part", "ending"), [("handle", "done"), ("rim", "asked")])
+def test_part_that_is_obliged_settles_what_was_not_sure(part: str, ending: str):
+    """It is not asked about, unless the thing lacks it."""
+    seen = Percept("knife", "knife", 0.6, dict.fromkeys(PARTS, POINT))
+    arm = Arm({})
+    with Agent.open("memory:", vision=OneThing(seen), motion=arm) as agent:
+        agent.hear("To pass a knife, occasionally grab it by the blade")
+        agent.hear(f"Only pass the knife by the {part}")
+        reply = agent.hear("pass me the knife")
+
+    assert (reply.ending, arm.parts) == (ending, ["handle"] * (ending == "done"))
 
 
 def test_nothing_else_is_done_instead_of_what_is_forbidden(own: Path):
