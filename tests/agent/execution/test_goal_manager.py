@@ -60,6 +60,19 @@ class OneThing:
         return [self.seen]
 
 
+class Labelled:
+    """Sees a mug and a glass, of which one has a property."""
+
+    def __init__(self, **having: str) -> None:
+        self.having = having
+
+    def search(self, features: Sequence[str]) -> list[Percept]:
+        """Those that are named, or have a property that is."""
+        wanted = {feature.partition(":")[2] for feature in features}
+        wanted |= {name for prop, name in self.having.items() if prop in wanted}
+        return [Percept(each, each, 1.0, {}) for each in ("mug", "glass") if each in wanted]
+
+
 class Fleeting:
     """Sees these things at first, and those from then on."""
 
@@ -648,6 +661,28 @@ def test_without_a_robot_things_are_found_and_not_taken():
 
     assert planned["pass/findObject"] == "executed"
     assert planned["pass/graspObject"] == planned["pass/handOver"] == "not executed"
+
+
+def test_without_a_robot_a_loop_is_gone_through_once():
+    """One pass shows what would be done."""
+    with Agent.open("memory:", AgentConfig(simulate=False)) as agent:
+        agent.hear("A hammer is used for pounding")
+        result = agent.hear(POUND).result
+
+    assert result is not None
+    nodes = [step.node for step in result.steps]
+    assert len(nodes) == len(set(nodes))
+
+
+@pytest.mark.parametrize(("empty", "ending"), [("mug", "done"), ("glass", "asked")])
+def test_property_that_an_action_needs_must_be_seen_on_its_object(empty: str, ending: str):
+    """That something else is empty says nothing of the mug."""
+    arm = Arm({})
+    with Agent.open("memory:", vision=Labelled(empty=empty), motion=arm) as agent:
+        agent.hear("To dry a mug, pick it up, only if it is empty.")
+        reply = agent.hear("dry the mug")
+
+    assert (reply.ending, arm.done) == (ending, ["grasp mug", "lift mug"] * (ending == "done"))
 
 
 def test_result_has_the_grasps_and_what_the_world_came_to():
