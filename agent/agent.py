@@ -187,6 +187,7 @@ class Agent(AbstractContextManager["Agent"]):
         hear = partial(self.dialogue.hear, text, speaker=speaker, only=only, keep=keep)
         with self._hearing:
             self.interruption.clear()
+            self._take_trajectory()  # of what was no episode
             return self._filmed_reply(text, partial(hear, heard=heard, alternatives=alternatives))
 
     def _filmed_reply(self, text: str, hear: Callable[[], Reply]) -> Reply:
@@ -242,7 +243,11 @@ class Agent(AbstractContextManager["Agent"]):
         self._is_repeatable = self._is_repeatable and keep and not reply.is_interrupted
         if keep:
             episode = episodes.episode_from_reply(reply, self._again(request), self.robot)
+            episode = replace(episode, trajectory=self._take_trajectory())
             self._last_episode = self.base.record_episode(episode).id
+
+    def _take_trajectory(self) -> str | None:
+        return self.body.robot.take_trajectory() if "body" in self.__dict__ else None
 
     def _again(self, request: Request) -> Json | None:
         if self._vision or self._motion or not self._is_repeatable:

@@ -95,9 +95,7 @@ class AgentConfig:
     simulate: bool = _option(bool, True, "Move a simulated robot.", "--sim/--no-sim")
     gui: bool = _option(bool, False, "Show the simulator's window.")
     induce: bool = _option(bool, False, "Also act on rules that follow by similarity.")
-    settings: Settings | Path | None = _option(
-        Path, None, "A YAML file with settings of the inference."
-    )
+    settings: Settings | Path | None = _option(Path, None, "A YAML file with inference settings.")
     overrides: tuple[str, ...] = _option(
         tuple,
         (),

@@ -123,12 +123,10 @@ def embodiment_from_json(kept: Mapping[str, Any], *, gui: bool = False) -> Embod
     DataError if the user's own file of objects is gone, or was changed; UnknownNameError if the
     robot is gone.
     """
-    objects = file_from_json(kept["objects"])
+    file = file_from_json(kept["objects"])
     kept = {"simulate": kept.get("simulated"), **kept}  # its name until version 0.1
     robot = {name: kept[name] for name in ROBOT_OPTIONS}
-    return Embodiment(
-        from_json(Scene, kept["scene"]), household(objects), objects, gui=gui, **robot
-    )
+    return Embodiment(from_json(Scene, kept["scene"]), household(file), file, gui=gui, **robot)
 
 
 def settings_as_choices(settings: Settings) -> list[str]:

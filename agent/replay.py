@@ -66,13 +66,14 @@ class ReplayResult:
 
 
 def find_episode(episodes: Sequence[Episode], name: str) -> Episode:
-    """Return the episode with this id, or prefix of an id, or the last one for "last".
+    """Return the episode with this id, its number, or the start of it, or the last one for "last".
 
     UnknownNameError if there is none; HiltError if there are several.
     """
     if name == LAST and episodes:
         return episodes[-1]
     found = [each for each in episodes if each.id == name]
+    found = found or [each for each in episodes if each.id.startswith(f"{name}-")]
     found = found or [each for each in episodes if each.id.startswith(name)]
     if len(found) > 1:
         alike = ", ".join(each.id for each in found[-LISTED:])

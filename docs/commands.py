@@ -32,10 +32,9 @@ def reference() -> str:
 def _sections(command: Any, path: str) -> Iterator[str]:
     for name, each in getattr(command, "commands", {}).items():
         full = f"{path} {name}"
-        if hasattr(each, "commands"):
-            yield from _sections(each, full)
-        else:
+        if each.epilog:
             yield from _section(each, full)
+        yield from _sections(each, full)
 
 
 def _section(command: Any, path: str) -> Iterator[str]:

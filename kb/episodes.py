@@ -33,17 +33,13 @@ HELD = "held"
 _OBJECT, _USED = term("chosenObject"), rules_property(external("prov:used"))
 _FEATURES = FieldProperty(rule_mapping.FEATURE, Iri, atom_iri, atom_from_iri, ())
 _OUTCOME = FieldProperty(term("outcome"), str)
-_LIFTED = FieldProperty(
-    term("lifted"), Number, lambda height: Decimal(str(round(height, 6))), float, None
-)
+_LIFTED = FieldProperty(term("lifted"), Number, lambda h: Decimal(str(round(h, 6))), float, None)
 _HANDED_OVER = FieldProperty(term("handedOver"), bool, default=None)
 _RECORDED = FieldProperty(rule_mapping.GENERATED_AT, datetime, default=None)
 
 
 def _name(predicate: Iri, kind: str, default: object = record_mapping.REQUIRED) -> FieldProperty:
-    return FieldProperty(
-        predicate, Iri, lambda name: atom_iri(Atom(kind, name)), local_name, default
-    )
+    return FieldProperty(predicate, Iri, lambda n: atom_iri(Atom(kind, n)), local_name, default)
 
 
 @dataclass(frozen=True)
@@ -107,6 +103,7 @@ class Episode:
         touched: the parts that the fingers touched.
         lifted_m: height the object was lifted [m]; None without a simulation.
         handed_over: whether it was still held at the hand-over; None without a simulation.
+        trajectory: where the joints of the robot were, packed by `sim/robot/trajectory.py`.
         utterance: number of the utterance it answers; None until it is recorded.
         id: unique in the base; empty until it is recorded.
         time: when it was recorded, with its time zone; None before.
@@ -127,6 +124,7 @@ class Episode:
     touched: Annotated[tuple[str, ...], _name(term("touched"), "part", ())] = ()
     lifted_m: Annotated[float | None, _LIFTED] = None
     handed_over: Annotated[bool | None, _HANDED_OVER] = None
+    trajectory: Annotated[str | None, FieldProperty(term("trajectory"), str, default=None)] = None
     utterance: Annotated[int | None, utterance_property(term("about"), None)] = None
     id: str = ""
     time: Annotated[datetime | None, _RECORDED] = None

@@ -202,11 +202,9 @@ class KnowledgeBase(RuleWriter, AbstractContextManager["KnowledgeBase"]):
     def record_episode(self, episode: Episode) -> Episode:
         """Store the execution of the last command; returns it with its id, utterance and time."""
         with self.store.writing():
-            number, moment = self.last_written, to_milliseconds(self.clock())
-            mark = hashlib.sha256(f"{moment}{episode.document}".encode()).hexdigest()[:8]
-            recorded = replace(
-                episode, id=f"{number}-{mark}", utterance=number or None, time=moment
-            )
+            number, now = self.last_written, to_milliseconds(self.clock())
+            mark = hashlib.sha256(f"{now}{episode.document}".encode()).hexdigest()[:8]
+            recorded = replace(episode, id=f"{number}-{mark}", utterance=number or None, time=now)
             self.store.apply(insert=episode_quads(recorded))
             self._recorded += 1
         return recorded

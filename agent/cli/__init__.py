@@ -79,7 +79,8 @@ def _logged(wanted: bool) -> Generator[None]:
 
 def _run(command: Any, arguments: Sequence[str], *, debug: bool) -> int:
     try:
-        return command.main(_reordered(arguments), prog_name="hilt", standalone_mode=False) or 0
+        given = _reordered(command, arguments)
+        return command.main(given, prog_name="hilt", standalone_mode=False) or 0
     except typer.Abort:
         return INTERRUPTED
     except Exception as error:
@@ -113,11 +114,15 @@ def _in_words(error: Exception) -> str:
     return f"{message}{stop} Run: {path} --help"
 
 
-def _reordered(arguments: Sequence[str]) -> list[str]:
-    at = 0
-    while at < len(arguments) and arguments[at].split("=")[0] in MAY_LEAD:
-        name, _, value = arguments[at].partition("=")
-        at += 1 if value else 1 + MAY_LEAD[name]
-    if at >= len(arguments):
-        return []  # options alone
-    return [arguments[at], *arguments[:at], *arguments[at + 1 :]]
+def _reordered(command: Any, arguments: Sequence[str]) -> list[str]:
+    words, options, rest = [], [], [*arguments]
+    while rest:
+        name, _, value = rest[0].partition("=")
+        if name in MAY_LEAD:
+            count = 1 if value else 1 + MAY_LEAD[name]
+            options, rest = [*options, *rest[:count]], rest[count:]
+        elif _command(command, [*words, name]):
+            words.append(rest.pop(0))
+        else:
+            break
+    return [*words, *options, *rest] if words else rest

@@ -10,11 +10,7 @@ from ..config_files import configured, user_file
 from .common import print_json
 from .options import AsJson, app, example
 
-config_app = typer.Typer(
-    help="Show what options are when they are not given.",
-    invoke_without_command=True,
-    rich_markup_mode=None,
-)
+config_app = typer.Typer(help="Show what options are by default.", invoke_without_command=True)
 app.add_typer(config_app, name="config")
 
 

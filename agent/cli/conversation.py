@@ -161,9 +161,7 @@ def chat(
 
 @app.command(epilog=example("listen command.wav"))
 def listen(
-    file: Annotated[
-        Path | None, typer.Argument(metavar="FILE.wav", help="A sound to listen to.")
-    ] = None,
+    file: Annotated[Path | None, typer.Argument(metavar="FILE.wav", help="A sound.")] = None,
     *,
     from_microphone: Annotated[
         bool, typer.Option("--microphone", help="Listen to one utterance.")

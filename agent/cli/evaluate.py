@@ -41,12 +41,8 @@ Workers = Annotated[
     int | None,
     typer.Option(min=1, help="Cases at once, each in its process. Default: 1, or all of --ray."),
 ]
-Ray = Annotated[
-    str | None, typer.Option(help='A Ray cluster: its address, "auto", or "local" for a new one.')
-]
-Timeout = Annotated[
-    float, typer.Option(min=0.1, help="Seconds after which a case's worker is killed.")
-]
+Ray = Annotated[str | None, typer.Option(help='A Ray cluster: address, "auto", or "local" (new).')]
+Timeout = Annotated[float, typer.Option(min=0.1, help="Seconds until a case's worker is killed.")]
 OutFolder = Annotated[Path | None, typer.Option(help="The folder for the journal and the results.")]
 Reports = Annotated[
     list[Path] | None,

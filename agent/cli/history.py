@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import json
+import sys
 import time
 from collections.abc import Iterator
 from functools import partial
 from itertools import islice
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
@@ -26,7 +27,12 @@ if TYPE_CHECKING:
 
 ADDRESSES = ("http://", "https://", "memory:")
 By = Annotated[str | None, typer.Option("--speaker", help="Only what this one said.")]
+Which = Annotated[str, typer.Argument(metavar="ID|last", help="An episode's id, or its start.")]
+Form = Literal["csv", "json", "mcap"]
 Since = Annotated[int | None, typer.Option("--since", min=0, help="Only after this utterance.")]
+
+episodes_app = typer.Typer(epilog=example("episodes --last 5"), invoke_without_command=True)
+app.add_typer(episodes_app, name="episodes")
 
 
 @app.command(epilog=example("history --last 10 --speaker sam"))
@@ -84,9 +90,7 @@ def watch(
     since: Since = None,
     speaker: By = None,
     name: Object = None,
-    every: Annotated[
-        float, typer.Option("--every", min=0.05, help="Seconds between two looks.")
-    ] = 0.5,
+    every: Annotated[float, typer.Option("--every", min=0.05, help="Seconds between looks.")] = 0.5,
     seconds: Annotated[
         float | None,
         typer.Option("--for", min=0.0, help="Stop after so many seconds; 0 only shows what is."),
@@ -144,14 +148,17 @@ def merge(
     common.show_import(found, other, dry_run=dry_run, as_json=as_json)
 
 
-@app.command(epilog=example("episodes --last 5"))
+@episodes_app.callback()
 def episodes(
+    context: typer.Context,
     *,
     last: Annotated[int | None, typer.Option(min=1, help="Only the last so many.")] = None,
     kb: Kb = None,
     as_json: AsJson = False,
 ) -> None:
     """List the episodes: each command with its time, outcome, object and part."""
+    if context.invoked_subcommand:
+        return
     with common.open_for_reading(kb) as base:
         found = list(base.episodes())
     shown = found[-last:] if last else found
@@ -163,6 +170,27 @@ def episodes(
         ])  # fmt: skip
     else:
         common.terminal().print(presentation.console.episodes(shown))
+
+
+@episodes_app.command(epilog=example("episodes trajectory last --out arm.csv"))
+def trajectory(
+    which: Which,
+    *,
+    form: Annotated[Form, typer.Option("--format", help="csv, json or mcap.")] = "csv",
+    out: Annotated[str, typer.Option("--out", help='A file; "-" is standard output.')] = "-",
+    kb: Kb = None,
+) -> None:
+    """Export where the joints of the robot were in an episode, 48 times a second."""
+    from ...sim.robot.trajectory import export
+    from ..replay import find_episode
+
+    if form == "mcap" and out == "-" and sys.stdout.isatty():
+        raise typer.BadParameter("MCAP is binary: name a file (--out), or redirect the output.")
+    with common.open_for_reading(kb) as base:
+        found = find_episode([*base.episodes()], which)
+    if found.trajectory is None:
+        raise HiltError(f"{found.id} has no trajectory: no simulated arm moved, or Hilt was older.")
+    common.write_bytes(out, export(found.trajectory, form))
 
 
 @app.command(epilog=example("experience --object screwdriver"))
@@ -184,14 +212,7 @@ def experience(
 
 @app.command(epilog=example("replay last --record again.gif"))
 def replay(
-    which: Annotated[
-        str, typer.Argument(metavar="ID|last", help="An episode's id or the start of it.")
-    ],
-    *,
-    kb: Kb = None,
-    record: Record = None,
-    gui: Gui = False,
-    as_json: AsJson = False,
+    which: Which, *, kb: Kb = None, record: Record = None, gui: Gui = False, as_json: AsJson = False
 ) -> None:
     """Run an episode again from its seed and its rules; exit code 1 when the result differs."""
     from ..replay import replay as run

@@ -69,9 +69,7 @@ Kb = Annotated[
         "endpoint. By default that of `hilt config`.",
     ),
 ]
-Record = Annotated[
-    Path | None, typer.Option("--record", help="Film what is done: a .mp4, .gif or .png file.")
-]
+Record = Annotated[Path | None, typer.Option(help="Film what is done: a .mp4, .gif or .png file.")]
 Speaker = Annotated[
     str,
     typer.Option(
@@ -84,9 +82,7 @@ Host = Annotated[
         "--speaker", callback=_lasting_speaker, help="Who is speaking; by default who taught first."
     ),
 ]
-Heard = Annotated[
-    float, typer.Option("--heard", min=0.0, max=1.0, help="How surely a recogniser heard it.")
-]
+Heard = Annotated[float, typer.Option(min=0.0, max=1.0, help="How surely a recogniser heard it.")]
 Recognisers = Annotated[
     list[str] | None,
     typer.Option(
@@ -95,9 +91,7 @@ Recognisers = Annotated[
         help="moonshine, pocketsphinx, or a plug-in; may be repeated. By default these two.",
     ),
 ]
-KeptSound = Annotated[
-    Path | None, typer.Option("--keep-sound", help="Keep what is said, as sound, in this folder.")
-]
+KeptSound = Annotated[Path | None, typer.Option(help="Keep what is said as sound in this folder.")]
 Alternatives = Annotated[
     str | None,
     typer.Option(
@@ -107,9 +101,7 @@ Alternatives = Annotated[
         'reads a file, "-" stdin. Then what is not sure is read back.',
     ),
 ]
-DryRun = Annotated[
-    bool, typer.Option("--dry-run", help="Only check, and report what would change.")
-]
+DryRun = Annotated[bool, typer.Option("--dry-run", help="Only check; report what would change.")]
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON document.")]
 Out = Annotated[Path, typer.Option("--out", help="The folder for pictures and the animation.")]
 Seed = Annotated[int, typer.Option("--seed", min=0, help=OPTIONS["seed"].help)]

@@ -27,9 +27,7 @@ def explain(
     config: AgentConfig,
     kb: Kb = None,
     speaker: Speaker = "sam",
-    svg: Annotated[
-        Path | None, typer.Option("--svg", help="Also draw the proof into this file.")
-    ] = None,
+    svg: Annotated[Path | None, typer.Option(help="Also draw the proof into this file.")] = None,
     as_json: AsJson = False,
 ) -> None:
     """Prove a decision: from what was said to what is chosen, and what would change it."""
@@ -40,13 +38,10 @@ def explain(
         reply = agent.hear(text, speaker=speaker, only="do", keep=False)
         decision = reply.decision
         changes = _changes(agent, decision)
+        drawing, describe = presentation.deduction_svg, agent.dialogue.conversation.describe
         if svg and decision:
-            drawn, describe = (
-                presentation.deduction_svg.from_proof,
-                agent.dialogue.conversation.describe,
-            )
-            proved = [drawn(each, describe) for each in decision.proofs()]
-            write_svg(svg, presentation.deduction_svg.draw_svg(proved))
+            proved = [drawing.from_proof(each, describe) for each in decision.proofs()]
+            write_svg(svg, drawing.draw_svg(proved))
         if as_json:
             proofs = decision.proofs_as_json() if decision else []
             said = {"utterance": text, "said": reply.said, "outcome": reply.ending}
@@ -54,11 +49,7 @@ def explain(
             changed = [each.as_json() for each in changes]
             print_json(said | {"norms": norms, "proofs": proofs, "changes": changed})
         else:
-            terminal().print(
-                presentation.console.explanation(
-                    reply, changes, agent.dialogue.conversation.describe
-                )
-            )
+            terminal().print(presentation.console.explanation(reply, changes, describe))
     exit_with(reply.is_done)
 
 
@@ -99,9 +90,7 @@ def abduce(
         str, typer.Argument(help="What to explain: affordance:cutting, part:blade, cutWith(bread).")
     ],
     *,
-    given: Annotated[
-        list[str] | None, typer.Option("--given", help="What is known: object:knife, ...")
-    ] = None,
+    given: Annotated[list[str] | None, typer.Option(help="What is known: object:knife ...")] = None,
     kb: Kb = None,
     as_json: AsJson = False,
 ) -> None:

@@ -24,9 +24,7 @@ app.add_typer(scene_app, name="scene")
 def show(
     *,
     config: AgentConfig,
-    out: Annotated[Path, typer.Option("--out", help="The picture file, .png or .jpg.")] = Path(
-        "out/scene.png"
-    ),
+    out: Annotated[Path, typer.Option(help="The picture, .png or .jpg.")] = Path("out/scene.png"),
     names: Annotated[
         bool, typer.Option("--names", help="Write the names of the objects into the picture.")
     ] = False,

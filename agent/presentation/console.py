@@ -68,9 +68,7 @@ class RecordTable(Table):
         if self.title:
             yield Text(str(self.title), "italic")
         for cells in zip(*(column.cells for column in self.columns), strict=True):
-            texts = [
-                each if isinstance(each, Text) else Text.from_markup(str(each)) for each in cells
-            ]
+            texts = [one if isinstance(one, Text) else Text.from_markup(str(one)) for one in cells]
             if self.show_header:
                 heads = [Text(f"{column.header}: ".lstrip(": "), "dim") for column in self.columns]
                 yield Text("\n").join(map(Text.assemble, heads, texts)) + "\n"

@@ -17,6 +17,7 @@ from ..poses import Array
 from .collision import CollisionSpheres, arm_spheres, finger_spheres
 from .interruption import Interruption
 from .models import Gripper, RobotType
+from .trajectory import pack
 
 NAME = "robot"
 MIN_FORCE = 0.01  # [N], weaker contacts are ignored
@@ -25,13 +26,14 @@ CLOSING_TIME = 1.6  # [s], longer than the fingers ever need
 STILL = 2e-4  # [m/s], a slower finger has met something or its end
 STILL_STEPS = 30  # after which closing is over
 SQUEEZE_STEPS = 36  # in which the force builds up
-FINGER_FRICTION, FINGER_SPINNING = 1.0, 0.002  # rubber pads; [m] of a small contact patch
+FRICTION, SPINNING = 1.0, 0.002  # of the fingers: rubber pads; [m] of a small contact patch
 GEAR_FORCE, GEAR_STIFFNESS = 200.0, 0.3
 GAIN = 0.3  # of the arm's motors: errors below a millimetre at full pace
 OPENING_FORCE = 40.0  # [N]
 PEAK = 1.5  # the highest speed of s = 3 t^2 - 2 t^3, in units of the mean one
 REACTION_STEPS = 6  # between two looks at the interruption while nothing is commanded: 25 ms
 BRAKE_STEPS, AT_REST = 60, 0.02  # at most, until the arm is slower [rad/s] when it is interrupted
+SAMPLE_STEPS = 5  # at most, between two samples of a trajectory: 48 a second
 MIN_DURATION = 0.12  # [s], of a path
 ROUNDING = 0.1  # [s] over which corners, starts and ends are rounded, which bounds the jerk
 LEAST_STRETCH = 1.02  # of a path that asks for too much acceleration
@@ -76,7 +78,7 @@ class Robot:
     ) -> None:
         self.engine, self.kind = engine, kind
         self.interruption = interruption or Interruption()
-        self._step = step or engine.step
+        self._pass = step or engine.step
         self.chain = kind.arm
         self.spheres = arm_spheres(self.chain, kind.spheres)
         self._joints = self.chain.names
@@ -88,6 +90,8 @@ class Robot:
         self._hold_arm(kind.home)
         if kind.gripper:
             self._prepare_hand(kind.gripper)
+        self._all_joints = (*self._joints, *(kind.gripper.joints if kind.gripper else ()))
+        self._samples = [self._sample()]
 
     @property
     def gripper(self) -> Gripper:
@@ -219,6 +223,23 @@ class Robot:
         found = (c for c in self.engine.bodies.contacts(NAME, link) if c.force > MIN_FORCE)
         return frozenset((c.other, c.other_link) for c in found if c.other != NAME)
 
+    def take_trajectory(self) -> str | None:
+        """Return where the joints were since the last call, packed; None if no time has passed."""
+        table = np.unique(
+            [*self._samples, now := self._sample()], axis=0
+        )  # in their order, each once
+        self._samples = [now]
+        return pack(self.kind.name, self._all_joints, table) if len(table) > 1 else None
+
+    def _sample(self) -> Array:
+        positions = self.engine.joints.positions(NAME, self._all_joints)
+        return np.append(self.engine.steps * TIME_STEP, positions)
+
+    def _step(self, count: int) -> None:
+        self._pass(count)
+        if self.engine.steps % SAMPLE_STEPS < count:
+            self._samples.append(self._sample())
+
     def _hold_arm(self, position: Array, speed: Array | None = None) -> None:
         self.engine.joints.drive_to(
             NAME, self._joints, position, forces=self._efforts, gain=GAIN, speeds=speed
@@ -230,9 +251,7 @@ class Robot:
             NAME, first, second, ratio=-1.0, force=GEAR_FORCE, stiffness=GEAR_STIFFNESS
         )
         for link in gripper.links:
-            self.engine.bodies.set_friction(
-                NAME, link, lateral=FINGER_FRICTION, spinning=FINGER_SPINNING
-            )
+            self.engine.bodies.set_friction(NAME, link, lateral=FRICTION, spinning=SPINNING)
         self.engine.joints.reset(NAME, gripper.joints, [gripper.opening / 2] * 2)
         self.open(gripper.opening)
 

@@ -158,6 +158,32 @@ def test_commands_list_and_replay(tmp_path: Path, capfd: pytest.CaptureFixture[s
 
 
 @pytest.mark.sim
+def test_trajectory_of_each_command_is_kept_and_exported(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+):
+    """The second goes on where the first ended; what nothing moved for has none, and says so."""
+    config = AgentConfig(scene="objects:knife", seed=5)
+    with Agent.open(str(tmp_path / "kb"), config) as agent:
+        for command in ("point to the knife", "pick up the knife", "pass me the mug"):
+            agent.hear(command)
+    ids = [each.id for each in KnowledgeBase.open(tmp_path / "kb").episodes()]
+    found: list[object] = []
+    for name in ("1", ids[1]):
+        with pytest.raises(SystemExit):
+            main(["--kb", str(tmp_path / "kb"), "episodes", "trajectory", name])
+        found.append([line.split(",") for line in capfd.readouterr().out.splitlines()])
+    with pytest.raises(SystemExit) as ended:
+        main(["episodes", "--kb", str(tmp_path / "kb"), "trajectory", "last"])
+
+    first, second = found  # pyright: ignore
+    assert first[0][:2] == ["time_s", "panda_joint1"]
+    assert first[-1] == second[1]  # where the first ended, the second began
+    assert len(second) > 100
+    assert ended.value.code == 1
+    assert f"{ids[2]} has no trajectory" in capfd.readouterr().err
+
+
+@pytest.mark.sim
 def test_second_command_of_a_conversation_is_run_again_bit_for_bit():
     """What the first one moved is moved first; noise and learned eyes come again too."""
     with Agent.open(

@@ -37,6 +37,7 @@ EPISODE = Episode(
     touched=("blade",),
     lifted_m=0.1522,
     handed_over=True,
+    trajectory='{"robot": "panda"}',
 )
 
 

@@ -35,7 +35,8 @@ SAID = """utterance:1 a hilt:Utterance ; hilt:sequence 1 ; hilt:text "Hello." ;
     hilt:asserts rule:0123456789abcdef ; prov:wasAttributedTo speaker:sam ;
     prov:generatedAtTime "2026-11-21T09:00:00Z"^^xsd:dateTime ."""
 DONE = """episode:1 a hilt:Episode ; hilt:goal "g" ; hilt:text "t" ; hilt:answer "a" ;
-    hilt:outcome "done" ; hilt:seed 7 ; hilt:document "{}" ; hilt:about utterance:1 ;
+    hilt:outcome "done" ; hilt:seed 7 ; hilt:document "{}" ;
+    hilt:trajectory "{}" ; hilt:about utterance:1 ;
     hilt:step step:1.0 ; hilt:chosenObject object:knife ; prov:used rule:0123456789abcdef ;
     hilt:trial trial:1.0 ; hilt:touched part:blade ; hilt:lifted 0.15 ; hilt:handedOver true ;
     prov:wasAttributedTo speaker:sam ;
@@ -136,6 +137,7 @@ BREAKS = [
     (DONE, '"done"', '"finished"', "one hilt:outcome"),
     (DONE, "hilt:seed 7", 'hilt:seed "7"', "one hilt:seed"),
     (DONE, 'hilt:document "{}" ;', "", "one hilt:document"),
+    (DONE, 'hilt:trajectory "{}"', "hilt:trajectory 1", "at most one hilt:trajectory"),
     (DONE, "utterance:1", "rule:1", "hilt:about leads to"),
     (DONE, "step:1.0", "node:x", "hilt:step leads to"),
     (DONE, "trial:1.0", "step:1.0", "hilt:trial leads to"),

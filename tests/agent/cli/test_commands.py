@@ -223,6 +223,19 @@ def test_options_may_lead_the_command(taught: Hilt, capfd: pytest.CaptureFixture
     assert len(json.loads(capfd.readouterr().out)) == 3
 
 
+@pytest.mark.parametrize(
+    "words", [("--json", "config", "show"), ("config", "--json", "show"), ("--json", "config")]
+)
+def test_options_may_lead_the_command_of_a_group(
+    words: tuple[str, ...], capfd: pytest.CaptureFixture[str]
+):
+    """Before the group, and between the two words."""
+    with pytest.raises(SystemExit):
+        main(words)
+
+    assert json.loads(capfd.readouterr().out)["speaker"]
+
+
 def test_film_of_what_is_done_is_announced(
     hilt: Hilt, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
