@@ -17,9 +17,10 @@ setup: $(READY)  ## make or renew .venv; every other target does this first
 test: $(READY)  ## the whole test suite
 	@$(BIN)/pytest -n auto --dist loadfile
 
-test-extras: $(READY) .venv/.extras  ## what `make test` skips: Ray with a killed node, speech, and the comparisons with peers
+test-extras: $(READY) .venv/.extras  ## what `make test` skips: Ray with a killed node, speech, other simulators, and the comparisons with peers
 	@$(BIN)/pytest tests/agent/evaluation/runners/test_ray.py
 	@$(BIN)/pytest tests/agent/speech
+	@$(BIN)/pytest tests/test_examples.py tests/sim/robot/test_trajectory.py
 	@$(BIN)/pytest benchmarks -m peer -s
 
 test-install: $(READY)  ## the README from an empty machine: build, install, first hour, type checkers, removal

@@ -155,6 +155,40 @@ def test_unknown_plugin_lists_what_there_is(
     assert len(printed.splitlines()) == 1
 
 
+@pytest.mark.sim
+def test_gymnasium_takes_the_environment_for_one():
+    """Its checker finds nothing; only the proper part of the proper thing is rewarded."""
+    checker = pytest.importorskip("gymnasium.utils.env_checker", reason="the extra is missing")
+    environment = runpy.run_path(str(ROOT / "examples" / "gym_environment.py"))["HandOver"]()
+
+    checker.check_env(environment, skip_render_check=True)
+
+    seen, _ = environment.reset(seed=7)
+    proper = environment.choices.index(("hammer", "head"))
+    rewards = [environment.step(np.int64(action))[1] for action in (proper, proper - 1)]
+    environment.close()
+    assert seen["instruction"] == "pass me something used for pounding"
+    assert rewards == [1.0, 0.0]
+
+
+@pytest.mark.sim
+@pytest.mark.parametrize(
+    ("thing", "part", "robot"),
+    [("knife", "blade", "panda"), ("mug", "handle", "panda"), ("screwdriver", "shaft", "kuka")],
+)
+def test_other_simulator_holds_what_hilt_held(thing: str, part: str, robot: str):
+    """MuJoCo brings it up, too; it slides and turns no more in the hand than Hilt allows."""
+    pytest.importorskip("mujoco", reason='the extra "bench" is not installed')
+    example = runpy.run_path(str(ROOT / "examples" / "mujoco_witness.py"))
+
+    seen = example["main"](thing, part, robot)
+
+    assert seen.held
+    assert seen.height_m > 0.30
+    assert seen.slip_m < 0.01
+    assert seen.turn_deg < 15
+
+
 @pytest.mark.parametrize("example", EXAMPLES, ids=lambda path: path.name)
 def test_example_is_listed(example: Path):
     """The table of examples names each."""
