@@ -108,10 +108,10 @@ def test_store_is_plugged_in(workshop: Callable[..., tuple[str, str]]):
 
 def test_robot_is_plugged_in(workshop: Callable[..., tuple[str, str]]):
     """Its name is known beside those that come with Hilt."""
-    config = ("config", "set", "--project", "robot")
+    pass_it = ("do", "pass me the mug", "--kb", "memory:", "--robot")
 
-    assert workshop(*config, "pointer")[1].startswith("Written to ")
-    assert 'Did you mean "pointer"? Known: kuka, panda, pointer' in workshop(*config, "pointr")[1]
+    assert "There is no robot" not in workshop(*pass_it, "pointer")[1]
+    assert 'Did you mean "pointer"? Known: kuka, panda, pointer' in workshop(*pass_it, "pointr")[1]
 
 
 @pytest.mark.parametrize(

@@ -161,7 +161,7 @@ def chat(
 
 @app.command(epilog=example("listen command.wav"))
 def listen(
-    file: Annotated[Path | None, typer.Argument(metavar="FILE.wav", help="A sound.")] = None,
+    file: Annotated[Path | None, typer.Argument(metavar="FILE.wav", help="A recording.")] = None,
     *,
     from_microphone: Annotated[
         bool, typer.Option("--microphone", help="Listen to one utterance.")

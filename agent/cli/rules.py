@@ -62,7 +62,7 @@ def rules(
 @app.command(epilog=example("trust anna 0.9"))
 def trust(
     speaker: Annotated[str | None, typer.Argument(help="Who; by default all are listed.")] = None,
-    degree: Annotated[float | None, typer.Argument(min=0.0, max=1.0, help="In [0, 1].")] = None,
+    degree: Annotated[float | None, typer.Argument(min=0.0, max=1.0, help="The trust.")] = None,
     *,
     suggest: Annotated[
         bool, typer.Option("--suggest", help="Show what experience says; nothing is changed.")
@@ -108,7 +108,7 @@ def _suggest_trust(speaker: str | None, kb: str | None, *, as_json: bool) -> Non
 
 @app.command(epilog=example("graph knife.svg --object knife"))
 def graph(
-    file: Annotated[str, typer.Argument(help='An .svg or .png file; "-" is stdout.')] = "rules.svg",
+    file: Annotated[str, typer.Argument(help='An .svg or .png file; "-": print SVG')] = "rules.svg",
     *,
     name: Object = None,
     affordance: Affordance = None,

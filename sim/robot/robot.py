@@ -225,9 +225,8 @@ class Robot:
 
     def take_trajectory(self) -> str | None:
         """Return where the joints were since the last call, packed; None if no time has passed."""
-        table = np.unique(
-            [*self._samples, now := self._sample()], axis=0
-        )  # in their order, each once
+        now = self._sample()
+        table = np.unique([*self._samples, now], axis=0)  # by time, each once
         self._samples = [now]
         return pack(self.kind.name, self._all_joints, table) if len(table) > 1 else None
 
