@@ -8,6 +8,8 @@ from dataclasses import dataclass
 
 from hilt.sim.manipulation.motion_report import MotionReport
 
+FACING_DEG = 45.0  # within which a free part faces the receiver
+
 
 @dataclass(frozen=True)
 class Episode:
@@ -17,6 +19,7 @@ class Episode:
         object, part: the object to grasp, and the part to grasp it by; an empty part is any.
         seed: of the scene.
         reports: of grasp, lift and hand-over, up to the first that failed.
+        facing_deg: angle from the free part to the receiver when handed over [deg]; None without.
         cpu_s: processor time [s].
         shares: kind of work -> processor time [s].
         steps: number of simulator steps.
@@ -27,6 +30,7 @@ class Episode:
     part: str
     seed: int
     reports: tuple[MotionReport, ...]
+    facing_deg: float | None
     cpu_s: float
     shares: Mapping[str, float]
     steps: int
@@ -82,18 +86,19 @@ class Episode:
         return "; ".join(what)
 
     def __str__(self) -> str:
+        facing = "none" if self.facing_deg is None else f"{self.facing_deg:.0f} degrees"
         return (
             f"{self.object}/{self.part} seed {self.seed}: {self.trouble or 'ok'}; "
             f"touched {'+'.join(self.last.touched) or 'nothing'}, score {self.last.score:.2f}, "
-            f"slip {self.last.slip_m * 1e3:.1f} mm, {self.cpu_s:.2f} s"
+            f"slip {self.last.slip_m * 1e3:.1f} mm, facing {facing}, {self.cpu_s:.2f} s"
         )
 
 
 def pair_table(episodes: Sequence[Episode]) -> str:
     """Return a table with a row for each object and part, and their failures."""
     rows = [
-        "| object/part | poses | right | first | ok | given | CPU s | troubles |",
-        "|---" * 8 + "|",
+        "| object/part | poses | right part | first | held | given | facing | CPU | troubles |",
+        "|---" * 9 + "|",
     ]
     for pair in dict.fromkeys((e.object, e.part) for e in episodes):
         group = [e for e in episodes if (e.object, e.part) == pair]
@@ -103,7 +108,8 @@ def pair_table(episodes: Sequence[Episode]) -> str:
         rows.append(
             f"| {'/'.join(filter(None, pair))} | {len(group)} | {closed - wrong}/{closed} "
             f"| {sum(e.first for e in group)} | {sum(e.ok for e in group)} "
-            f"| {sum(e.given for e in group)} | {_mean(e.cpu_s for e in group):.2f} | {told} |"
+            f"| {sum(e.given for e in group)} | {'/'.join(map(str, _facing(group)))} "
+            f"| {_mean(e.cpu_s for e in group):.2f} s | {told} |"
         )
     return "\n".join(rows)
 
@@ -111,23 +117,24 @@ def pair_table(episodes: Sequence[Episode]) -> str:
 def summary_table(measured: Mapping[str, Sequence[Episode]]) -> str:
     """Return a table with a row for each setting."""
     rows = [
-        "| setting | episodes | right part of closings | first try | with regrasps | given "
-        "| slip p95 | neighbour moved | CPU s |",
-        "|---" * 9 + "|",
+        "| setting | episodes | right part | first | held | given | facing | slip p95 | tries "
+        "| neighbour moved | CPU |",
+        "|---" * 11 + "|",
     ]
-    for title, all_of in measured.items():
-        n = len(all_of)
-        closed, wrong = sum(e.closed for e in all_of), sum(e.wrong for e in all_of)
+    for title, group in measured.items():
+        n, closed = len(group), sum(e.closed for e in group)
         counts = (
-            sum(e.first for e in all_of),
-            sum(e.ok for e in all_of),
-            sum(e.given for e in all_of),
+            (closed - sum(e.wrong for e in group), closed),
+            (sum(e.first for e in group), n),
+            (sum(e.ok for e in group), n),
+            (sum(e.given for e in group), n),
+            _facing(group),
         )
-        bumped = sum(bool(e.last.bumped) for e in all_of)
+        bumped = sum(bool(e.last.bumped) for e in group)
         rows.append(
-            f"| {title} | {n} | {_share(closed - wrong, closed)} "
-            f"| {' | '.join(_share(count, n) for count in counts)} | {_slip_mm(all_of):.1f} mm "
-            f"| {_share(bumped, n)} | {_mean(e.cpu_s for e in all_of):.2f} |"
+            f"| {title} | {n} | {' | '.join(_share(*count) for count in counts)} "
+            f"| {_slip_mm(group):.1f} mm | {_mean(e.last.attempts for e in group):.2f} "
+            f"| {_share(bumped, n)} | {_mean(e.cpu_s for e in group):.2f} s |"
         )
     return "\n".join(rows)
 
@@ -156,6 +163,12 @@ def contrast_table(episodes: Sequence[Episode]) -> str:
         told = ", ".join(f"{part} {_share(n, len(group))}" for part, n in parts.most_common())
         rows.append(f"| {name} | {told} |")
     return "\n".join(rows)
+
+
+def _facing(episodes: Sequence[Episode]) -> tuple[int, int]:
+    """Return how many free parts face the receiver, and how many have a direction."""
+    angles = [e.facing_deg for e in episodes if e.facing_deg is not None]
+    return sum(angle <= FACING_DEG for angle in angles), len(angles)
 
 
 def _slip_mm(episodes: Sequence[Episode]) -> float:

@@ -55,9 +55,7 @@ def convex_pieces(form: MeshFile) -> list[Array]:
 
     `DataError` for a file that is no mesh, or a body in it that is flat.
     """
-    mesh = read_mesh(form)
-    trimesh.repair.fill_holes(mesh, use_fan=True)
-    bodies = mesh.split(only_watertight=False)
+    bodies = read_mesh(form).split(only_watertight=False)
     for number, body in enumerate(bodies, start=1):
         if _thickness(body.vertices) < MIN_THICKNESS:
             at = ", ".join(f"{value:.4g}" for value in body.vertices.mean(axis=0))
@@ -70,6 +68,7 @@ def convex_pieces(form: MeshFile) -> list[Array]:
 
 
 def _decomposed(body: Trimesh) -> list[Array]:
+    trimesh.repair.fill_holes(body, use_fan=True)
     if body.is_convex:
         return [np.asarray(body.vertices)]
     with extra_required("sim", "coacd"):

@@ -94,6 +94,15 @@ def test_opening_is_closed_for_the_fingers_only(written: Writer):
     assert volume(convex_pieces(form)) == pytest.approx(BOX.volume)
 
 
+def test_face_that_closes_an_opening_is_no_piece_of_its_own(written: Writer):
+    """An opening at a corner is closed along an edge of the box, which has three faces then."""
+    broken = Trimesh(BOX.vertices, np.delete(BOX.faces, [1, 2, 3], axis=0))
+
+    pieces = convex_pieces(written(broken))
+
+    assert volume(pieces) == pytest.approx(BOX.volume, rel=0.15)
+
+
 @pytest.mark.parametrize("height", [0.0, 0.00005])
 def test_flat_piece_is_refused_with_its_place(height: float, written: Writer):
     """The message names the file, which of its pieces is flat, and where that is."""
