@@ -44,6 +44,7 @@ from secrets import randbelow
 from tempfile import TemporaryDirectory
 from time import process_time
 from unittest.mock import patch
+from zlib import crc32
 
 import numpy as np
 from grasping_scenes import heap, recoloured, scene_of
@@ -165,7 +166,8 @@ def run(
         scene = scene_of(setting.table, name, seed=seed, objects=objects)
         for kind in scene.types:
             object_model(objects[kind])  # made before the clock starts
-        piled = heap(scene, objects) if setting.table == "heap" else {}
+        own = crc32(f"{name}/{part}".encode())  # a heap for each object and part
+        piled = heap(scene, objects, number=own) if setting.table == "heap" else {}
         return _timed(setting, scene, name, part, objects=objects, piled=piled, bare=bare)
 
 

@@ -30,12 +30,13 @@ def scene_of(table: str, name: str, *, seed: int, objects: Mapping[str, ObjectTy
     return scene_with(names, seed=seed, objects=objects)
 
 
-def heap(scene: Scene, objects: Mapping[str, ObjectType]) -> dict[str, Array]:
+def heap(scene: Scene, objects: Mapping[str, ObjectType], *, number: int = 0) -> dict[str, Array]:
     """Return a pose for each object of a scene, dropped in any orientation onto one place.
 
-    A heap of which something rolls out of reach is dropped again; `RuntimeError` after many.
+    Each `number` gives another heap. One of which something rolls out of reach is dropped again;
+    `RuntimeError` after many.
     """
-    rng = np.random.default_rng(scene.seed)
+    rng = np.random.default_rng([scene.seed, number])
     with World.build(scene, objects) as world:
         for _ in range(MAX_HEAPS):
             _drop(world, rng)

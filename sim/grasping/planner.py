@@ -123,7 +123,7 @@ def select_grasp(
     Returns the last grasp plan, and the path to the selected grasp; without a reachable one None,
     and the reason.
     """
-    plan, reason, best = RankedGrasps((), {}), "", None
+    plan, best = RankedGrasps((), {}), None
     cloud = context.labelled_cloud(planner.table)
     for effort, enough in EFFORTS.items():
         plan = plan_grasps(cloud, planner.robot.gripper, rng=rng, effort=effort)
@@ -131,12 +131,13 @@ def select_grasp(
         path = next(planner.grasp_paths(fresh, lift=lift), None)
         if best is None or (path and path.grasp.score > best.grasp.score):
             best = path
-        reason = "unreachable" if plan.grasps else plan.reason or "no_grasp"
         if best is not None and best.grasp.score >= enough:
             break
-    if best is None and not planner.can_reach(context.target):
-        reason = "unreachable"
-    return plan, best, "" if best else reason
+    if best is None and not plan.grasps and planner.can_reach(context.target):
+        alone = replace(context, neighbours=context.neighbours[:0]).labelled_cloud(planner.table)
+        is_free = plan_grasps(alone, planner.robot.gripper, rng=rng).grasps
+        return plan, None, "blocked" if is_free else plan.reason or "no_grasp"
+    return plan, best, "" if best else "unreachable"
 
 
 def plan_grasps(

@@ -38,6 +38,11 @@ BETWEEN = (
     Placement("shoe", "shoe", (0.38, 0.072), 0.0, "upright"),
     Placement("shoe 2", "shoe", (0.38, -0.072), 0.0, "upright"),
 )
+BESIDE = (
+    Placement("knife", "knife", (0.46, -0.27), 2.9),
+    Placement("screwdriver", "screwdriver", (0.53, -0.35), 2.7),
+    Placement("mug", "mug", (0.37, -0.35), -2.5),
+)
 
 
 def body_at(*placements: Placement, robot: str = "panda") -> Body:
@@ -57,8 +62,16 @@ def grasped(body: Body, name: str, part: str) -> MotionReport:
 
 @pytest.mark.parametrize(
     ("placements", "part", "reason"),
-    [((INVERTED,), "barrel", "too_wide"), (BETWEEN, "handle", "blocked")],
-    ids=["barrel of an inverted mug", "handle between two shoes"],
+    [
+        ((INVERTED,), "barrel", "too_wide"),
+        (BETWEEN, "handle", "blocked"),
+        (BESIDE, "blade", "blocked"),
+    ],
+    ids=[
+        "barrel of an inverted mug",
+        "handle between two shoes",
+        "blade between mug and screwdriver",
+    ],
 )
 def test_impossible_grasp_is_not_tried(placements: tuple[Placement, ...], part: str, reason: str):
     """The report has the reason, the gripper has not closed, and no time has passed."""
