@@ -162,7 +162,7 @@ def run(
             # Models of random colours are of no use to anyone later.
             own_cache = {"HILT_CACHE": stack.enter_context(TemporaryDirectory())}
             stack.enter_context(patch.dict(os.environ, own_cache))
-            objects = {**objects, **recoloured([objects[name]], seed=seed)}
+            objects = {**objects, name: recoloured(objects[name], seed=seed)}
         scene = scene_of(setting.table, name, seed=seed, objects=objects)
         for kind in scene.types:
             object_model(objects[kind])  # made before the clock starts

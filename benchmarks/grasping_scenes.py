@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
+from zlib import crc32
 
 import numpy as np
 
@@ -77,13 +78,9 @@ def _is_in_reach(points: Array) -> bool:
     return bool(inside.all() and np.linalg.norm(points[:, :2], axis=1).max() <= REACH)
 
 
-def recoloured(kinds: Sequence[ObjectType], *, seed: int) -> dict[str, ObjectType]:
-    """Return types by name with a random colour of each part, its trim included."""
-    rng = np.random.default_rng(seed)
-    return {kind.name: _recoloured(kind, rng) for kind in kinds}
-
-
-def _recoloured(kind: ObjectType, rng: np.random.Generator) -> ObjectType:
+def recoloured(kind: ObjectType, *, seed: int) -> ObjectType:
+    """Return a type with a random colour of each part, its trim included."""
+    rng = np.random.default_rng([seed, crc32(kind.name.encode())])
     parts = {
         name: replace(
             part,
