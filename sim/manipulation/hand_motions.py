@@ -92,6 +92,8 @@ class HandMotion:
         self, context: GraspContext, planner: PathPlanner, path: GraspPath, before: Array
     ) -> HeldObject:
         """Describe an object on which the gripper has closed; `before` was its pose then (4, 4)."""
+        touched = self.robot.finger_contacts().parts(context.percept.name)
+        context = replace(context, part=touched[0] if len(touched) == 1 else context.part)
         hand_from_object = self.hand_from_object(context.percept.name)
         hand_from_seen = hand_from_object @ poses.inverse(before)
         grip = self.robot.gripper.hand_from_grip[:3, 3]
@@ -144,8 +146,7 @@ class HandMotion:
 
     def height_gained(self, held: HeldObject) -> float:
         """How far the object is above where it lay [m]."""
-        now = self.robot.engine.bodies.pose(held.name)
-        return float(now[2, 3] - held.world_from_start[2, 3])
+        return float((self.robot.engine.bodies.pose(held.name) - held.world_from_start)[2, 3])
 
     def hand_from_object(self, name: str) -> Array:
         """The pose of an object in the hand frame (4, 4)."""
@@ -242,8 +243,7 @@ class HandMotion:
         free = rotations @ held.free * (1, 1, 0)
         length = np.linalg.norm(free, axis=1, keepdims=True)
         ahead = np.where(length > MIN_FREE_LENGTH, free / np.maximum(length, MIN_FREE_LENGTH), 0.0)
-        facing = ahead @ towards
-        worse = -np.digitize(facing, FACING)
+        worse = -np.digitize(ahead @ towards, FACING)
         for offset in OFFSETS:
             for level in np.unique(worse):
                 chosen = rotations[worse == level]

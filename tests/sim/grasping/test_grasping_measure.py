@@ -47,6 +47,15 @@ def test_object_is_grasped_by_the_part_and_handed_over(
     assert (episode.wrong, episode.last.touched, episode.last.bumped) == (0, (part,), ())
 
 
+@pytest.mark.parametrize(("setting", "part"), [("alone", "handle"), ("free", "")])
+def test_free_part_faces_the_receiver(measure: ModuleType, setting: str, part: str):
+    """The hammer's head leads to the receiver, also where the hand chose the handle."""
+    episode = measure.run(measure.SETTINGS[setting], "hammer", part, 52000, objects=OBJECTS)
+
+    assert episode.last.touched == ("handle",)
+    assert episode.facing_deg < 45
+
+
 def test_heap_lies_on_one_place_and_is_the_same_again(measure: ModuleType):
     """Eight objects lie in reach, most of them on one another, at the same poses for a seed."""
     scenes = importlib.import_module("grasping_scenes")
