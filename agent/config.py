@@ -38,7 +38,6 @@ class ConfigOption:
 
     Attributes:
         kind: the type of its value: str, int, bool, Path, or tuple for several texts.
-        flag: its name on the command line.
         metavar: how the command line shows its value; None for the name in capitals.
         name: the field of `AgentConfig`, and the key in a YAML file.
     """
@@ -131,16 +130,12 @@ class AgentConfig:
     def from_yaml(cls, path: Path) -> AgentConfig:
         """Read a configuration from a YAML file whose keys are the names of the options.
 
-        Files that it names are looked up beside it. DataError if an unknown key or a wrong value;
-        with file, line and column.
+        Files that it names are looked up beside it. DataError says where a key or value is wrong.
         """
         return cls(**read_values(path))
 
     def load_settings(self) -> Settings:
-        """Return the settings of the inference, with the overrides applied.
-
-        DataError if the file or an override is wrong.
-        """
+        """Return the settings of the inference with the overrides; DataError if one is wrong."""
         from ..inference.settings import SETTINGS_FILE, Settings
 
         given = self.settings
@@ -197,29 +192,20 @@ def _read_language(kinds: Household, lexicon: Path | None) -> Language:
 
 
 def household(path: Path | None = None) -> Household:
-    """Return the object types that come with Hilt, and those of a file.
-
-    DataError if the file is wrong; says where and what was expected.
-    """
+    """Return the object types of Hilt, and of a file; DataError says where the file is wrong."""
     from ..ontology.objects import load_household
 
     return load_household(path, added_to=household()) if path else _read_once(load_household)
 
 
 def load_language(kinds: Household, lexicon: Path | None = None) -> Language:
-    """Return the language, with the names of these object types and the words of a lexicon file.
-
-    DataError if the file is wrong; says where and what was expected.
-    """
+    """Return the language for these types and a lexicon file; DataError says where it is wrong."""
     is_own = lexicon is None and kinds is household()
     return _own_language() if is_own else _read_language(kinds, lexicon)
 
 
 def actions_with(path: Path | None) -> Actions:
-    """Return the actions that come with Hilt, and those of a file.
-
-    DataError if the file is wrong; says where and what was expected.
-    """
+    """Return the actions of Hilt, and of a file; DataError says where the file is wrong."""
     from ..ontology.actions import load_actions
 
     return load_actions(path, added_to=actions_with(None)) if path else _read_once(load_actions)
@@ -243,9 +229,8 @@ def open_base(
 ) -> KnowledgeBase:
     """Open a knowledge base and load the domain graph into it.
 
-    The location is `memory:`, a folder, or an endpoint; None for the user's own base. The domain is
-    that of the object types and actions that come with Hilt, unless others are given. StoreError if
-    it cannot be opened.
+    The location is `memory:`, a folder or an endpoint, None for the user's own base; the domain is
+    Hilt's own, unless object types or actions are given. StoreError if it cannot be opened.
     """
     from ..kb.knowledge_base import KnowledgeBase
 

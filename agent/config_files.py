@@ -39,10 +39,7 @@ class Configured:
 
 
 def configured() -> dict[str, Configured]:
-    """Return the value of each key.
-
-    DataError if a file or a variable has a wrong value; with its place.
-    """
+    """Return the value of each key; DataError, with its place, if one is wrong."""
     found = {name: Configured(option.default) for name, option in KEYS.items()}
     for origin, path in (("user", user_file()), ("project", project_file())):
         nodes = read_nodes(path, KEYS) if path and path.is_file() else {}

@@ -29,8 +29,7 @@ class Vision(Protocol):
     def search(self, features: Sequence[str]) -> Sequence[Percept]:
         """Return the objects in view that show one of the features.
 
-        Args:
-            features: atoms as text: "object:knife", "part:blade", "property:red".
+        Features are atoms as text: "object:knife", "part:blade", "property:red".
         """
         ...
 
@@ -84,10 +83,8 @@ class ExtraPrimitives(Protocol):
     ) -> MotionReport:
         """Perform one of these primitives.
 
-        Args:
-            action: its name.
-            arguments: parameter -> its percept, or its name when no such object is in view.
-            constraint: what the rules conclude at this node, if anything.
+        `arguments` has the percept of each parameter, or its name when no such object is in view;
+        `constraint` is what the rules conclude at this node, if anything.
         """
         ...
 

@@ -34,13 +34,7 @@ LISTED = 8  # ids that a message names
 
 @dataclass(frozen=True)
 class ReplayResult:
-    """An episode that was run again.
-
-    Attributes:
-        recorded: its recorded result, from its document.
-        repeated: the result of the replay.
-        result: the same, as a value.
-    """
+    """An episode that was run again: its recorded result, and the repeated one, also as a value."""
 
     episode: Episode
     recorded: Json

@@ -4,9 +4,8 @@
 >>> language.understand("To pass a knife grab it by the blade").semantics
 'STATEMENT(sam,self,implies(pass(self,knife),graspObject(self,partOf(blade,knife)),high))'
 
-A second language is a second folder beside `ontology/english`, with the same files. A
-`Session` understands the utterances of a conversation one after the other, without believing or
-doing anything.
+A second language is a second folder beside `ontology/english`, with the same files. A `Session`
+understands the utterances of a conversation one by one, without believing or doing anything.
 """
 
 from __future__ import annotations
@@ -68,7 +67,6 @@ class Language:
     """One language with one vocabulary; immutable.
 
     Attributes:
-        folder: where its files are.
         examples: sentences that are understood, each with its words.
         phrases: turns of phrase that the grammar does not have, and whose meaning was confirmed.
         frames: the taught actions on several objects or none, with the words between them.
@@ -95,16 +93,12 @@ class Language:
         vocabulary: Vocabulary | None = None,
         extra_lexicon: Path | None = None,
     ) -> Language:
-        """Load a language.
+        """Load a language; DataError if a file of it is wrong, UnknownNameError if there is none.
 
         Args:
             language: the name of its folder beside `english`.
             vocabulary: the names of the domain; None takes those of the household objects.
             extra_lexicon: a further lexicon file, in the format of `lexicon.yaml`.
-
-        Raises:
-            DataError: a file is not as expected; says where.
-            UnknownNameError: there is no such language.
         """
         folder = language_folder(language)
         tables = load_tables(folder)

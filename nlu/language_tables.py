@@ -33,16 +33,7 @@ _WORD_FILES = (
 
 
 class LanguageTables(NamedTuple):
-    """What the files of a language say.
-
-    Attributes:
-        degrees: the degrees of confidence.
-        grammar: the categories and the changes between them.
-        builder: the words, and the builder of entries for new ones.
-        pragmatics: what is meant by what is said.
-        features: the reader of the features of clauses.
-        licence: what clauses with these features may mean.
-    """
+    """What the files of a language say."""
 
     degrees: Degrees
     grammar: Grammar
@@ -63,8 +54,7 @@ def language_folder(language: str) -> Path:
 def load_tables(folder: Path) -> LanguageTables:
     """Return what the files in a folder say, a new value at each call.
 
-    It is kept in the user's cache until a file of the language or of the code changes. `DataError`
-    if a file is not as expected; says where.
+    It is cached until a file of language or code changes. `DataError` says where a file is wrong.
     """
     code = Path(__file__).parent
     sources = (*code.glob("*.py"), *code.glob("*/*.py"), *code.glob("*/*.lark"))

@@ -24,11 +24,7 @@ from .translation import tree_from_definition
 
 
 class ActionLessons:
-    """Learns, lists and forgets actions that people teach.
-
-    Attributes:
-        actions: those that Hilt comes with, and the taught ones.
-    """
+    """Learns, lists and forgets actions that people teach, beside those that Hilt comes with."""
 
     def __init__(self, conversation: Conversation, actions: Actions) -> None:
         self._base, self._conversation, self._own = conversation.base, conversation, actions

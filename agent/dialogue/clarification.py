@@ -20,10 +20,7 @@ from .translation import rule_from_answer
 class ClarificationDialogue:
     """What Hilt asks back in a conversation, and its understanding of short answers.
 
-    Args:
-        hear: understands an utterance again, or one that a short answer stands for; its arguments
-            are those of `DialogueManager.hear`.
-        respond: acts on what was understood, and returns the reply.
+    `hear` is `DialogueManager.hear`, for what is heard again or what a short answer stands for.
     """
 
     def __init__(
@@ -165,7 +162,6 @@ class PartAgreements:
 
     Hilt asks, and follows the answer from then on in the conversation, until what happens
     afterwards contradicts it, too. What was told, and the trust in who told it, are not changed.
-    `affordances` returns the inference of the robot.
     """
 
     def __init__(self, affordances: Callable[[], Affordances]) -> None:

@@ -33,10 +33,8 @@ Answered = tuple[AnswerContent, tuple[Rule, ...]]  # an answer, and the rules th
 class UnderstoodTurn:
     """One utterance as it was understood.
 
-    Attributes:
-        understood: how it was understood.
-        heard: the confidence of the speech recogniser, in [0, 1].
-        keep: whether it is written to the history when it teaches nothing.
+    `heard` is the confidence of the speech recogniser, in [0, 1]; `keep` says whether it is written
+    to the history when it teaches nothing.
     """
 
     understood: Understanding
@@ -53,8 +51,6 @@ class Conversation:
     """What was said, done and asked so far, and how Hilt says an answer.
 
     Args:
-        base: where beliefs and the history are kept.
-        language: understands utterances and words the answers.
         visible: returns the names of the objects in view.
         holding: returns the name of the object in the hand, None when it is empty.
         seed: the seed of everything random, kept with each reply.
@@ -64,7 +60,6 @@ class Conversation:
         listener: who spoke last, and is answered.
         language: grows with every word that is learned.
         discourse: what a later utterance can refer to.
-        open_question: the question of Hilt that waits for an answer, if any.
         topic: the rules that were spoken of last; none after a command that needed none.
         retracted: the rules that were just retracted; none once others were spoken of.
         topic_from: what the topic was spoken of in: a lesson, an answer or a deed.
@@ -73,7 +68,6 @@ class Conversation:
         last_done: the reply to the last command.
         control_done: what a control did since the last command, if anything.
         prohibition: the utterance because of which the last command was not carried out, if any.
-        people: who the speakers say they are.
     """
 
     def __init__(
@@ -123,11 +117,7 @@ class Conversation:
     def understand(
         self, text: str, speaker: str, *, heard: float, accepted: Collection[str] = ()
     ) -> Understanding:
-        """Return how an utterance is understood in this conversation.
-
-        `heard` is the confidence of the speech recogniser, in [0, 1]; `accepted` has words that are
-        new although they resemble known ones.
-        """
+        """Return how an utterance is understood here; the rest is as in `Language.understand`."""
         said = self._other.understand(text, speaker=speaker) if self._other else None
         if said is not None:
             return Understanding(text, speaker, "self", said, discourse=self.discourse)

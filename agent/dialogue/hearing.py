@@ -45,8 +45,7 @@ _SIMPLE_COMMANDS = (meaning.Command, meaning.ToolCommand)
 def weigh(text: str, heard: float, alternatives: Iterable[Alternative]) -> dict[str, float]:
     """Return the score of each text that may have been said, in [0, 1] and at most 1 in all.
 
-    `text` with `heard` is one of them, if it is not among the alternatives. ValidationError if a
-    score is not in [0, 1].
+    One is `text` with `heard`, if not an alternative. ValidationError for a score not in [0, 1].
     """
     scores: dict[str, list[float]] = {}
     for said, score in alternatives:

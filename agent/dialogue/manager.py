@@ -54,8 +54,6 @@ class DialogueManager:
         sounds_like: finds what may have been said where a hearing is not understood.
 
     Attributes:
-        conversation: what was said and done so far, and who speaks.
-        lessons: the actions that are taught.
         contexts: what holds now beside the current action: places and roles, with their intervals.
     """
 
@@ -117,9 +115,8 @@ class DialogueManager:
     ) -> Reply:
         """Understand one utterance, act on it, and return the reply.
 
-        The arguments are those of `Agent.hear`; `accepted` has words that are new although they
-        resemble known ones. StoreError if what was said could not be stored; then nothing was
-        believed.
+        The arguments are those of `Agent.hear`, and `accepted` as in `Language.understand`.
+        StoreError if what was said could not be stored; then nothing was believed.
         """
         if self.conversation.notice_others():
             self.lessons.read()

@@ -28,11 +28,7 @@ MOST_LISTED = 8
 
 
 class NormDialogue:
-    """What is forbidden, obliged and permitted in a conversation.
-
-    Args:
-        judge: returns what the norms say of a request.
-    """
+    """What is forbidden, obliged and permitted in a conversation; `judge` applies the norms."""
 
     def __init__(self, conversation: Conversation, judge: Callable[[Request], NormVerdict]) -> None:
         self._base, self._conversation, self._judge = conversation.base, conversation, judge

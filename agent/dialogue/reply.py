@@ -1,7 +1,6 @@
 """The reply to one utterance, and the question of Hilt that it may leave open.
 
-Its JSON documents are those of `hilt tell`, `hilt do` and `hilt ask`; other programs rely on their
-keys.
+Its JSON documents are those of `hilt tell`, `do` and `ask`; other programs rely on their keys.
 """
 
 from __future__ import annotations
@@ -25,7 +24,6 @@ class Reply:
         said: the spoken answer.
         ending: how the request ended; "done" for a statement that is accepted.
         rules: the rules that were learned, or that the answer rests on.
-        seed: the seed of everything random in it.
         heard: how surely a recogniser heard what was meant, in [0, 1].
     """
 

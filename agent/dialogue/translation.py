@@ -46,10 +46,7 @@ def rule_from_meaning(
 def rule_from_answer(
     asked: meaning.Question, named: meaning.Answer, confidence: meaning.Confidence
 ) -> meaning.Rule | None:
-    """Return the rule that a short answer to a question of Hilt teaches.
-
-    None where it names nothing that the question asks for.
-    """
+    """Return the rule that a short answer teaches; None if it names nothing that is asked for."""
     name = None if named.name == meaning.ANY_OBJECT else named.name
     if name is None or named.is_use != (asked.affordance is None and asked.context is None):
         return None
@@ -216,10 +213,7 @@ def _target(said: meaning.ObjectReference) -> Target:
 
 
 def tree_from_definition(said: meaning.ActionDefinition, tool_acts: Names) -> actions.ActionTree:
-    """Return the action tree of a definition.
-
-    `tool_acts` are the acts with a tool, each with the use that its tool must have.
-    """
+    """Return the action tree of a definition; `tool_acts`: act -> the use its tool must have."""
     kinds = dict(zip(said.parameters, PARAMETERS, strict=False))
     return actions.ActionTree(
         said.action,

@@ -44,7 +44,6 @@ class ExecutionContext:
         grips: object -> the part that is made for holding it; a tool is grasped by it when no rule
             says otherwise.
         parts: object -> its known parts; the robot does not look for others.
-        interruption: pauses or ends what is done, also from other threads.
         done: the acts so far, in order: action and type of object; it grows.
         watchers: called at every node before its action is done, when `WalkStep.action` is still
             empty, and again afterwards.
@@ -87,15 +86,9 @@ class FoundObject:
 
 
 class TreeExecutor:
-    """One execution of one action tree.
+    """One execution of one action tree; `decision` is the object and part, once they are chosen.
 
-    Args:
-        context: what it works with.
-        request: the goal.
-        is_able: whether the robot has all that the tree needs; it is only decided if not.
-
-    Attributes:
-        decision: which object and part, once they are chosen.
+    Without `is_able` the robot lacks something that the tree needs, and it is only decided.
     """
 
     def __init__(self, context: ExecutionContext, request: Request, *, is_able: bool) -> None:

@@ -21,10 +21,8 @@ class Doubt:
     """A part that was told for a grasp, and that experience speaks against.
 
     Attributes:
-        object: the kind of object.
         context: the action that it is grasped for.
         counts: the outcomes of grasps by that part.
-        teachers: who told it.
         instead: the part that looks best of the others; None where none looks better.
         counts_instead: the outcomes of grasps by that one.
     """

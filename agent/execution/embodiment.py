@@ -65,8 +65,7 @@ class Embodiment:
     def from_config(cls, config: AgentConfig) -> Embodiment:
         """Return the embodiment that a configuration names.
 
-        DataError if the scene, the objects or the noise are wrong; UnknownNameError if there is no
-        such object, robot or source of percepts.
+        DataError for a wrong scene, objects file or noise; UnknownNameError for any unknown name.
         """
         kinds = household(config.objects)
         scene = parse_scene(config.scene, seed=config.seed, objects=kinds.objects)
@@ -76,8 +75,7 @@ class Embodiment:
     def open_body(self, interruption: Interruption | None = None) -> Body:
         """Return a new simulated body, whose motions can be interrupted.
 
-        MissingExtraError if the simulator is not installed; SimulationError if there is no room for
-        all that is in the scene.
+        MissingExtraError without the simulator; SimulationError if there is no room for the scene.
         """
         from ...sim.installation import check_simulator
 

@@ -26,8 +26,6 @@ class NormGuard:
     """Checks what a command is going to do.
 
     Args:
-        checker: the norms.
-        request: the command.
         done: the acts so far, in order: action and type of object; it grows.
         holding: returns the type of the object in the hand.
 

@@ -1,7 +1,4 @@
-"""Selection of the answer to a command: its key and slots for `nlu.generation`.
-
-Each outcome of a command has an answer. The sentences are in `ontology/english/answers.yaml`.
-"""
+"""Selection of the answer to a command: its key in `ontology/english/answers.yaml`, and slots."""
 
 from collections.abc import Mapping
 

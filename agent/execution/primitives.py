@@ -1,7 +1,6 @@
 """Execution of the primitives of action trees by the motion of a robot.
 
-Each primitive is one call of `Motion`, or of `ExtraPrimitives` for the further primitives of a
-robot. A report of a failure becomes an answer.
+Each is one call of `Motion` or `ExtraPrimitives`. A report of a failure becomes an answer.
 """
 
 from collections.abc import Callable, Mapping
@@ -89,9 +88,7 @@ class PrimitiveTask:
 
     Attributes:
         action: its name ("graspObject").
-        arguments: those of the node.
         percept: the object it is about, if one was found.
-        part: the part to act on.
         constraint: what was concluded at the node.
         found: parameter -> the percept that was found for it.
         context: the action that it is part of ("pass").
@@ -110,12 +107,10 @@ class PrimitiveExecutor:
     """Performs primitives with a motion stack, and keeps what happened.
 
     Attributes:
-        world: what happened so far.
         grasps: what the grasps so far came to.
         holding: the name of the object in the hand, if any.
         sensed: the events that the robot has sensed ("driven").
-        goal, tool, patient: the goal, and the object types of the tool and of what it is used on;
-            for answers.
+        goal, tool, patient: the goal, and the types of the tool and of its patient, for answers.
     """
 
     def __init__(self, motion: Motion, vision: Vision, goal: str = "use") -> None:

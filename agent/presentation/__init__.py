@@ -1,7 +1,6 @@
 """Presentation for people: terminal tables, the history, pictures of proofs, and films.
 
-Nothing here prints or decides anything; each module turns values of the agent into something to
-show.
+Nothing here prints or decides; each module turns values of the agent into something to show.
 """
 
 import lazy_loader

@@ -1,7 +1,6 @@
 """Tables and trees for the terminal: dialogue, rules, decisions, query results, history, imports.
 
-Each function turns a value of the agent into something that rich can print; rich chooses colours
-and width, so a pipe gets plain text. Nothing here prints.
+Each function turns a value of the agent into something that rich can print, plain for a pipe.
 """
 
 from __future__ import annotations

@@ -57,10 +57,7 @@ def from_derivation(step: DerivationStep) -> Deduction:
 
 
 def from_proof(proof: Proof, describe: Callable[[Rule], str]) -> Deduction:
-    """Return a proof with the interval of each step and, in colour, its evidence.
-
-    `describe` puts a rule in words.
-    """
+    """Return a proof with intervals and, in colour, evidence; `describe` puts a rule in words."""
     rule = proof.rule
     told = f"{proper_name(rule.speaker)}: {describe(rule)}" if rule else proof.about
     about = wrap(told, COLUMNS, max_lines=MOST_LINES, placeholder=" …")
@@ -70,10 +67,7 @@ def from_proof(proof: Proof, describe: Callable[[Rule], str]) -> Deduction:
 
 
 def draw_svg(deductions: Sequence[Deduction]) -> str:
-    """Return deductions side by side as an SVG document.
-
-    MissingExtraError if matplotlib is not installed.
-    """
+    """Return deductions side by side as an SVG document; MissingExtraError without matplotlib."""
     with extra_required("report", "matplotlib"):
         from matplotlib import rc_context
         from matplotlib.figure import Figure

@@ -27,13 +27,8 @@ LEGEND = "grasps: green possible, red ruled out, thick taken"
 class Film:
     """A film of one body, as long as its `with` block runs.
 
-    Args:
-        goals: what tells at which node of an action tree it is.
-        path: the file; its ending is .mp4, .gif or .png.
-
-    Raises:
-        DataError: the file cannot be written.
-        MissingExtraError: the simulator's extra is not installed.
+    `goals` tells at which node of an action tree it is; the path ends in .mp4, .gif or .png.
+    DataError if the file cannot be written; MissingExtraError without the extra of the simulator.
     """
 
     def __init__(self, body: Body, goals: GoalManager, path: Path) -> None:

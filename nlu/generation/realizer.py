@@ -39,12 +39,9 @@ SECTIONS = ("rules", "targets", "commands", "questions", "replies")
 
 @dataclass(frozen=True)
 class Realizer:
-    """The sentences of one language for meanings.
+    """The sentences of one language for meanings, by section and by the shape of the meaning.
 
-    Attributes:
-        sentences: by section, and by the shape of the meaning.
-        answers: how things and acts are called.
-        giving: the act that has a recipient.
+    `answers` says how things and acts are called; `giving` is the act that has a recipient.
     """
 
     sentences: Mapping[str, Mapping[str, str]]

@@ -1,8 +1,7 @@
 """Spoken answers: templates from `answers.yaml`, filled with names in the form that fits.
 
-The file lists every answer; a slot in it may ask for a form, as in
-`{object:a}` for "a red mug". The forms come from the inflection of the language, and how an act is
-called from its verbs.
+The file lists every answer; a slot in it may ask for a form, as in `{object:a}` for "a red mug".
+Forms come from the inflection of the language, and how an act is called from its verbs.
 """
 
 import re

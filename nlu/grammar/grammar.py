@@ -2,8 +2,7 @@
 
 Read from `grammar.yaml` of the language and `predicates.yaml` of all languages. Every line is
 checked when it is read: each category must be declared and each term must have the type that its
-category demands. A mistake is a `DataError`
-with file, line and column.
+category demands. A mistake is a `DataError`, which says where.
 """
 
 from collections.abc import Mapping, Sequence

@@ -1,7 +1,6 @@
 """Reader of the notation for categories, lambda terms, types and pragmatic rules.
 
-The language data is written in one small grammar, `notation.lark`. A mistake becomes a `DataError`
-with file, line, column and what was expected.
+The grammar is `notation.lark`. A mistake is a `DataError` with its place and what was expected.
 """
 
 from __future__ import annotations

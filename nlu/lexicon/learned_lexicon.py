@@ -85,12 +85,7 @@ class ImmutableIndex(Mapping[Key, Item]):
 class LearnedLexicon(Lexicon):
     """A lexicon with the words that were learned, in all their forms; immutable.
 
-    Args:
-        base: the lexicon of the language, whose entries come after those of learned words.
-        builder: makes the entries of names.
-
-    Attributes:
-        learned: the words that were learned, by role and dictionary form.
+    The `learned` words are by role and dictionary form; their entries come before those of `base`.
     """
 
     def __init__(self, base: Lexicon, builder: LexiconBuilder) -> None:

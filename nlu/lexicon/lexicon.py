@@ -129,9 +129,8 @@ class LexiconNode:
 class Lexicon:
     """Entries found by their words; it is filled while a language is loaded.
 
-    Args:
-        senses: the entries, to be made when they are heard.
-        base: a lexicon whose entries are found too; it stays as it is.
+    Its `senses` become entries when they are heard; the entries of `base`, which stays as it is,
+    are found, too.
     """
 
     def __init__(self, senses: Iterable[LazyEntry] = (), base: Lexicon | None = None) -> None:

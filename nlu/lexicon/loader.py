@@ -65,13 +65,10 @@ class LexiconBuilder:
     """The words of a language, and the builder of entries for new ones.
 
     Attributes:
-        inflection: the forms of words.
-        combinator: the categories and how they combine.
         contractions: short forms and the words that they stand for.
         closed: words of grammar (closed-class words), which are no names.
         verbs: the verbs, in the order of the files.
         qualifiers: the words for each degree of confidence.
-        discourse_markers: the phrases that add nothing.
         naming: words after which any word may be a name, but a word of grammar.
         joining: words of lists, after which a plural may be a name.
         insisting: how one insists on a word that was taken for a slip of another.

@@ -31,10 +31,7 @@ def letter_clusters(word: str) -> list[str]:
 def intended_word(word: str, is_known: IsWord, spelled: Collection[str]) -> str | None:
     """The known word that `word` is a likely slip of, None where there is none.
 
-    Args:
-        word: a word that is not known.
-        is_known: tells whether a word could be meant.
-        spelled: the letter clusters of known words.
+    `is_known` tells if a word could be meant; `spelled` are the letter clusters of known words.
     """
     if len(word) < MIN_LETTERS:
         return None

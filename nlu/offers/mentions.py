@@ -53,9 +53,7 @@ Span = tuple[int, int]
 class Mention:
     """A name at the tokens `[start, end)`, in its dictionary form, in one of its roles.
 
-    Attributes:
-        is_new: whether it is no name that is known.
-        is_unknown: whether the word itself is not known.
+    It `is_new` where it is no known name, and `is_unknown` where the word itself is not known.
     """
 
     role: str

@@ -69,7 +69,6 @@ class OfferFinder:
     Attributes:
         degrees: the words for degrees of confidence, with their intervals.
         tool_acts: the acts done with a tool, each with the affordance that the tool must have.
-        realizer: makes the sentences for meanings.
         meaning_of: returns the meaning of a text that somebody says at some point.
     """
 

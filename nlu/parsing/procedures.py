@@ -95,11 +95,7 @@ class ActionHead:
 
 @dataclass(frozen=True, repr=False)
 class ProcedureReader:
-    """Finds the procedure that an utterance is.
-
-    Attributes:
-        frames: the taught actions on several objects or none, with the words between them.
-    """
+    """Finds the procedure that an utterance is; the `frames` are those of `Language`."""
 
     words: WordLists
     parser: SentenceParser
@@ -110,10 +106,7 @@ class ProcedureReader:
     def definition(
         self, tokens: Tokens, context: UtteranceContext, sentence: Sentence
     ) -> Understanding | None:
-        """Return the action that an utterance teaches, None if it teaches none.
-
-        `sentence` understands a clause by itself.
-        """
+        """Return the action that an utterance teaches, or None; `sentence` understands a clause."""
         for head, body in self._heads(replace(tokens, asks=False)):
             clauses = _Clauses(self, context, sentence)
             meaning = self._definition(head, body, clauses)
@@ -285,11 +278,7 @@ class ProcedureReader:
 
 
 class _Clauses:
-    """The clauses of one utterance; what is tried again is read once.
-
-    `read` returns the clauses of some tokens after a state, each with the state after it, or None
-    if one of them is none.
-    """
+    """The clauses of one utterance; what is tried again is read once."""
 
     def __init__(
         self, reader: ProcedureReader, context: UtteranceContext, sentence: Sentence

@@ -84,9 +84,7 @@ class UtterancePiece:
 class PieceReader:
     """Splits utterances into pieces.
 
-    Attributes:
-        operators: the words on which a meaning may depend, by kind.
-        degrees: the words for degrees of confidence.
+    `operators` are the words on which a meaning may depend, by kind.
     """
 
     words: WordLists

@@ -87,7 +87,6 @@ class ActionRule(_Rule):
 
     Attributes:
         context: the action during which the rule holds ("pass", "pickUp", ...).
-        part: the part to grasp.
         object, confidence, props, revises, source: as of a `FunctionalRule`.
     """
 
@@ -189,7 +188,6 @@ class Command(_Record):
 
     Attributes:
         goal: `pass`, `pickUp`, `pointTo`, `grasp` or `use`.
-        target: what to act on.
         part: the part to grasp, when the speaker names it.
         recipient: who gets it, when it is not the speaker.
         negated: whether the act is forbidden; then it must never be executed.
@@ -289,7 +287,6 @@ class ActionCommand(_Record):
     """A taught action on several objects, or on none: "swap the knife and the spoon", "tidy up".
 
     Attributes:
-        goal: the name of the action.
         objects: what to act on, in the order of its parameters.
     """
 
@@ -513,9 +510,7 @@ class Answer(_Record):
 class AskBack:
     """The utterance is ambiguous or close to a known one: Hilt must ask a clarification question.
 
-    Attributes:
-        question: the sentence to ask.
-        choices: the meanings, or the words or sentences, to choose from, best first.
+    The `choices` are meanings, words or sentences to choose from, best first.
     """
 
     kind: ClassVar[str] = "ask_back"

@@ -41,8 +41,6 @@ class PickAndPlace:
     The seed is that of the choice of grasps.
 
     Attributes:
-        world: the table, the objects, and time.
-        robot: the arm and its hand.
         in_hand: the object in the hand, with its grasp; None when it is empty.
         on_plan: called, if not None, before each closing of the gripper, with the name of the
             object, the part to grasp it by, the last grasp plan, and the selected grasp.

@@ -1,10 +1,8 @@
 """Pictures of a scene for people: rendering, tints, drawn grasps, name labels and captions.
 
-A picture is rendered at twice the size and reduced (Lanczos), which smooths all edges. The white
-background of the simulator is replaced by a soft gradient.
-
-Grasps are drawn as small hands: two fingers, what joins them, and the wrist. Rejected ones are thin
-and red, accepted ones green, the chosen one thick.
+A picture is rendered at twice the size and reduced (Lanczos), which smooths all edges, and a soft
+gradient replaces the white background. Grasps are drawn as small hands: two fingers, what joins
+them, and the wrist; rejected ones thin and red, accepted ones green, the chosen one thick.
 """
 
 from collections.abc import Generator, Iterable, Mapping, Sequence
@@ -130,8 +128,7 @@ def save_picture(picture: Picture, path: Path) -> None:
 def add_caption(picture: Picture, text: str, *, lines: int = 0) -> Picture:
     """Return the picture with a text below it.
 
-    The text is broken at its line ends and where it is too long. There is room for `lines` lines;
-    for as many as the text needs when it is 0.
+    The text is broken at line ends and where too long; there is room for `lines`, or all with 0.
     """
     height, width = picture.shape[:2]
     size = caption_size(picture)

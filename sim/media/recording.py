@@ -36,9 +36,7 @@ STRIP_COLUMNS, STRIP_ROWS = 4, 2
 
 
 class WorldRecorder:
-    """Records a world into one file.
-
-    The suffix of the file is .gif, .mp4 or .png.
+    """Records a world into one file, .gif, .mp4 or .png.
 
     Attributes:
         caption: text below the pictures from now on; none when empty.

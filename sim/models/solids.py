@@ -1,10 +1,9 @@
 """Solids as geometry: for each form a visual surface and convex pieces for collisions.
 
-The surface is fine and shaded; the pieces are convex and few. Both come from the same rings of
-points (see `meshes`), so that what a camera sees and what a finger touches differ by little: some
-tenths of a millimetre on tools, at most 1.5 mm in the hollows of a shoe's sole.
-Thin-walled solids are cut into convex pieces by construction: a vessel into staves and a floor, a
-bent rod into segments, a plate into prisms.
+The surface is fine and shaded; the pieces are few. Both come from the same rings of points (see
+`meshes`), so that what a camera sees and what a finger touches differ by little: some tenths of a
+millimetre on tools, at most 1.5 mm in the hollows of a shoe's sole. Thin-walled solids are cut into
+convex pieces: a vessel into staves and a floor, a bent rod into segments, a plate into prisms.
 """
 
 from collections.abc import Sequence

@@ -40,8 +40,7 @@ class _BodyRecord:
 class Bodies:
     """The bodies in one simulator, their contacts, and PyBullet's numbers of them.
 
-    Attributes:
-        links: the names of the body and the link that have these numbers.
+    `links` has the names of the body and the link by these numbers.
     """
 
     def __init__(self, client: PhysicsClient) -> None:
@@ -60,9 +59,8 @@ class Bodies:
     ) -> None:
         """Put a body described by a URDF file into the world, at the origin unless a pose is given.
 
-        The pose is that of its URDF frame. What is `fixed` stays where it is, whatever pushes it.
-        With `inertia_of_shape`, inertias follow from the masses and shapes of its links instead of
-        from the file.
+        The pose is that of its URDF frame. What is `fixed` stays, whatever pushes it. With
+        `inertia_of_shape`, inertias follow from masses and shapes of the links, not from the file.
         """
         if name in self._records:
             raise SimulationError(f'There already is a body "{name}".')

@@ -47,9 +47,8 @@ class Rendering:
 
         These are red, green and blue of each pixel (height, width, 3), in 0..255; the OpenGL depth
         buffer (height, width), in [0, 1]; the label of each pixel (height, width); and the body and
-        link of each label. Pixels that show nothing have a label without a name.
-
-        The OpenGL matrices are (4, 4); `view` is camera_from_world.
+        link of each label. Pixels that show nothing have a label without a name. The OpenGL
+        matrices are (4, 4); `view` is camera_from_world.
         """
         raw = self._client.call(
             "getCameraImage",

@@ -88,8 +88,7 @@ class Scene:
 def parse_scene(spec: str, *, seed: int, objects: Mapping[str, ObjectType]) -> Scene:
     """Return the scene that `--scene` names; what it leaves open is drawn from the seed.
 
-    It names a YAML file, `objects:knife,mug`, `random:SEED[:COUNT]` or `all`. UnknownNameError if
-    an object that is not known; DataError if the text or the file is wrong; says what was expected.
+    UnknownNameError for an unknown object; DataError says what was expected in the text or file.
     """
     if not 0 <= seed <= MAX_SEED:
         raise DataError(f"expected 0 to {MAX_SEED}, found {seed}.", source="--seed")

@@ -46,10 +46,7 @@ class World(AbstractContextManager["World"]):
     Use it in a `with` block, or `close` it.
 
     Attributes:
-        objects: all object types, by name.
         kinds: type of each object on the table, by the object's name.
-        models: model of each type, by the type's name.
-        watcher: is called after every step.
         supports: name of the object that an object stands in; loose ones are not in it.
     """
 
@@ -144,10 +141,7 @@ class World(AbstractContextManager["World"]):
         return self.engine.bodies.pose(name, next(iter(self.kinds[name].parts)))
 
     def depth(self, name: str) -> float:
-        """Return how deep an object stands in another one [m], as a nail in its block.
-
-        UnknownNameError if it does not stand in anything.
-        """
+        """Return how deep an object stands in another one [m]; UnknownNameError if it does not."""
         mount = self.kinds[name].mount if name in self.supports else None
         if mount is None:
             raise UnknownNameError("object that stands in another", name, self.supports)

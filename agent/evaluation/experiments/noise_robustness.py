@@ -49,11 +49,9 @@ class AccuracyCurve:
     """Accuracy as a function of one kind of noise.
 
     Attributes:
-        label: the label of the axis.
         values: the noise levels; the first is no noise.
         lines: label of a line -> inference setting ("fusion=mean"), or another variant.
         sound: the lines that must be right in every case without noise.
-        is_sensor_noise: whether the noise is in the sensors.
     """
 
     name: str
@@ -108,16 +106,13 @@ def _point(value: float, trials: Sequence[Json]) -> Json:
 
 @dataclass(frozen=True)
 class NoiseExperiment(Experiment):
-    """Accuracy as a function of noise, as curves.
+    """Accuracy as a function of noise, as curves; UnknownNameError if there is no such curve.
 
     Attributes:
         seed: the seed of scenes, sensors and speech recognition.
         trials: number of trials at each point of a curve; half of them with Scenario B.
         curves: comma-separated names of curves; all if empty.
         sim: whether a simulated robot executes its decisions; then only successes are right.
-
-    Raises:
-        UnknownNameError: there is no such curve.
     """
 
     name: ClassVar[str] = "noise"

@@ -180,11 +180,7 @@ def write_report(
 
 
 def check_format(path: Path) -> None:
-    """Check before a long run that a report can be written.
-
-    DataError if there is no such format; MissingExtraError if a package for HTML pages is not
-    installed.
-    """
+    """Check before a long run that a report can be written; else DataError or MissingExtraError."""
     if path.suffix not in FORMATS:
         raise DataError(f"expected a name that ends in {', '.join(FORMATS)}.", source=str(path))
     for package in ("jinja2", "matplotlib") if path.suffix == ".html" else ():
@@ -222,8 +218,7 @@ def render_page(
 ) -> str:
     """Return the HTML page of the report of all cases, in their order, with pictures of scenes.
 
-    A picture is its caption and the base64 of a JPEG. MissingExtraError if jinja2 or matplotlib is
-    not installed.
+    Pictures are captions with the base64 of a JPEG. MissingExtraError without jinja2 or matplotlib.
     """
     with extra_required("report", "jinja2"):
         from jinja2 import Environment, StrictUndefined

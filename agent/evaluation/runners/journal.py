@@ -30,12 +30,8 @@ FORMAT = 1
 class RunJournal(AbstractContextManager["RunJournal"]):
     """The journal of a run in a folder, opened for writing; use it in a `with` block.
 
-    Raises:
-        DataError: the folder contains a run that is not to be resumed, or another run.
-        StoreError: the folder cannot be written, or another process is writing to it.
-
-    Attributes:
-        runs: key of a case -> its result, for all finished cases.
+    `runs` has the result of each finished case by its key. DataError if the folder has another run,
+    or one not to be resumed; StoreError if it cannot be written, or another process writes to it.
     """
 
     def __init__(
@@ -67,10 +63,7 @@ class RunJournal(AbstractContextManager["RunJournal"]):
         self.runs[run.result.key] = run
 
     def finish(self, cases: Sequence[Case], files: Mapping[str, Json] | None = None) -> None:
-        """Write the results of all cases, in their order, and the files of the experiment.
-
-        Each file is written atomically.
-        """
+        """Write the results of all cases, in order, and the experiment's files, each atomically."""
         runs = [self.runs[case.key] for case in cases]
         lines = (f"{to_json_line(each.result)}\n" for each in runs)
         write_atomically(self.folder / RESULTS, "".join(lines))

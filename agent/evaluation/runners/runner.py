@@ -51,10 +51,7 @@ def run_case(experiment: Experiment, case: Case) -> TimedResult:
 
 
 def run_in_worker(name: str, options: str, case: str) -> str:
-    """Run a case in a worker process; arguments and result are JSON.
-
-    WorkersError if the experiment cannot be constructed in this process.
-    """
+    """Run a case, as JSON, in a worker; WorkersError if its experiment cannot be constructed."""
     try:
         experiment = _experiment(name, options)
     except Exception as error:  # an exception with a single text can be sent to any process
@@ -76,7 +73,7 @@ def run_in_pool(
     at_once: int | None = None,
     patience_s: float | None = None,
 ) -> Iterator[TimedResult]:
-    """Run cases in other processes, and yield the results as they become available.
+    """Run cases in other processes and yield results as they come; WorkersError if none can start.
 
     Args:
         cases: what is run.
@@ -86,9 +83,6 @@ def run_in_pool(
         attempts: how often a case is started.
         at_once: how many cases are started at the same time; None starts all.
         patience_s: how long the processes may take to start a case [s].
-
-    Raises:
-        WorkersError: no process can be started.
     """
     finished: SimpleQueue[tuple[Case, int, Future[str]]] = SimpleQueue()
     pending: set[Future[str]] = set()
@@ -172,16 +166,13 @@ def _import_ray() -> Any:
 
 @dataclass(frozen=True)
 class RayRunner:
-    """Runs cases on a Ray cluster.
+    """Runs cases on a Ray cluster; MissingExtraError if Ray is not installed.
 
     Attributes:
         address: the address of its head node, "auto", or "local" to start a cluster.
         workers: maximum number of cases at the same time; None is the number of processors.
         timeout_s: how long a case may take before it is stopped [s].
         attempts: how often a case is started whose worker dies.
-
-    Raises:
-        MissingExtraError: Ray is not installed.
     """
 
     address: str
@@ -236,16 +227,12 @@ def _run_within(timeout_s: float, *work: str) -> str:
 def make_runner(
     workers: int | None = None, ray: str | None = None, *, timeout_s: float = TIMEOUT_S
 ) -> Runner:
-    """Return the runner for the options of a command.
+    """Return the runner for the options of a command; MissingExtraError if there is no Ray.
 
     Args:
         workers: how many cases run at the same time; None is one, or all processors of a cluster.
-        ray: the address of a Ray cluster, "auto" for the one of this machine, or "local" for a new
-            one.
+        ray: address of a Ray cluster, "auto" for that of this machine, "local" for a new one.
         timeout_s: how long a case may take before its worker is killed [s].
-
-    Raises:
-        MissingExtraError: Ray is not installed.
     """
     if ray:
         return RayRunner(ray, workers, timeout_s=timeout_s)
@@ -264,9 +251,8 @@ def run_experiment(
 ) -> tuple[TimedResult, ...]:
     """Run an experiment, or resume it, and return the results of all cases in their order.
 
-    `cases` are its cases, if they are listed already; without a runner they run in this process.
-    The journal gets the results as they come, and the cases that it contains are not run again. The
-    progress is shown on the console, if there is one.
+    `cases` are its cases, if listed already; without a runner they run in this process. The journal
+    gets the results as they come, and its cases are not run again. The console shows the progress.
     """
     cases = experiment.cases() if cases is None else cases
     runs = dict(journal.runs) if journal else {}

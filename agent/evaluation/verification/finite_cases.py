@@ -125,9 +125,8 @@ def check_scores(space: VerbalizedSpace, shift: int) -> CheckResult:
     """Check the score of each cell at one code, among cells of other codes.
 
     A row is lower, upper, lambda, accepted, then the cells of the proof, those that were read, and
-    those whose rules were met.
-    Each score must be the same, to the last bit, with all objects in the scene and if only its own
-    cell was taught; and evaluating its proof again must give the same interval.
+    those whose rules were met. Each score must be the same, to the last bit, with all objects in
+    the scene and if only its own cell was taught; its proof must evaluate to its interval.
     """
     cells, objects = space.cells, space.objects
     # The 16 shifts together give each cell each code once, always among other codes.
@@ -140,7 +139,6 @@ def check_scores(space: VerbalizedSpace, shift: int) -> CheckResult:
         with TaughtAgent(space.rules[cell, level] for level in levels_of(code)) as taught:
             alone, _ = _score(space, taught, cell)
         is_same = _bounds(candidate) == _bounds(other) == _bounds(alone)
-        # Evaluating the proof again must give the interval of the candidate.
         is_proven = not candidate or candidate.proof.evaluate(Operators()) == candidate.interval
         if not is_same or row[0] != belief(code) or not is_proven:
             wrong.append(f"{cell} at code {code} has {row}")
@@ -228,9 +226,6 @@ def parts_mask(space: ScenarioSpace, name: str, found: Inference | None) -> int:
 
 
 def highest_codes(codes: Sequence[int]) -> int:
-    """Return the bit mask of the highest non-zero codes.
-
-    The levels are such that a higher code means a higher belief.
-    """
+    """Return the bit mask of the highest non-zero codes; a higher code means a higher belief."""
     highest = max(codes, default=0)
     return sum(1 << i for i, code in enumerate(codes) if code == highest and highest)

@@ -30,12 +30,7 @@ Codes = tuple[int, ...]  # a learning scenario: a code in [0, 16) for each cell
 
 @dataclass(frozen=True, order=True)
 class RuleKey:
-    """The topic of a rule, without its confidence.
-
-    Attributes:
-        argument: the affordance, or the part.
-        context: the action it is grasped for; empty for an affordance.
-    """
+    """The topic of a rule: an affordance, with an empty context, or a part to grasp in one."""
 
     object: str
     argument: str

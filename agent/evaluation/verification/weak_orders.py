@@ -3,11 +3,8 @@
 Each object of a scene is absent, present without an applicable rule, or ranked. With k ranked
 objects on m levels there are C(n, k)·2^(n-k)·m!·S(k, m) cases (S: Stirling numbers of the second
 kind); a *block* contains those of one k and m. The choice is made by the code under test, from
-candidates that differ only in their scores.
-
-`OpaqueOperators` rank by an `OpaqueScore`. It supports what a choice by comparison needs (order,
-reversal, and subtraction of the tolerance, for ties) and nothing else: other uses raise
-`TypeError`.
+candidates that differ only in their scores. An `OpaqueScore` supports what a choice by comparison
+needs (order, reversal, subtraction of the tolerance for ties); other uses raise `TypeError`.
 """
 
 from __future__ import annotations
@@ -71,12 +68,7 @@ class OpaqueOperators(Operators):
 
 @dataclass(frozen=True)
 class WeakOrderClass:
-    """The weak orders with given numbers of ranked objects and levels.
-
-    Attributes:
-        ranked: number of ranked objects, k.
-        levels: number of levels, m in [0, k].
-    """
+    """The weak orders of some objects, of which k are `ranked` on m `levels`, m in [0, k]."""
 
     objects: int
     ranked: int
