@@ -1,15 +1,15 @@
-"""Commands about scenes: scene show."""
+"""Commands about scenes, simulated and seen: scene show, grasp."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
 from ...sim.installation import check_simulator
 from ..config import AgentConfig
-from .common import print_json, spinner, terminal
+from .common import exit_with, print_json, spinner, terminal
 from .options import SCENE, AsJson, app, example, with_config
 
 if TYPE_CHECKING:
@@ -25,9 +25,7 @@ def show(
     *,
     config: AgentConfig,
     out: Annotated[Path, typer.Option(help="The picture, .png or .jpg.")] = Path("out/scene.png"),
-    names: Annotated[
-        bool, typer.Option("--names", help="Write the names of the objects into the picture.")
-    ] = False,
+    names: Annotated[bool, typer.Option("--names", help="Write names into the picture.")] = False,
     as_json: AsJson = False,
 ) -> None:
     """Render a picture of a scene with the robot, and list its objects with their positions."""
@@ -71,3 +69,59 @@ def _things(body: Body) -> list[dict[str, Any]]:
         }
         for name, kind in world.kinds.items()
     ]
+
+
+@app.command(epilog=example("grasp --cloud mug.npz --part handle --table 0"))
+@with_config("robot", "seed")
+def grasp(
+    *,
+    config: AgentConfig,
+    cloud: Annotated[Path, typer.Option("--cloud", help="The points: an .npz or .ply file.")],
+    part: Annotated[str | None, typer.Option("--part", help="The label to grasp by.")] = None,
+    others: Annotated[
+        list[str] | None, typer.Option("--other", help="A neighbour's label.")
+    ] = None,
+    table: Annotated[float, typer.Option(metavar="Z", help="Its height [m].")] = float("-inf"),
+    pose: Annotated[Path | None, typer.Option("--base-from-camera", help="4 x 4 numbers.")] = None,
+    frame: Annotated[Literal["base", "camera"], typer.Option(help="Of the grasps.")] = "base",
+    top: Annotated[int, typer.Option(min=1, help="How many grasps, best first.")] = 10,
+    as_json: AsJson = False,
+) -> None:
+    """Rank grasps of an object in a point cloud: where the hand closes, and how wide it opens."""
+    check_simulator()
+    from ...sim.grasping.cloud_grasps import grasps_on_cloud, read_cloud
+    from ...sim.poses import inverse, translation
+
+    arrays = read_cloud(cloud, pose)
+    given: dict[str, Any] = {"part": part, "others": others or (), "table": table}
+    with spinner("Planning grasps"):
+        plan = grasps_on_cloud(**arrays, **given, robot=config.robot, seed=config.seed)
+    at = arrays.get("base_from_camera")
+    frame_from_base = translation(0, 0, 0) if at is None or frame == "base" else inverse(at)
+    found = {
+        "frame": "points" if at is None else frame,
+        "reach_checked": at is not None,
+        "grasps": [
+            {
+                "part": part,
+                "pose": (frame_from_base @ each.world_from_grip).round(6).tolist(),
+                "width_m": round(each.width, 6),
+                "opening_m": round(each.opening, 6),
+                "score": round(each.score, 6),
+            }
+            for each in plan.grasps[:top]
+        ],
+        "rejected": dict(plan.rejected),
+    }
+    print_json(found) if as_json else _list_grasps(found)
+    exit_with(bool(plan.grasps))
+
+
+def _list_grasps(found: dict[str, Any]) -> None:
+    for each in found["grasps"]:
+        at, ahead = (" ".join(f"{row[axis]:6.3f}" for row in each["pose"][:3]) for axis in (3, 2))
+        number = f"[bold green]{each['score']:.2f}[/]  {1000 * each['width_m']:3.0f} mm wide"
+        terminal().print(f"{number}  at {at} m  ahead {ahead}")
+    reach = "within reach" if found["reach_checked"] else "z is up, and reach is not checked"
+    rejected = ", ".join(f"{count} {reason}" for reason, count in found["rejected"].items())
+    terminal().print(f"[dim]Frame: {found['frame']}; {reach}. Rejected: {rejected or 'none'}.[/]")

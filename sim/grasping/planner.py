@@ -47,7 +47,7 @@ SAME_PLACE = 0.015  # [m], a grasp so near to a failed one is not tried again
 # finds no reachable grasp, or a poor one, more may find a better one.
 EFFORTS = {1: 0.5, 2: 0.3, 4: 0.3, 8: 0.0}
 ACCEPTABLE = 0.1  # score; a grasp that is not above it is not tried
-_REASONS = {"too_wide": "too_wide", "part": "blocked", "neighbour": "blocked"}
+_REASONS = {"too_wide": "too_wide", "part": "blocked", "neighbour": "blocked", "below_table": ""}
 
 
 @dataclass(frozen=True)
@@ -70,11 +70,12 @@ class RankedGrasps:
         "too_wide" or "blocked" (by neighbours or other parts) when that holds for most of the
         poses, else "no_grasp": also of a knife some orientations are too wide.
         """
-        if self.grasps or not any(self.rejected.values()):
-            return ""
         counts = Counter[str]()
         for rejection, count in self.rejected.items():
             counts[_REASONS.get(rejection, "no_grasp")] += count
+        del counts[""]
+        if self.grasps or not counts.total():
+            return ""
         reason, count = counts.most_common(1)[0]
         return reason if 2 * count > counts.total() else "no_grasp"
 

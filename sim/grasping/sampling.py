@@ -39,8 +39,8 @@ def sample_grasps(
 
     These are poses (c, 4, 4) of the grip frame of the open gripper, and the width of what is
     between its fingers (c,) [m]. The numbers of samples that were rejected come with their reasons:
-    "too_wide" for the gripper, or "part", without room for the fingers. All orientations are turned
-    by `turn` [rad] about the vertical, to try those between the usual ones.
+    "too_wide" for the gripper, "part", without room for the fingers, or "below_table". All
+    orientations are turned by `turn` [rad] about the vertical, to try those between the usual ones.
     """
     target = cloud.target
     samples = target[farthest_points(target, count, first=int(rng.integers(len(target))))]
@@ -48,6 +48,7 @@ def sample_grasps(
     x, y = principal_direction(target)
     rotations = grasp_orientations(float(np.arctan2(y, x)) + turn)
     depths = _tip_depths(rotations, samples, cloud.table, gripper)
+    rejected["below_table"] = int(np.count_nonzero(depths[..., 0] <= 0))
     for rotation, tips in zip(rotations, depths, strict=True):
         possible = tips[:, 0] > 0
         if possible.any():

@@ -116,7 +116,7 @@ class KinematicChain:
         far = np.abs(joints - starts[0]).max(axis=1).reshape(m, s)
         best = np.argmin(np.where(found, far, 1e3 + np.linalg.norm(error, axis=1).reshape(m, s)), 1)
         rows = np.arange(m)
-        return IkSolutions(joints.reshape(m, s, -1)[rows, best], found[rows, best])
+        return IkSolutions(joints.reshape(m, s, starts.shape[1])[rows, best], found[rows, best])
 
     def _descend(self, joints: Array, targets: Array, *, steps: int = MAX_STEPS) -> Array:
         """Improve `joints` (n, k) in place; return the remaining errors (n, 6)."""
