@@ -76,14 +76,12 @@ def _things(body: Body) -> list[dict[str, Any]]:
 def grasp(
     *,
     config: AgentConfig,
-    cloud: Annotated[Path, typer.Option("--cloud", help="The points: an .npz or .ply file.")],
-    part: Annotated[str | None, typer.Option("--part", help="The label to grasp by.")] = None,
-    others: Annotated[
-        list[str] | None, typer.Option("--other", help="A neighbour's label.")
-    ] = None,
-    table: Annotated[float, typer.Option(metavar="Z", help="Its height [m].")] = float("-inf"),
-    pose: Annotated[Path | None, typer.Option("--base-from-camera", help="4 x 4 numbers.")] = None,
-    frame: Annotated[Literal["base", "camera"], typer.Option(help="Of the grasps.")] = "base",
+    cloud: Annotated[Path, typer.Option(help="The points: an .npz or .ply file.")],
+    part: Annotated[str | None, typer.Option(help="The label to grasp by; by default any.")] = None,
+    other: Annotated[list[str] | None, typer.Option(help="A label of other things.")] = None,
+    table: Annotated[float | None, typer.Option(metavar="Z", help="Height of the table.")] = None,
+    base_from_camera: Annotated[Path | None, typer.Option(help="A file of 4 x 4 numbers.")] = None,
+    frame: Annotated[Literal["base", "camera"], typer.Option(help="Frame of the grasps.")] = "base",
     top: Annotated[int, typer.Option(min=1, help="How many grasps, best first.")] = 10,
     as_json: AsJson = False,
 ) -> None:
@@ -92,27 +90,20 @@ def grasp(
     from ...sim.grasping.cloud_grasps import grasps_on_cloud, read_cloud
     from ...sim.poses import inverse, translation
 
-    arrays = read_cloud(cloud, pose)
-    given: dict[str, Any] = {"part": part, "others": others or (), "table": table}
+    arrays = read_cloud(cloud, base_from_camera)
+    given: dict[str, Any] = {"part": part, "others": other or (), "table": table}
     with spinner("Planning grasps"):
         plan = grasps_on_cloud(**arrays, **given, robot=config.robot, seed=config.seed)
     at = arrays.get("base_from_camera")
-    frame_from_base = translation(0, 0, 0) if at is None or frame == "base" else inverse(at)
-    found = {
-        "frame": "points" if at is None else frame,
-        "reach_checked": at is not None,
-        "grasps": [
-            {
-                "part": part,
-                "pose": (frame_from_base @ each.world_from_grip).round(6).tolist(),
-                "width_m": round(each.width, 6),
-                "opening_m": round(each.opening, 6),
-                "score": round(each.score, 6),
-            }
-            for each in plan.grasps[:top]
-        ],
-        "rejected": dict(plan.rejected),
-    }
+    turn = translation(0, 0, 0) if at is None or frame == "base" else inverse(at)
+    placed = [((turn @ g.world_from_grip).round(6) + 0.0).tolist() for g in plan.grasps[:top]]
+    numbers = [[round(x, 6) for x in (g.width, g.opening, g.score)] for g in plan.grasps[:top]]
+    grasps = [
+        {"part": part, "pose": pose, "width_m": width, "opening_m": opening, "score": score}
+        for pose, (width, opening, score) in zip(placed, numbers, strict=True)
+    ]
+    reach = {"frame": "points" if at is None else frame, "reach_checked": at is not None}
+    found = {**reach, "grasps": grasps, "rejected": dict(plan.rejected)}
     print_json(found) if as_json else _list_grasps(found)
     exit_with(bool(plan.grasps))
 

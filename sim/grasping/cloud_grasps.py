@@ -16,9 +16,10 @@ from ..robot.models import RobotType, find_robot
 from ..robot.path_planner import FINGERS_EXCHANGED, RETREAT, Grasp
 from ..vision.point_cloud_operations import voxel_downsample
 from .context import LabelledPointCloud, PointLabel
-from .planner import COARSE_CELL, EFFORTS, MIN_POINTS, RankedGrasps, plan_grasps
+from .planner import COARSE_CELL, EFFORTS, FINE_CELL, MIN_POINTS, RankedGrasps, plan_grasps
 
 MAX_EXTENT = 10.0  # [m] of what one camera sees in a room; more are other units
+SOLID = 0.02  # [m] above the table, what is lower goes down to it: one view shows no undersides
 RIGID = 1e-3  # by which the axes of a pose may be oblique
 
 
@@ -29,7 +30,7 @@ def grasps_on_cloud(
     part: str | None = None,
     others: Collection[str] = (),
     base_from_camera: Array | None = None,
-    table: float = -np.inf,
+    table: float | None = None,
     mass: float = 0.2,
     robot: str = "panda",
     seed: int = 0,
@@ -47,7 +48,7 @@ def grasps_on_cloud(
     if kind.gripper is None:
         raise SimulationError(f"The {kind.label} has no gripper.")
     at = np.eye(4) if base_from_camera is None else base_from_camera
-    _check("points", points, (len(points), 3))
+    _check("points", points, (*points.shape[:1], 3))
     _check("base_from_camera", at, (4, 4))
     names = np.array([""] * len(points) if labels is None else labels)
     if len(names) != len(points):
@@ -55,7 +56,12 @@ def grasps_on_cloud(
     seen, kinds = poses.transform(at, points), _sort(names, part, others)
     own = seen[kinds != PointLabel.NEIGHBOUR]
     centre = own[voxel_downsample(own, COARSE_CELL)].mean(axis=0)
-    cloud = LabelledPointCloud(seen, kinds, table, centre, mass)
+    floor = -np.inf if table is None else table
+    layers = seen - np.arange(0.0, SOLID, FINE_CELL)[:, None, None] * (0, 0, 1)  # (l, n, 3)
+    kept = (layers[..., 2] > floor) & (seen[:, 2] < floor + SOLID)
+    kept[0] = True
+    kinds = np.broadcast_to(kinds, kept.shape)[kept]
+    cloud = LabelledPointCloud(layers[kept], kinds, floor, centre, mass)
     rng, rejected, best = np.random.default_rng(seed), Counter[str](), tuple[Grasp, ...]()
     for effort, enough in EFFORTS.items():
         plan = plan_grasps(cloud, kind.gripper, rng=rng, effort=effort)
@@ -81,12 +87,13 @@ def read_cloud(path: Path, pose: Path | None = None) -> dict[str, Any]:
         numbers = found.keys() & {"points", "base_from_camera"}
         arrays: dict[str, Any] = {key: found[key].astype(float) for key in numbers}
     except Exception as error:  # readers have errors of their own for each way to be broken
-        raise DataError(f"cannot be read as .npz or .ply: {error}.", source=str(path)) from error
+        problem = str(error).rstrip(".")
+        raise DataError(f"cannot be read as .npz or .ply: {problem}.", source=str(path)) from error
     if "points" not in arrays:
         raise DataError(f'has no "points". It has: {", ".join(found)}.', source=str(path))
     if "labels" in found:
         names = dict(enumerate(np.ravel(found.get("names", ())).tolist()))
-        values, index = np.unique(found["labels"], return_inverse=True)
+        values, index = np.unique(np.ravel(found["labels"]), return_inverse=True)
         arrays["labels"] = np.array([str(names.get(each, each)) for each in values.tolist()])[index]
     return arrays
 
@@ -101,13 +108,13 @@ def _read_ply(path: Path) -> dict[str, Any]:
     return {"points": points, **({"labels": columns["label"]} if "label" in columns else {})}
 
 
-def _check(name: str, array: Array, shape: tuple[int, int]) -> None:
+def _check(name: str, array: Array, shape: tuple[int, ...]) -> None:
     problem = ""
     if array.shape != shape:
         problem = f"has the shape {array.shape}; expected {shape}."
     elif wrong := int(np.count_nonzero(~np.isfinite(array).all(axis=1))):
         problem = f"{wrong} of {len(array)} rows are not finite; leave them out."
-    elif (extent := np.ptp(array, axis=0).max(initial=0.0)) > MAX_EXTENT:
+    elif (extent := np.abs(array - array[:1]).max(initial=0.0)) > MAX_EXTENT:
         problem = f"spans {extent:.4g} m; expected at most {MAX_EXTENT:g} m. Is it in millimetres?"
     elif shape == (4, 4):
         one = np.linalg.det(array) * poses.inverse(array) @ array

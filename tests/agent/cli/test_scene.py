@@ -1,12 +1,14 @@
-"""`hilt scene show`: a picture of a scene, and what stands where."""
+"""`hilt scene show`: a picture of a scene, and what stands where; `hilt grasp`, on a cloud."""
 
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 from PIL import Image
 
 from hilt.agent.cli import main
+from hilt.sim import poses
 
 ROD = """
 objects:
@@ -78,3 +80,68 @@ def test_what_cannot_be_shown_is_told(
     """Wrong usage is one line on stderr and exit code 2."""
     assert run(*arguments) == 2
     assert problem in capsys.readouterr().err
+
+
+BASE_FROM_CAMERA = poses.pose(poses.rotation_about((1, 0, 0), np.pi), (0.5, 0.0, 0.6))
+
+
+def grasp(folder: Path, *options: str) -> int:
+    """The exit code of `hilt grasp` on a bar, 3 cm wide, that a camera above it sees."""
+    x, y = np.meshgrid(np.linspace(-0.06, 0.06, 80), np.linspace(-0.015, 0.015, 20))
+    top = np.column_stack([x.ravel(), y.ravel(), np.full(x.size, 0.56)])
+    side = np.column_stack([x.ravel(), np.full(x.size, 0.015), 0.575 + y.ravel()])
+    points = np.vstack([top, side])
+    labels = np.where(points[:, 0] > 0, "head", "grip")
+    np.savez(folder / "bar.npz", points=points, labels=labels, base_from_camera=BASE_FROM_CAMERA)
+    with pytest.raises(SystemExit) as ended:
+        main(["grasp", "--cloud", str(folder / "bar.npz"), "--table", "0", *options])
+    return int(ended.value.code or 0)
+
+
+def test_grasps_of_a_cloud_are_one_json_document(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+):
+    """Each grasp has its part, pose, width, opening and score; the best come first."""
+    code = grasp(tmp_path, "--part", "grip", "--top", "2", "--json")
+
+    told = json.loads(capsys.readouterr().out)
+    assert code == 0
+    assert (told["frame"], told["reach_checked"], len(told["grasps"])) == ("base", True, 2)
+    first, second = told["grasps"]
+    assert first.keys() == {"part", "pose", "width_m", "opening_m", "score"}
+    assert first["part"] == "grip" and first["score"] >= second["score"]
+    assert first["opening_m"] > first["width_m"] == pytest.approx(0.03, abs=0.002)
+    assert np.shape(first["pose"]) == (4, 4) and first["pose"][0][3] < 0.5
+    assert set(told["rejected"]) & {"part", "below_table"}
+
+
+def test_grasps_are_told_in_the_frame_of_the_camera(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+):
+    """The pose of the camera leads from the one frame to the other."""
+    told = []
+    for frame in ("base", "camera"):
+        assert grasp(tmp_path, "--frame", frame, "--top", "1", "--json") == 0
+        told.append(json.loads(capsys.readouterr().out))
+
+    in_base, in_camera = (np.array(each["grasps"][0]["pose"]) for each in told)
+    assert [each["frame"] for each in told] == ["base", "camera"]
+    assert np.allclose(BASE_FROM_CAMERA @ in_camera, in_base, atol=1e-5)
+
+
+def test_cloud_without_a_grasp_is_a_failure_with_its_reasons(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+):
+    """The exit code is 1, and what was rejected is counted."""
+    code = grasp(tmp_path, "--table", "0.039")
+
+    assert code == 1
+    assert "Rejected: " in (told := capsys.readouterr().out) and "below_table" in told
+
+
+def test_wrong_cloud_is_wrong_usage(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    """One line names the label, and those there are."""
+    code = grasp(tmp_path, "--part", "lid")
+
+    assert code == 2
+    assert capsys.readouterr().err == 'hilt: There is no label "lid". Known: grip, head.\n'
