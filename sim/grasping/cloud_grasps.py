@@ -74,12 +74,13 @@ def grasps_on_cloud(
     return RankedGrasps(best, dict((+rejected).most_common()))
 
 
-def read_cloud(path: Path, pose: Path | None = None) -> dict[str, Any]:
+def read_cloud(path: str | Path, pose: str | Path | None = None) -> dict[str, Any]:
     """Read what `grasps_on_cloud` takes from an .npz file with these arrays, or from a .ply file.
 
     Labels are text, or numbers with an array of `names`; in a .ply file they are the property
     `label`. A text file of 16 numbers may give the pose. DataError if a file cannot be read.
     """
+    path = Path(path)
     try:
         found = _read_ply(path) if path.suffix.lower() == ".ply" else dict(np.load(path))
         if pose is not None:

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from hilt.ontology.errors import DataError, SimulationError, UnknownNameError
 from hilt.ontology.objects import load_objects
 from hilt.sim import Body, grasps_on_cloud, parse_scene, poses, read_cloud
+from hilt.sim.grasping import cloud_grasps
 from hilt.sim.manipulation.hand_motions import LIFT_PACE, HandMotion
 from hilt.sim.poses import Array
 from hilt.sim.robot.models import find_robot
@@ -101,6 +102,19 @@ def test_finger_tips_end_above_the_table():
 
     tips = [(g.world_from_grip @ poses.translation(0, 0, GRIPPER.tip))[2, 3] for g in found]
     assert min(tips) > 0
+
+
+def test_low_things_are_solid_down_to_the_table(monkeypatch: pytest.MonkeyPatch):
+    """Of a low round bar the far side is not seen to its widest place, and yet taken for steep."""
+    angle, x = np.meshgrid(np.radians(np.arange(-40, 131, 4)), np.arange(0.44, 0.56, 0.0015))
+    arc = np.stack([x, -0.013 * np.cos(angle), 0.01 + 0.009 * np.sin(angle)], axis=-1)
+
+    solid = grasps_on_cloud(arc.reshape(-1, 3), table=0.0).grasps
+    monkeypatch.setattr(cloud_grasps, "SOLID", cloud_grasps.FINE_CELL)
+    hollow = grasps_on_cloud(arc.reshape(-1, 3), table=0.0).grasps
+
+    assert solid and not hollow
+    assert abs(solid[0].world_from_grip[1, 1]) > 0.99
 
 
 def test_other_things_are_kept_clear_of():
@@ -269,7 +283,7 @@ def test_wrong_files_are_refused(tmp_path: Path):
 
 @pytest.mark.sim
 @pytest.mark.parametrize(
-    ("name", "part", "seed"), [("mug", "handle", 7), ("hammer", "head", 3), ("glass", "stem", 4)]
+    ("name", "part", "seed"), [("mug", "handle", 7), ("knife", "handle", 3), ("glass", "stem", 4)]
 )
 def test_best_grasp_of_one_view_lifts_the_object_by_the_part(name: str, part: str, seed: int):
     """What one camera sees is enough for the simulated hand to lift a thing by the told part."""

@@ -141,6 +141,19 @@ def test_part_walled_in_by_others_is_blocked():
     assert found.reason == "blocked"
 
 
+@pytest.mark.parametrize(
+    ("rejected", "reason"),
+    [
+        ({"below_table": 9}, ""),
+        ({"below_table": 9, "too_wide": 2, "slope": 1}, "too_wide"),
+        ({"too_wide": 2, "slope": 2}, "no_grasp"),
+    ],
+)
+def test_poses_below_the_table_are_no_reason(rejected: dict[str, int], reason: str):
+    """The reason is that of most poses that could have been taken above the table."""
+    assert RankedGrasps((), rejected).reason == reason
+
+
 def test_part_hardly_seen_gives_no_grasp_and_no_reason():
     """Too few points give an empty plan."""
     few = labelled(np.zeros((3, 3)), table=0.0, centre_of_mass=np.zeros(3), mass=0.1)
