@@ -70,10 +70,7 @@ class Affordances:
         return self._taxonomy
 
     def features(self, node: str, goal: Goal) -> tuple[Atom, ...]:
-        """Return the features that vision has to look for at a node (getFeatures), sorted.
-
-        `node` is the path of the node in the action tree of the goal ("pass/graspObject").
-        """
+        """Return the features that vision has to look for at a node ("pass/findObject"), sorted."""
         here = self._node_context(node, goal)
         atoms = {*here.named_features, *here.relevant_features}
         return tuple(sorted(kind for atom in atoms for kind in self._taxonomy.below(atom)))

@@ -24,12 +24,10 @@ _REASONS: Mapping[Verdict, str] = {
 
 @dataclass(frozen=True)
 class ObjectRules:
-    """The rules that apply to an object.
+    """The most specific rules that apply to an object.
 
-    Attributes:
-        rules: the most specific rules.
-        overrides: pairs of one of these and a rule that it overrides.
-        distances: the features of a rule -> their distance in the is-a hierarchy.
+    `overrides` are pairs of one of these and a rule that it overrides; `distances` maps the
+    features of a rule to their distance in the is-a hierarchy.
     """
 
     rules: tuple[Rule, ...] = ()
@@ -74,10 +72,7 @@ class DecisionRule:
         is_absent: bool = False,
         experience: OutcomeCounts | None = None,
     ) -> Candidate:
-        """Return the candidate for an object: the conjunction of proof steps, with a verdict.
-
-        It is discounted by the experience with the argument, if there is any.
-        """
+        """Return a candidate: the conjunction of steps, discounted by experience, and a verdict."""
         proof = derive("and", steps, self.operators)
         if experience:
             seen_before = Proof("experienced", experience.interval, str(experience))

@@ -180,8 +180,7 @@ NO_TRIALS = OutcomeCounts()
 class TeacherRecord:
     """What the record says about the rules of a speaker: how the grasps turned out as they say.
 
-    The present trust in the speaker is in [0, 1]; `counts` are of grasps by the parts that the
-    rules name.
+    The present trust is in [0, 1]; `counts` are of grasps by the parts that the rules name.
     """
 
     speaker: str

@@ -1,7 +1,6 @@
 """Explanations of decisions: proofs, reasons for rejection, and counterfactuals.
 
-Explanations consist of the proofs of the decision itself; evaluating these again gives the same
-numbers.
+They consist of the proofs of the decision itself; evaluating these again gives the same numbers.
 """
 
 from bisect import bisect_left
@@ -29,10 +28,7 @@ _SPOKEN: Mapping[Verdict, str] = {
 
 @dataclass(frozen=True)
 class Counterfactual:
-    """A change of the interval of one leaf (`evidence`) that changes the decision.
-
-    `chosen` is the object or part chosen then; None if there is none.
-    """
+    """A change of one leaf's interval, after which another object or part, or None, is `chosen`."""
 
     evidence: Proof
     after: Interval

@@ -49,11 +49,9 @@ class TaughtRules(RuleSource, Protocol):
 
 @dataclass(frozen=True)
 class InducedRule:
-    """An induced rule with the reasons for it.
+    """An induced rule, discounted by the similarity of the two objects (and parts), in [0, 1].
 
-    It is discounted by the similarity of the two objects (and parts), in [0, 1], and has the status
-    "induced". `shared` are the features that they have in common, `needed` those on which the use
-    rests; there are none for a grasp.
+    `shared` are the features that they have in common, `needed` those on which a use rests.
     """
 
     rule: Rule
@@ -134,11 +132,7 @@ def similarity(one: Traits, other: Traits) -> tuple[float, tuple[str, ...]]:
 
 
 def needed_features(rule: Rule, rules: Iterable[Rule], objects: ObjectTypes) -> frozenset[str]:
-    """Return the features on which the use in a rule rests; none if they are not known.
-
-    They are those that were taught with it, or else abduced from the objects that were taught to
-    have the use, and not to have it.
-    """
+    """Return the features on which a rule's use rests, taught or abduced; none if not known."""
     same = [r for r in rules if (r.argument, r.contexts) == (rule.argument, rule.contexts)]
     general = (r for r in same if r.object is None and (r.asserts or r.interval.is_vacuous))
     for each in (rule, *general):

@@ -49,10 +49,8 @@ ImpliedAtoms = Mapping[Atom, tuple[int, Atom]]  # atom -> steps up from the give
 class Specificity:
     """The order of rules by specificity, at one node for one goal.
 
-    Args:
-        taxonomy: the is-a hierarchy.
-        actions: the actions above the node with their kinds, nearest first.
-        has_material: whether the goal names a material; otherwise materials are no premises.
+    `actions` are those above the node, with their kinds, nearest first. Materials are premises only
+    if the goal names one: `has_material`.
     """
 
     def __init__(self, taxonomy: Taxonomy, actions: Sequence[Atom], *, has_material: bool) -> None:

@@ -30,9 +30,8 @@ class Act:
 
     Attributes:
         actions: the actions that are done, the nearest first: that of a node and those above it.
-        object: the type of the object; None where it is not chosen yet.
-        properties: the properties that it is known to have.
-        part: the part that it is held by; None where that is not known yet.
+        object, part: its type, and the part that it is held by; None where not known yet.
+        properties: those that it is known to have.
         contexts: what else holds: places, roles of who receives it, what a tool is used on.
         done: the acts before this one, in order: action and type of object.
         holding: the type of the object in the hand, None when it is empty.
@@ -58,13 +57,10 @@ class NormConflict:
 
 @dataclass(frozen=True)
 class NormVerdict:
-    """What the norms say of an act.
+    """What the norms say of an act, and the conflicts of norms that were resolved.
 
-    Attributes:
-        forbidding: the norm because of which it must not be done; None where it may be.
-        proof: the derivation of that norm's interval.
-        unseen: the properties that it depends on and that vision cannot report.
-        conflicts: the conflicts of norms that were resolved.
+    `forbidding` is the norm by which it must not be done, None where it may be, and `proof` derives
+    its interval. `unseen` are properties on which it depends and that vision cannot report.
     """
 
     forbidding: Rule | None = None
@@ -94,13 +90,10 @@ ALLOWED = NormVerdict()
 
 @dataclass(frozen=True)
 class NormChecker:
-    """Checks acts against norms.
+    """Checks acts against norms, which are inherited along the taxonomy of `affordances`.
 
-    Attributes:
-        affordances: the rules, and the taxonomy along which they are inherited.
-        visible: the properties that vision can report.
-        momentary: norms that hold for now and are in no base.
-        unheeded: the ids of norms that are not to be heeded now.
+    `visible` are the properties that vision can report. `momentary` norms hold for now and are in
+    no base; those with ids in `unheeded` are not to be heeded now.
     """
 
     affordances: Affordances

@@ -25,16 +25,11 @@ LEAVES: tuple[Leaf, ...] = get_args(Leaf)
 
 @dataclass(frozen=True, slots=True)
 class Proof:
-    """A step of a proof, with the proofs of its inputs.
+    """A step of a proof, which is a kind of evidence or an operator, with the proofs of its inputs.
 
-    Attributes:
-        step: the kind of evidence, or the operator.
-        interval: the result of the step.
-        label: description of the evidence ("object:knife seen on knife 1").
-        inputs: the proofs of its inputs; for modus ponens the antecedent, then the rule; for a
-            discount what was told, then the experience by which it is discounted.
-        rule: the rule, for a taught rule as evidence.
-        overruled: rules that would apply, but that more specific ones override.
+    The inputs of modus ponens are the antecedent, then the rule; those of a discount what was told,
+    then the experience. `label` describes evidence ("object:knife seen on knife 1"), and `rule` is
+    a taught one; `overruled` are rules that would apply, but that more specific ones override.
     """
 
     step: Step

@@ -48,13 +48,10 @@ class Hypothesis:
 
 
 def parse_conclusion(text: str) -> Conclusion:
-    """Parse a conclusion: an atom with a known functor, or functor(argument).
+    """Parse an atom with a known functor, or functor(argument); ValidationError if it is neither.
 
     >>> print(parse_conclusion("part:blade"), parse_conclusion("cutWith(object:bread)"))
     graspObject(part:blade) cutWith(object:bread)
-
-    Raises:
-        ValidationError: the text is not a conclusion.
     """
     functor, bracket, rest = text.partition("(")
     if bracket:
@@ -76,10 +73,9 @@ def find_hypotheses(
 ) -> list[Hypothesis]:
     """Return the hypotheses under which a conclusion is more plausible than its negation.
 
-    The most plausible one is first. Rules with the same antecedent are fused.
-
-    Atoms that are `given` hold: they are left out of the hypotheses, and rules about other objects
-    than the given one are ignored. Along the taxonomy a given bread knife is a knife.
+    The most plausible one is first. Rules with the same antecedent are fused. Atoms that are
+    `given` hold: they are left out of the hypotheses, and rules about other objects than the given
+    one are ignored. Along the taxonomy a given bread knife is a knife.
     """
     known = frozenset(above for atom in given for above, _ in taxonomy.above(atom))
     groups: dict[frozenset[Atom], list[Rule]] = defaultdict(list)

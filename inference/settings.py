@@ -29,7 +29,7 @@ Choice = tuple[str, YamlNode]  # the name of a setting, as on the command line, 
 
 @dataclass(frozen=True)
 class Settings:
-    """The settings of the inference.
+    """The settings of the inference; UnknownNameError if there is no such stage or detection.
 
     Attributes:
         operators: conjunction, modus ponens, fusion, ranking and acceptance.
@@ -41,9 +41,6 @@ class Settings:
             that the robot asks.
         thresholds: Λ by context: that of an action ("pass") replaces the general one; that of a
             place or role ("place:hospital") can only raise it.
-
-    Raises:
-        UnknownNameError: there is no such stage or detection.
     """
 
     operators: Operators = field(default_factory=Operators)
@@ -66,21 +63,15 @@ class Settings:
         return reduce(_with_choice, _choices(top), cls())
 
     def with_choices(self, choices: Iterable[str]) -> Settings:
-        """Return a copy with some settings replaced.
+        """Return a copy with some settings replaced; DataError if one is malformed or unknown.
 
         >>> Settings().with_choices(["fusion=dempster", "threshold.pass=0.9"]).thresholds
         {'pass': 0.9}
-
-        Raises:
-            DataError: a choice does not have that form, or there is no such setting.
         """
         return reduce(_with_choice, map(_parsed, choices), self)
 
     def threshold_of(self, actions: Iterable[str], others: Iterable[Atom] = ()) -> float:
-        """Return Λ: that of the nearest action that has one, raised by those of places and roles.
-
-        `actions` are the contexts that are actions, nearest first; `others` are places and roles.
-        """
+        """Return Λ: that of the first (nearest) action that has one, raised by places and roles."""
         own = (self.thresholds[name] for name in actions if name in self.thresholds)
         asked = (self.thresholds[str(a)] for a in others if str(a) in self.thresholds)
         return max((next(own, self.threshold), *asked))

@@ -1,8 +1,7 @@
 """The is-a hierarchy of objects, parts, actions and places, along which rules are inherited.
 
-A bread knife is a knife, so rules about knives apply to it unless there is a rule about bread
-knives: more specific rules override general ones (`node_rules`). Distances are numbers of is-a
-steps.
+A bread knife is a knife, so rules about knives apply to it unless a rule about bread knives, being
+more specific, overrides them (`node_rules`). Distances are numbers of is-a steps.
 """
 
 from __future__ import annotations
@@ -33,14 +32,11 @@ _KINDS = ("object", "part", "property", "action", "place", "role")
 
 
 class Taxonomy:
-    """An immutable is-a hierarchy, made of pairs (atom, more general atom).
+    """An immutable is-a hierarchy of pairs (atom, more general atom); DataError if it has a cycle.
 
     >>> bread_knife, knife = Atom("object", "bread knife"), Atom("object", "knife")
     >>> [(str(kind), steps) for kind, steps in Taxonomy([(bread_knife, knife)]).above(bread_knife)]
     [('object:bread knife', 0), ('object:knife', 1)]
-
-    Raises:
-        DataError: the hierarchy has a cycle.
     """
 
     def __init__(

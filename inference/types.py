@@ -35,9 +35,8 @@ class Conclusion:
 class Target(DescribedObject):
     """The object an action is about, as described by the speaker.
 
-    Attributes:
-        affords: another conclusion that must hold for it: cutWith(bread).
-        is_confirmed: whether the speaker confirmed it when asked: then it need only be seen.
+    It must also lead to the conclusion `affords`: cutWith(bread). One that the speaker confirmed
+    when asked need only be seen.
     """
 
     affords: Conclusion | None = None
@@ -53,13 +52,9 @@ class Target(DescribedObject):
 
 @dataclass(frozen=True)
 class Goal:
-    """The goal of an action tree.
+    """The goal of an action tree ("pass"), and the target of its find node.
 
-    Attributes:
-        action: the action tree ("pass").
-        target: the object to find at the find node.
-        contexts: the contexts that hold besides the actions on the path, each with an interval
-            (`Atom("place", "kitchen"): Interval(0.9, 1.0)`).
+    `contexts` hold besides the actions on its path: `{Atom("place", "kitchen"): Interval(0.9, 1)}`.
     """
 
     action: str
@@ -69,12 +64,9 @@ class Goal:
 
 @dataclass(frozen=True)
 class Observation:
-    """An object reported by vision.
+    """An object reported by vision, with its detected class.
 
-    Attributes:
-        name: its name ("knife", "mug_2"), unique in the scene.
-        object: its detected class.
-        atoms: the requested features, each with its interval; others were not looked for.
+    Its name ("mug_2") is unique in the scene; `atoms` are the features that were looked for.
     """
 
     name: str
@@ -84,18 +76,14 @@ class Observation:
 
 @dataclass(frozen=True)
 class Candidate:
-    """A conclusion about an observed object.
+    """A conclusion about an observed object, with its proof and the reason for the verdict.
 
     Attributes:
-        name: the name of the object.
-        object: its class.
         argument: the affordance, or the part to act on; None if the command names the object and
             no rule is needed.
-        proof: the derivation of its interval.
         certainty: lambda of the interval, in [0, 1].
         verdict: "accepted"; "denied", believed not to hold; "unsure", neither; "unknown", there is
             no rule; or "absent", there is a rule but the object is not in view.
-        reason: the reason for the verdict, in a few words.
         inherited: distance of the rules in the is-a hierarchy: 0 for rules about this kind.
         overruled: rules that more specific ones override.
         experience: the outcomes of grasps by that part; None where there are none.
@@ -145,14 +133,11 @@ class Candidate:
 
 @dataclass(frozen=True)
 class Inference:
-    """The result of inference at a node of the action tree.
+    """The result of inference at a node ("pass/findObject") of the action tree.
 
-    Attributes:
-        node: the path of the node ("pass/findObject").
-        threshold: Λ(c), which lambda must exceed at this node.
-        candidates: all candidates, best first.
-        ties: the candidates that are as good as the best one, in the order of the scene.
-        absent: if no candidate is accepted: objects named by rules that are not in view.
+    `threshold` is Λ(c), which lambda must exceed. The candidates are sorted, best first; `ties` are
+    as good as the best one, in the order of the scene. If none is accepted, `absent` are the
+    objects named by rules that are not in view.
     """
 
     node: str

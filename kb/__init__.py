@@ -1,8 +1,7 @@
 """The knowledge base: interval-annotated rules on an RDF graph.
 
-The sub-packages, lowest first: `rdf` maps rules to RDF, `sparql` handles the text and the results
-of queries, `stores` keeps statements, `bulk` imports and exports millions, `formats` are file
-formats.
+The sub-packages, lowest first: `rdf` maps rules to RDF, `sparql` handles queries and their results,
+`stores` keeps statements, `bulk` imports and exports millions, `formats` are file formats.
 
 >>> from hilt.kb import Interval, KnowledgeBase, grasping
 >>> kb = KnowledgeBase.open("memory:")

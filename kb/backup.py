@@ -26,8 +26,7 @@ _OCCUPIED = '"{}" holds a knowledge base. Say that it is to be replaced (--repla
 def backup(base: KnowledgeBase, target: Path) -> int:
     """Write a copy of a base into a new folder, and return the number of its last utterance.
 
-    The base may be in use; there must be no folder `target`. StoreError if it cannot be written, or
-    cannot be read back.
+    It may be in use; `target` must not exist. StoreError if that cannot be written or read back.
     """
     if target.exists():
         raise StoreError(f'"{target}" is there already. Name a new folder for the backup.')

@@ -50,20 +50,16 @@ def utterance_property(predicate: Iri, default: object = REQUIRED) -> FieldPrope
 
 @dataclass(frozen=True)
 class Utterance:
-    """One utterance of the history.
+    """One utterance of the history, with the text as its speaker said it.
 
     Attributes:
         sequence: its number, from 1.
-        text: as it was said.
         predicate: its meaning in predicate form; empty when it was not understood.
-        speaker: who said it.
         time: when it was said, with a time zone.
         kind: statement, command, question, correction, ...
         accepted: whether it was believed or carried out.
         answer: the answer to it; empty when not known.
-        asserts: ids of the rules it asserted.
-        retracts: ids of the rules it retracted.
-        supersedes: ids of the rules it superseded.
+        asserts, retracts, supersedes: ids of the rules that it asserted, retracted, superseded.
         heard: confidence of the speech recognition, in [0, 1]; 1 where it was typed.
     """
 
@@ -102,8 +98,7 @@ class Utterance:
 def import_utterance(source: str, sequence: int, time: datetime, *, some: str = "") -> Utterance:
     """The utterance that stands for a file whose rules do not say where they come from.
 
-    `source` is the name of the file, "-" for standard input. Where the utterance stands for only
-    some of the rules, `some` says for which.
+    `source` names the file, "-" is standard input; `some` says for which rules, if not for all.
     """
     name = "standard input" if source == "-" else PurePath(source).name
     speaker = f"file {_NOT_IN_NAMES.sub(' ', name).strip()}"[:MAX_NAME].rstrip(" '@+-")
@@ -116,10 +111,7 @@ def utterance_iri(sequence: int) -> Iri:
 
 
 def utterance_quads(utterance: Utterance) -> Iterator[Quad]:
-    """The statements about an utterance, and what follows: an activity, and the trust that it set.
-
-    An utterance is what was said; the activity of saying it had a time and an agent.
-    """
+    """The statements about an utterance, its activity (time and agent), and the trust it set."""
     node, activity = utterance_iri(utterance.sequence), iri("activity", str(utterance.sequence))
     yield from _UTTERANCES.quads(node, utterance)
     yield Quad(node, _GENERATED_BY, activity, DERIVED)

@@ -21,16 +21,11 @@ EPSILON = 1e-9  # below this two beliefs are equal: the 16 levels of the paper d
 class Interval:
     """Bounds of a probability: 0 <= lower <= upper <= 1.
 
+    `lower` is the belief, `upper` the plausibility. IntervalError if the numbers are no interval.
+
     >>> often = Interval(0.75, 1)
     >>> print(often, often.width, often.negated())
     [0.75, 1.00] 0.25 [0.00, 0.25]
-
-    Attributes:
-        lower: belief, in [0, 1].
-        upper: plausibility, in [lower, 1].
-
-    Raises:
-        IntervalError: the numbers are no interval.
     """
 
     lower: float

@@ -44,13 +44,10 @@ _MAY_LACK = tuple(vocabulary.PREFIXES[kind] for kind in _REFERRED)
 
 @dataclass(frozen=True, order=True)
 class ValidationFinding:
-    """One thing that is wrong.
+    """One thing that is wrong: what was expected, and what was found where that helps.
 
-    Attributes:
-        node: what it is about, as a prefixed name.
-        problem: what was expected, and what was found where that helps.
-        key: the property that is wrong, as a prefixed name; empty where it is more than one.
-        line: 1-based line of the file at which the node is described; 0 when not known.
+    `node` is what it is about, `key` the property that is wrong (empty for more than one), as
+    prefixed names. `line` is the 1-based line at which a file describes the node; 0 if not known.
     """
 
     node: str

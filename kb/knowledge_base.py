@@ -74,14 +74,11 @@ _MAX_SEEN = 100_000  # statements that are not written again
 class KnowledgeBase(RuleWriter, AbstractContextManager["KnowledgeBase"]):
     """A knowledge base, in memory or in a folder; close it, or use it in a `with` block.
 
+    `taxonomies` names the ontologies whose kinds count as those of the household do.
+
     >>> with KnowledgeBase.open("memory:") as kb:
     ...     kb.trust("sam"), kb.rules(), kb.sequence
     (Interval(1.0, 1.0), [], 0)
-
-    Attributes:
-        store: where everything is kept.
-        clock: gives the time of an utterance.
-        taxonomies: names of the ontologies whose kinds count as those of the household do.
     """
 
     taxonomies: tuple[str, ...] = ()
@@ -109,10 +106,8 @@ class KnowledgeBase(RuleWriter, AbstractContextManager["KnowledgeBase"]):
     def open(cls, location: str | Path, *, read_only: bool = False) -> KnowledgeBase:
         """Open a base, or create one; StoreError if it cannot be opened, with what to do.
 
-        Args:
-            location: `memory:`, a folder, or the address of a SPARQL endpoint.
-            read_only: refuse to write; the base must exist. A folder that another process
-                has open is read as it is now.
+        The location is `memory:`, a folder, or the address of a SPARQL endpoint. `read_only`
+        refuses to write: the base must exist; a folder open elsewhere is read as it is now.
         """
         store = open_store(location, read_only=read_only)
         try:
@@ -140,16 +135,10 @@ class KnowledgeBase(RuleWriter, AbstractContextManager["KnowledgeBase"]):
     ) -> QueryResult:
         """The result of a SPARQL query, in which the prefixes of the vocabulary are declared.
 
-        Outside `GRAPH` a query sees the union of all graphs.
-
-        Args:
-            text: a SELECT, ASK, CONSTRUCT or DESCRIBE query. It reads this base only.
-            bindings: values for its variables.
-            limits: time and memory after which it is stopped; none by default, for queries
-                that are known to end.
-
-        Raises:
-            QueryError: the query is wrong, reads anything else, or was stopped.
+        The query (SELECT, ASK, CONSTRUCT or DESCRIBE) reads this base only, and outside `GRAPH` the
+        union of all graphs. `bindings` are values for its variables; `limits` are time and memory
+        after which it is stopped, none by default, for queries that are known to end. QueryError if
+        the query is wrong, reads anything else, or was stopped.
         """
         bound = _prepared(text, bindings)
         if not query_text.query_form(bound):
@@ -169,9 +158,8 @@ class KnowledgeBase(RuleWriter, AbstractContextManager["KnowledgeBase"]):
         >>> KnowledgeBase.open("memory:").answer("best-for", affordance="cutting").variables[:3]
         ('affordance', 'object', 'features')
 
-        Raises:
-            UnknownNameError: there is no such query or parameter.
-            QueryError: an argument is not a value of its kind.
+        UnknownNameError if there is no such query or parameter; QueryError if an argument is not a
+        value of its kind.
         """
         query = named_query(name)
         return cast(SelectResult, self.query(query.text, query.bindings(arguments), limits=limits))

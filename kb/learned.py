@@ -73,10 +73,9 @@ class LearnedMapping(RecordMapping[Record]):
 
 @dataclass(frozen=True, order=True)
 class LearnedWord:
-    """A learned word.
+    """A learned word; `atom` is what it denotes: its dictionary form and its kind.
 
-    The atom is what it denotes: its dictionary form and its kind. The utterance is the number of
-    the one it was learned from; None before it is stored.
+    `utterance` is the number of the one it was learned from; None before it is stored.
     """
 
     atom: Annotated[Atom, _DENOTES]
@@ -91,14 +90,10 @@ class LearnedWord:
 
 @dataclass(frozen=True, order=True)
 class LearnedPhrase:
-    """A learned phrase.
+    """A learned phrase, and who used it first.
 
-    Attributes:
-        pattern: its words, with slots for names: "?affordance is what you want a ?object for".
-        meaning: the JSON object of its meaning with the same slots, as compact JSON.
-        said: as it was said.
-        speaker: who used it first.
-        utterance: number of the utterance that confirmed it; None before it is stored.
+    Pattern and meaning (compact JSON) have slots: "?affordance is what you want a ?object for".
+    `utterance` is the number of the one that confirmed it; None before it is stored.
     """
 
     pattern: Annotated[str, _PATTERN]
@@ -115,15 +110,10 @@ class LearnedPhrase:
 
 @dataclass(frozen=True, order=True)
 class TaughtAction:
-    """A taught action.
+    """A taught action, whose name is an atom of the kind "action", and who taught it.
 
-    Attributes:
-        action: its name, as an atom of the kind "action".
-        meaning: the JSON object of its meaning, as compact JSON.
-        said: as it was said.
-        speaker: who taught it.
-        utterance: number of the utterance that taught it; None before it is stored.
-        nodes: the paths of the nodes of its tree; written only.
+    The meaning is compact JSON. `utterance` is the number of the one that taught it; None before it
+    is stored. `nodes` are the paths of the nodes of its tree; written only.
     """
 
     action: Annotated[Atom, _DENOTES]

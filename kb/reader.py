@@ -1,8 +1,7 @@
 """Reading of rules, of the history, and of the trust in speakers.
 
 `rules_at_nodes` is the most frequent query, made at every step of every action; it starts from the
-edges of the given nodes, so its time depends on how many rules it finds, not on the size of the
-base.
+edges of the given nodes, so its time depends on how many rules it finds, not on how many there are.
 """
 
 from __future__ import annotations
@@ -43,10 +42,7 @@ class RuleReader:
         return not self.store.has_cheap_patterns  # that of an endpoint
 
     def rules_at_nodes(self, nodes: Sequence[str]) -> list[Rule]:
-        """The active rules that are attached to action-tree nodes, sorted by id.
-
-        Nodes are keys such as "pass.graspObject", "graspObject", "findObject.cutting".
-        """
+        """The active rules at action-tree nodes ("pass.graspObject", "graspObject"), by id."""
         if self.store.has_cheap_patterns:
             edges = (
                 edge

@@ -51,7 +51,7 @@ _SPEAKER = re.compile(r"[^\W_](?:[\w .'@+-]*[\w.])?")
 
 @dataclass(frozen=True, slots=True, order=True)
 class Atom:
-    """One atomic premise or conclusion of a rule: an object, a part, a property, ...
+    """One atomic premise or conclusion of a rule; ValidationError for an unknown kind or bad name.
 
     >>> print(Atom("object", "wine glass"))
     object:wine glass
@@ -59,9 +59,6 @@ class Atom:
     Attributes:
         kind: one of object, part, property, action, place, role, affordance, material.
         name: lower-case words with single spaces; an action may have capitals inside (pickUp).
-
-    Raises:
-        ValidationError: the kind is unknown or the name malformed.
     """
 
     kind: str
@@ -91,7 +88,7 @@ class Atom:
 
 @dataclass(frozen=True, repr=False)
 class Rule:
-    """One rule of one speaker.
+    """One rule of one speaker; ValidationError if it has no premise, or a name is malformed.
 
     >>> rule = grasping("knife", "blade", "pass", interval=Interval(0.95, 1))
     >>> rule
@@ -107,14 +104,10 @@ class Rule:
         functor: the predicate concluded: "usedFor", "graspObject", or another action's name.
         argument: its argument: an affordance, a part, ...; None where the functor needs none.
         interval: as it was said, with at most 6 fractional digits.
-        speaker: who said it.
         utterance: number of the utterance that last asserted it; None before it is stored.
         time: when it was last asserted, with a time zone; None before it is stored.
         status: active, retracted, superseded, or induced.
         trust: the present trust in the speaker, in [0, 1]; not part of the rule's content.
-
-    Raises:
-        ValidationError: it has no feature and no context, or a name is malformed.
     """
 
     features: frozenset[Atom]
@@ -286,15 +279,9 @@ def functional(
     properties: Iterable[str] = (),
     speaker: str = DEFAULT_SPEAKER,
 ) -> Rule:
-    """The rule that an object, of these properties, is used for something.
+    """The rule that an object ("*" for any), of these properties ("red"), is used for something.
 
-    Args:
-        name: the object; "*" for any.
-        affordance: a gerund, as "cutting".
-        interval: bounds of its probability.
-        material: what it is used on, as "bread"; None for anything.
-        properties: further features of the object ("red").
-        speaker: who says it.
+    `affordance` is a gerund ("cutting"); `material` is what it is used on ("bread"), None for any.
     """
     features, argument = _features(name, properties), Atom("affordance", affordance)
     contexts = _context("material", material)
@@ -310,10 +297,7 @@ def grasping(
     properties: Iterable[str] = (),
     speaker: str = DEFAULT_SPEAKER,
 ) -> Rule:
-    """The rule that an object is grasped by a part, in the context of an action or in any.
-
-    The context is the action, as "pass"; other arguments are as for `functional`.
-    """
+    """The rule that an object is grasped by a part, in the context of an action ("pass") or any."""
     contexts = _context("action", context)
     features, argument = _features(name, properties), Atom("part", part)
     return Rule(features, contexts, GRASP_OBJECT, argument, interval, speaker)
@@ -337,15 +321,9 @@ def norm(
 ) -> Rule:
     """The rule that an action on an object is forbidden, obliged or permitted.
 
-    Args:
-        functor: one of `NORMS`.
-        action: what is not to be done, or may be.
-        name: the object; "*" for any.
-        argument: the part by which it is done; for an obligation, also the action that comes first.
-        interval: bounds of the probability that it holds.
-        contexts: where, and to whom: places and roles.
-        properties: further features of the object ("hot").
-        speaker: who says it.
+    `functor` is one of `NORMS`; `name` is the object ("*" for any), of these properties ("hot").
+    `argument` is the part by which it is done; for an obligation, also the action that comes first.
+    `contexts` are where, and to whom: places and roles.
     """
     features = _features(name, properties)
     where = frozenset((Atom("action", action), *contexts))

@@ -69,18 +69,12 @@ def update(
     What changes nothing is not recorded; then it returns None. A rule that it inserts or makes
     active is asserted by that utterance, and one whose status ends it is retracted or superseded.
 
-    Args:
-        base: what is changed.
-        text: the update; graphs are named (`GRAPH graph:beliefs { ... }`). As in a query, what
-            stands in no GRAPH of a WHERE group is looked for in all graphs.
-        speaker: who does it.
-        limits: time and memory for finding out what it would change.
-        dry_run: change nothing; the utterance is the one that would record it.
+    Graphs are named (`GRAPH graph:beliefs { ... }`); as in a query, what stands in no GRAPH of a
+    WHERE group is looked for in all graphs. `limits` are for finding out what it would change; a
+    `dry_run` changes nothing, and returns the utterance that would record it.
 
-    Raises:
-        QueryError: the update is wrong, reaches outside, changes too much, or took too long.
-        ValidationError: it would break the base; says what is wrong.
-        StoreError: it could not be written.
+    QueryError if the update is wrong, reaches outside, changes too much, or took too long.
+    ValidationError if it would break the base; says what is wrong. StoreError if writing fails.
     """
     refuse_external_access(text)
     with base.store.writing():

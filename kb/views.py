@@ -27,10 +27,7 @@ _TOO_SHORT = re.compile(r"(?:rule[/:])?[0-9a-f]{0,3}")  # could be the number of
 
 @dataclass(frozen=True)
 class RuleView:
-    """The rules that held at some time or for one speaker, in the order they were last said.
-
-    It is a source of rules that never changes, and so is its `sequence`.
-    """
+    """The rules of some time or speaker, a source that never changes, in the order last said."""
 
     all: tuple[Rule, ...]
     sequence: int = 0
@@ -170,9 +167,8 @@ def parse_moment(text: str) -> datetime | int:
     >>> print(parse_moment("2026-11-21T09:30:00Z"))
     2026-11-21 09:30:00+00:00
 
-    Args:
-        text: the number of an utterance, or an ISO date with or without a time. A date alone is
-            the end of that day; a time without a zone is local.
+    That is the number of an utterance, or an ISO date with or without a time. A date alone is the
+    end of that day; a time without a zone is local.
     """
     stripped = text.strip()
     if stripped.isdecimal() and len(stripped) < len("20261121"):
@@ -190,10 +186,7 @@ def parse_moment(text: str) -> datetime | int:
 def rule_changes(
     base: RuleReader, *, since: int = 0, speaker: str | None = None, object: str | None = None
 ) -> Iterator[UtteranceChanges]:
-    """The utterances after a number, with the rules that each changed.
-
-    Only those of a speaker, and those that changed a rule about an object, where these are given.
-    """
+    """The utterances after a number (of a speaker, about an object), and the rules they changed."""
     for utterance in base.history(since=since):
         if speaker is not None and utterance.speaker.casefold() != speaker.casefold():
             continue

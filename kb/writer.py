@@ -149,8 +149,7 @@ class RuleWriter(RuleReader):
     ) -> Interval:
         """Set the trust in a speaker, in [0, 1]; `by` is who sets it, for the history.
 
-        Rules of the speaker are discounted by `lower`; `upper` is 1 by default, but 0 where `lower`
-        is 0.
+        Rules of the speaker are discounted by `lower`; `upper` is 1 by default, 0 if `lower` is 0.
         """
         check_speaker(speaker)
         most = (1.0 if lower else 0.0) if upper is None else upper

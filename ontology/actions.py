@@ -31,10 +31,8 @@ CONDITIONS = ("sees", "holds")
 class ArgumentByAffordance:
     """An argument given by what it must afford instead of by an object.
 
-    Attributes:
-        functor: the required conclusion about it: "usedFor", "cutWith", ...
-        argument: an atom as text ("affordance:pounding"); None where the functor needs none.
-        of: the parameter whose object is the argument instead: cutWith(X, what is to be cut).
+    The conclusion has a functor ("usedFor", "cutWith") and, where that needs one, an argument: an
+    atom as text ("affordance:pounding"), or the object of the parameter `of`: cutWith(X, it).
     """
 
     functor: str
@@ -46,11 +44,8 @@ class ArgumentByAffordance:
 class DescribedObject:
     """An argument given by a description: "the red mug", "something used for cutting".
 
-    Attributes:
-        object: its kind; None for any kind.
-        used_for, not_used_for: an affordance that it must have, or must not have.
-        properties: those that it must have.
-        material: what the affordance is wanted for.
+    Its kind is `object`, None for any, and it has all the properties. It must have the affordance
+    `used_for`, which is wanted for the material, and must not have `not_used_for`.
     """
 
     object: str | None = None
@@ -62,12 +57,10 @@ class DescribedObject:
 
 @dataclass(frozen=True)
 class Step:
-    """A step of an action tree.
+    """A step of an action tree: a primitive or a tree.
 
-    Attributes:
-        action: a primitive or a tree.
-        arguments: parameter of that action -> argument of the tree above, "=word" or a description.
-        part: the part by which the step holds its object; None leaves it to the rules.
+    `arguments` maps each parameter of that action to an argument of the tree above, "=word" or a
+    description. `part` is that by which the step holds its object; None leaves it to the rules.
     """
 
     action: str
@@ -103,9 +96,7 @@ class Precondition:
 
 @dataclass(frozen=True)
 class FailureBranch:
-    """What to do after a failure: at most one of the last three attributes is set.
-
-    With none of them the tree ends there, as failed.
+    """What to do after a failure: at most one of the last three attributes, or the tree fails.
 
     Attributes:
         after: the failures it handles, some of `Actions.failures` or "any".
@@ -131,18 +122,16 @@ class FailureBranch:
 
 @dataclass(frozen=True)
 class ActionTree:
-    """The steps that achieve one kind of goal.
+    """The steps that achieve one kind of goal, and their preconditions.
 
     Attributes:
         name: the predicate of the goal.
         parameters: the arguments of the predicate, in order.
         defaults: parameter -> its value when it is not given; "speaker" is who asked.
         steps: executed in preorder.
-        requires: the preconditions.
         otherwise: branches for failures; the first that handles a failure is taken.
         is_a: the more general action whose rules it inherits.
-        objects: parameter -> the kind of object for which the action was taught; None for an action
-            of a file.
+        objects: parameter -> the kind of object that it was taught for; None if it is of a file.
     """
 
     name: str

@@ -15,10 +15,7 @@ QUALIFIERS_FILE = Path(__file__).parent / "qualifiers.yaml"
 
 @dataclass(frozen=True)
 class Degrees:
-    """The degrees of confidence.
-
-    The default is that of a rule without a qualifier; the intervals are (lower, upper) in [0, 1].
-    """
+    """Degrees of confidence, as (lower, upper) in [0, 1]; the default is of unqualified rules."""
 
     default: str
     intervals: Mapping[str, tuple[float, float]]

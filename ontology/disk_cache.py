@@ -63,9 +63,8 @@ def cached(path: Path, make: Callable[[Path], object]) -> Path:
 def kept(name: str, files: Iterable[Path], make: Callable[[], T]) -> T:
     """Return what `make` returns, which is kept in the cache for the next program.
 
-    It counts until one of the files that it is made of changes, or Python does, if its own file is
-    whole and belongs to the user: it is a pickle, which can run any code. It is no error if it
-    cannot be written.
+    It counts until a file that it is made of changes, or Python does, if its own file is whole and
+    the user's: a pickle can run any code. It is no error if it cannot be written.
     """
     states = sorted((str(path), (s := path.stat()).st_size, s.st_mtime_ns) for path in files)
     stamp = content_key(repr(states).encode(), sys.version.encode())

@@ -15,15 +15,10 @@ class HiltError(Exception):
 
 
 class DataError(HiltError, ValueError):
-    """A file or text has invalid content.
+    """A file or text (`source`) has invalid content; `problem` is what was expected and found.
 
-    Attributes:
-        source: the file, or a description of the text (`"<text>"`).
-        line: 1-based line, or 0 when the whole source is meant.
-        column: 1-based column, or 0 when the whole line is meant.
-        text: the line itself, for the caret; empty when not known.
-        problem: what was expected and what was found.
-        mistakes: all errors found, each as an exception, if there are several.
+    Line and column are 1-based, or 0 when the whole source or line is meant; `text` is the line
+    itself, for the caret, empty when not known. `mistakes` are all errors, if several.
     """
 
     mistakes: tuple[DataError, ...] = ()
@@ -73,8 +68,7 @@ class ConflictError(HiltError, ValueError):
 class UnknownNameError(HiltError, LookupError):
     """A name does not exist.
 
-    The kind is that of the thing looked up ("object", "part", "query", ...); `known` are the
-    existing names, sorted.
+    The kind is that of the thing looked up ("object", "query"); `known` are existing names, sorted.
     """
 
     def __init__(self, kind: str, name: str, known: Iterable[str]) -> None:
@@ -166,8 +160,7 @@ def extra_required(extra: str, package: str) -> Generator[None]:
     ...
     hilt.ontology.errors.MissingExtraError: "no_such_package" is not installed. Run: ...
 
-    The extra of Hilt ("sim", "report", ...) installs the package, which pip knows by this name.
-    MissingExtraError if an import in the block failed.
+    The extra of Hilt installs the package of this name. MissingExtraError if an import failed.
     """
     try:
         yield

@@ -61,9 +61,8 @@ def relative_plausibility(interval: Bounds) -> float:
 def certainty(interval: Bounds) -> float:
     """Return the confidence measure lambda of Núñez et al. (2013), in [0, 1].
 
-    lambda = 1 + (b/γ)·log2(b/γ) + ((1-a)/γ)·log2((1-a)/γ) with γ = 1 + b - a, which is one minus
-    the entropy of the plausibility transform. It ignores the direction: [0, 0] is as certain as
-    [1, 1].
+    lambda = 1 + (b/γ)·log2(b/γ) + ((1-a)/γ)·log2((1-a)/γ) with γ = 1 + b - a, one minus the entropy
+    of the plausibility transform. It ignores the direction: [0, 0] is as certain as [1, 1].
     """
     share = relative_plausibility(interval)
     return max(0.0, 1 + _entropy_term(share) + _entropy_term(1 - share))

@@ -28,10 +28,8 @@ _WORDS = re.compile(r"[^\W_]+(?:[-' ][^\W_]+)*")
 class Material:
     """The material of a part.
 
-    Attributes:
-        name: "steel", "wood", ...
-        friction: lateral friction coefficient; that of a contact is the product of both.
-        shine: brightness of its highlights, in [0, 1].
+    `friction` is the lateral friction coefficient; that of a contact is the product of both.
+    `shine` is the brightness of its highlights, in [0, 1].
     """
 
     name: str
@@ -41,13 +39,11 @@ class Material:
 
 @dataclass(frozen=True)
 class PartType:
-    """One named part of an object.
+    """One named part ("handle", "blade") of an object.
 
     Attributes:
-        name: "handle", "blade", ...
         role: its function in the object: "grip", "edge", "container", ...
         properties: its perceptible properties: "sharp", "long", ...
-        material: its material.
         colour: the colour of its solids that have none of their own.
         mass: its mass [kg].
         shape: its solids, in the frame of the object.
@@ -64,12 +60,10 @@ class PartType:
 
 @dataclass(frozen=True)
 class RestingPose:
-    """A way in which an object can lie or stand on a table.
+    """A way in which an object can lie or stand on a table ("upright", "flat", "upside down").
 
-    Attributes:
-        name: "upright", "flat", "upside down", ...
-        turn: roll, pitch, yaw of the object's frame before any turn about the vertical [rad].
-        usual: whether random scenes use it; the others are used only when requested.
+    `turn` is roll, pitch, yaw of its frame before any turn about the vertical [rad]. Random scenes
+    use the `usual` ones; the others are used only when requested.
     """
 
     name: str
@@ -101,7 +95,6 @@ class ObjectType:
     """A kind of object.
 
     Attributes:
-        name: "knife", ...
         is_a: its superclass, an object or one of the file's classes; None for a root.
         properties: the perceptible properties of the whole object.
         graspable: whether it can be picked up; False for fixtures.
@@ -168,8 +161,7 @@ def load_household(path: Path | None = None, *, added_to: Household | None = Non
     """Return the contents of a file of objects: types, classes, roles and properties.
 
     The file, by default that of Hilt, may use the words of the household that it is `added_to`; the
-    result contains both. DataError if the file is invalid; gives the position and what was
-    expected.
+    result contains both. A DataError gives the position of a mistake, and what was expected.
     """
     return read_household(read_yaml(path or OBJECTS_FILE), added_to=added_to)
 

@@ -78,7 +78,6 @@ class PlacedSolid:
     """One form placed in the frame of the object.
 
     Attributes:
-        form: its form.
         at: origin of its frame [m].
         turn: roll, pitch, yaw of its frame [rad], about the fixed x, y and z axes in this order.
         colour: its own colour; None for that of the part.

@@ -18,7 +18,6 @@ SHAPES_FILE = Path(__file__).with_name("shapes.ttl")
 HILT = "https://w3id.org/hilt#"
 INDIVIDUALS = "https://w3id.org/hilt/"
 
-# Kinds of atoms in rules.
 ATOM_KINDS = ("object", "part", "property", "action", "place", "role", "affordance", "material")
 # Kinds of nodes that rules speak of.
 NAMED_KINDS = (*ATOM_KINDS, "node", "functor")
@@ -80,8 +79,7 @@ def iri(kind: str, name: str) -> Iri:
     >>> print(iri("object", "wine glass"))
     https://w3id.org/hilt/object/wine_glass
 
-    Raises:
-        KeyError: there is no such kind.
+    KeyError if there is no such kind.
     """
     if kind not in KINDS:
         raise KeyError(f'there is no kind "{kind}"; known: {", ".join(KINDS)}.')

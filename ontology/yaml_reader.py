@@ -32,8 +32,7 @@ class YamlNode:
         value: the plain value: `str`, `int`, `float`, `bool`, `None`, or for a list and a mapping
             a tuple of `YamlNode` and a dict from key to `YamlNode`.
         source: the file it was read from.
-        line: 1-based line of its first character.
-        column: 1-based column of its first character.
+        line, column: 1-based, of its first character.
         text_line: the line itself, for the caret below it.
         keys: the keys of a mapping, in the order of the file.
     """

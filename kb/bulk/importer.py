@@ -62,16 +62,9 @@ def import_statements(
 ) -> ImportSummary:
     """Import the statements of an RDF text: whole or not at all, and twice is once.
 
-    Args:
-        base: what is written to.
-        statements: what is imported, as it is read.
-        source: the name of the file, for messages and the history.
-        dry_run: only find out what would change.
-        check: finds what is wrong with the statements that belong to no rule.
-
-    Raises:
-        DataError: it cannot be read; says where.
-        ValidationError: it breaks a law; the base is unchanged.
+    `source` names the file, in messages and the history. A `dry_run` only finds out what would
+    change. `check` finds what is wrong with the statements that belong to no rule. DataError if the
+    text cannot be read; says where. ValidationError if it breaks a law; the base is unchanged.
     """
     one = _Import(base, source, check)
     return one.run(one.read_rules(statements), dry_run=dry_run)

@@ -26,10 +26,7 @@ from ..writer import speaker_quads, trust_quads
 
 @dataclass(frozen=True)
 class ImportConflict:
-    """A new rule that contradicts a believed one.
-
-    The weight is the mass K in [0, 1] of their intervals (`Interval.conflict`), before trust.
-    """
+    """A new rule that contradicts a believed one by `weight`, the mass K in [0, 1] before trust."""
 
     new: Rule
     believed: Rule
@@ -45,12 +42,10 @@ class ImportSummary:
     """What an import changed, in numbers.
 
     Attributes:
-        new: rules that the base did not know.
-        known: rules that it knew already.
-        conflicting: conflicts between a new rule and one that the base believes.
+        new, known: rules that the base did not know, and that it knew already.
+        conflicting: conflicts between a new rule and a believed one; `conflicts` are the first.
         utterances: new utterances of the history.
         untrusted: speakers of new rules whom nobody trusts, so that their rules weigh nothing.
-        conflicts: the first conflicts.
         kept: the first known rules that have another status in the base, where they keep it.
         not_taken: how many statements were left out, by what and where they are: labels of its own,
             and statements of the domain or of trust, of which the base has others.
@@ -78,12 +73,10 @@ class ImportSummary:
 
 @dataclass
 class AncillaryWrites:
-    """What is to be written besides the rules.
+    """What is to be written besides the rules: statements to insert and to delete.
 
     Attributes:
         last: the number of the last utterance there will be.
-        insert: statements to add.
-        delete: statements to delete.
         numbers: the number that each imported utterance has in the base.
         assertions: ids of the rules that new utterances assert, as many as there are rules.
         left: how many statements are left out, by their predicate and graph.

@@ -33,12 +33,9 @@ _TRUE = Interval(1.0, 1.0)  # of a rule that asserts, so that it has edges
 class SharedLines(NamedTuple):
     """The lines of rules that differ in their features, bounds, source and time.
 
-    Attributes:
-        ends: the lines of a rule without their subject.
-        node: the action-tree node, as it is written.
-        edges: the lines of the edges from a single feature, without their subject.
-        labels: the lines that type and name what the rules speak of.
-        relation: the lines about the relation of the edges from a single feature.
+    `ends` are those of a rule and `edges` those of the edges from a single feature, without their
+    subject; `relation` are about the relation of these edges. `labels` type and name what the rules
+    speak of. `node` is the action-tree node, as it is written.
     """
 
     ends: tuple[str, ...]
@@ -51,8 +48,7 @@ class SharedLines(NamedTuple):
 class FeatureLines(NamedTuple):
     """The lines of the features of a rule.
 
-    `ends` are those of the rule without the subject, `nodes` their IRIs as they are written, and
-    `labels` the lines that type and name them.
+    `ends` are without the subject, `nodes` their IRIs as written; `labels` type and name them.
     """
 
     ends: tuple[str, ...]

@@ -130,8 +130,7 @@ def open_input(
 ) -> Generator[CheckedStream]:
     """A file as a stream, unpacked where it is packed; "-" is standard input.
 
-    `progress` is called with how many bytes of the file have been read. DataError if it cannot be
-    read.
+    `progress` is called with how many bytes have been read. DataError if the file cannot be read.
     """
     try:
         opened = nullcontext(sys.stdin.buffer) if file == STREAM else Path(file).open("rb")  # noqa: SIM115
@@ -148,8 +147,7 @@ def open_input(
 def open_output(file: str) -> Generator[BinaryIO]:
     """Open a file for writing, compressed where its name ends in .gz; "-" is standard output.
 
-    The file replaces an existing one when all is written, so that it is never half written.
-    DataError if it cannot be written.
+    It replaces an existing file when all is written, not before. DataError if it cannot be written.
     """
     try:
         if file == STREAM:

@@ -83,10 +83,7 @@ def graph_of(rules: Iterable[Rule]) -> MultiDiGraph[str]:
 
 
 def rules_of_graph(graph: MultiDiGraph[str], *, source: str = "<graph>") -> Iterator[Rule]:
-    """Iterate over the rules of the edges of a graph, each rule once.
-
-    DataError if an edge lacks an attribute of a rule; `source` names the graph.
-    """
+    """Iterate over the rules of a graph's edges, each once; DataError if one lacks an attribute."""
     seen: set[str] = set()
     for start, end, attributes in graph.edges(data=True):
         try:
@@ -123,10 +120,7 @@ def read_graphml(text: bytes, *, source: str) -> Iterator[Rule]:
 
 
 def draw_graph(graph: MultiDiGraph[str], form: str) -> bytes:
-    """Return the picture of a graph that `graph_of` made.
-
-    The form is "svg" or "png". MissingExtraError if matplotlib is not installed.
-    """
+    """Draw a graph of rules as "svg" or "png"; MissingExtraError if matplotlib is not installed."""
     with extra_required("report", "matplotlib"):
         import matplotlib as mpl
         from matplotlib.figure import Figure

@@ -38,15 +38,10 @@ def export_file(
 ) -> int:
     """Write the rules or the whole base to a file, and return how many statements that are.
 
-    Args:
-        base: what is written.
-        file: its extension names the format, ".gz" compresses it; "-" is standard output.
-        format: the name of a format; by default that of the file, turtle for "-".
-        rules_only: leave out all but the rules, where the format could hold the whole base.
-        progress: is called with how many statements or rules are written.
-
-    Raises:
-        DataError: the format is unknown, or the file cannot be written.
+    The extension of the file names the format, unless it is given; ".gz" compresses. "-" is
+    standard output, turtle by default. `rules_only` leaves out all but the rules, where the format
+    could hold the whole base. `progress` is called with how many statements or rules are written.
+    DataError if the format is unknown, or the file cannot be written.
     """
     name = format_of(str(file), format, "turtle").name
     with open_output(str(file)) as stream:
@@ -86,16 +81,10 @@ def import_file(
 ) -> ImportSummary:
     """Import the rules and history of a file: checked first, applied whole or not at all.
 
-    Args:
-        base: what is written to.
-        file: its extension names the format; "-" is standard input. Packed files are unpacked.
-        format: the name of a format; by default that of the file, trig for "-".
-        dry_run: only find out what would change.
-        progress: is called with how many bytes of the file have been read.
-
-    Raises:
-        DataError: the file cannot be read or parsed; says where.
-        ValidationError: it breaks the shapes or laws; the base is unchanged.
+    The extension of the file names the format, unless it is given; packed files are unpacked. "-"
+    is standard input, trig by default. A `dry_run` only finds out what would change. `progress` is
+    called with how many bytes of the file have been read. DataError if it cannot be read or parsed;
+    says where. ValidationError if it breaks the shapes or laws; the base is unchanged.
     """
     chosen = format_of(str(file), format, "trig")
     with open_input(str(file), chosen, progress) as source:

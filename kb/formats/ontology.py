@@ -61,8 +61,7 @@ def import_ontology(
 ) -> OntologySummary:
     """Make a file the content of the graph `ontology.NAME`, by default that of the file's name.
 
-    A file without statements removes the graph. DataError if the file cannot be read; the base is
-    unchanged.
+    A file without statements removes the graph. DataError if it cannot be read; nothing changes.
     """
     graph = ontology_graph(name or Path(file).name.partition(".")[0])
     new = set(_named(_read(file, format, graph), graph))

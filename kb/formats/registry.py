@@ -50,10 +50,9 @@ RULE_FORMATS = frozenset({"sheet", "csv", "graphml"})  # they hold rules as valu
 
 
 def format_of(file: str, given: str | None, default: str) -> FileFormat:
-    """Return the format of a file.
+    """Return the format that is given, or that of a file's extension, not counting ".gz".
 
-    That is the given one, or that of the extension, before which ".gz" does not count; `default` is
-    that of standard input and output. DataError if no format has that name or extension.
+    `default` is that of standard input and output. DataError if there is no such format.
     """
     if given is not None and given not in FORMATS:
         known = ", ".join(sorted(FORMATS))

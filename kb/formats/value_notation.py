@@ -39,8 +39,7 @@ def read_atom(text: str, kind: str | None) -> Atom:
     >>> str(read_atom("knife", "object")), str(read_atom("property:red", "object"))
     ('object:knife', 'property:red')
 
-    `kind` is that of a bare name; None where the kind must be written. ValidationError if it names
-    no atom.
+    `kind` is that of a bare name; None where it must be written. ValidationError if it is no atom.
     """
     name = text.strip()
     if ":" in name:
@@ -54,8 +53,7 @@ def read_atom(text: str, kind: str | None) -> Atom:
 def read_all(things: Iterable[Thing], read: Callable[[Thing], Read]) -> Iterator[Read]:
     """Iterate over the rules of a file; after a mistake only further mistakes are looked for.
 
-    `read` returns the rule of a row or entry; to iterate over `things` may fail, too. DataError if
-    lists the first mistakes, at most `MAX_MISTAKES`.
+    Both `read` and the iteration may fail; a DataError lists the first `MAX_MISTAKES` mistakes.
     """
     wrong: list[DataError] = []
     try:
@@ -156,8 +154,7 @@ def split_atoms(text: str, kind: str) -> frozenset[Atom]:
 def read_table(lines: Iterable[str], *, source: str) -> Iterator[Rule]:
     """Iterate over the rules of a table, in its order.
 
-    The first line has the names of the columns. DataError if rows are malformed; lists the first
-    mistakes with their lines.
+    The first line names the columns. A DataError lists the first malformed rows with their lines.
     """
     rows = _rows(lines, source)
     _, first = next(rows, (1, []))

@@ -21,7 +21,6 @@ class FieldProperty:
     """The property that stores the field it annotates.
 
     Attributes:
-        predicate: its IRI.
         kind: the type of its values as terms.
         encode, decode: from a value of the field to a term, and back.
         default: the value that is not stored; () for a field with several values.
@@ -46,11 +45,7 @@ def group_properties(properties: Iterable[tuple[Iri, Term]]) -> PropertyValues:
 class RecordMapping(Generic[Record]):
     """How the records of a dataclass are stored: each as a node with properties.
 
-    Attributes:
-        record: the dataclass.
-        what: such a record in messages, as "An utterance".
-        type: the class of the nodes.
-        graph: the graph in which they are.
+    The nodes are of the class `type`, in `graph`; `what` is a record in messages ("An utterance").
     """
 
     record: type[Record]

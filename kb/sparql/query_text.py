@@ -58,10 +58,7 @@ _OPEN, _CLOSE = frozenset("([{"), frozenset(")]}")
 
 
 def bind_variables(query: str, bindings: Bindings) -> str:
-    """A query with some of its variables bound; several values are alternatives.
-
-    A QueryError says that it has no WHERE group, or that a value is not a valid term.
-    """
+    """A query with bound variables; QueryError if it has no WHERE group, or a value is no term."""
     if not bindings:
         return query
     place = _where_group(query)
@@ -104,8 +101,7 @@ def result_limit(query: str) -> int | None:
 def page_query(query: str, variables: Sequence[str], *, size: int, offset: int) -> str:
     """The query for one page of the solutions of another query, in a stable order.
 
-    The variables are the columns of a SELECT, none for a CONSTRUCT. A QueryError says that the
-    query cannot be paged.
+    The variables are those of a SELECT, none for a CONSTRUCT. QueryError if it cannot be paged.
     """
     modifiers = {token.group().upper() for token in _modifiers(query)}
     if modifiers & {"LIMIT", "OFFSET", "VALUES"} or "FROM" in keywords(query):

@@ -29,10 +29,8 @@ MAX_MEGABYTES = 10**9  # more than any machine has
 class QueryLimits:
     """The time and memory a query may use before it is stopped.
 
-    Attributes:
-        seconds: time from the request to the last row, in ]0, `MAX_SECONDS`].
-        megabytes: memory of the process that evaluates it, and of its answer, in
-            [1, `MAX_MEGABYTES`]; the embedded engine itself needs about 100.
+    `seconds`, in ]0, `MAX_SECONDS`], are from the request to the last row; `megabytes`, in
+    [1, `MAX_MEGABYTES`], of the evaluating process (its engine needs about 100), and of the answer.
     """
 
     seconds: float = SECONDS

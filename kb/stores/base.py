@@ -71,10 +71,7 @@ class Store(ReadableStore, Protocol):
         ...
 
     def apply(self, *, insert: Iterable[Quad] = (), delete: Iterable[Quad] = ()) -> None:
-        """Delete statements, then insert others: one atomic unit, durable when this returns.
-
-        After a StoreError nothing has changed.
-        """
+        """Delete, then insert, as one atomic, durable unit; after a StoreError nothing changed."""
         ...
 
     def update(self, update: str) -> None:

@@ -77,10 +77,7 @@ class WriteAheadLogSync:
         self.changes = 0  # in the log that are not in the tables yet
 
     def sync(self, number: int) -> bool:
-        """Wait until the log is on disk, and mark it; False when tables must be written instead.
-
-        `number` is that of the last utterance.
-        """
+        """Sync and mark the log up to an utterance; False when tables must be written instead."""
         self.changes += 1
         if not _CAN_SYNC_LOG or self.changes >= MAX_LOGGED_CHANGES:
             return False

@@ -47,11 +47,9 @@ Form = Mapping[str, "str | Sequence[str]"]
 
 @dataclass(frozen=True)
 class EndpointConfig:
-    """The addresses of one endpoint, with the credentials.
+    """The addresses of one endpoint: queries, updates, Graph Store Protocol (None if not known).
 
-    The addresses of queries, of updates and of the Graph Store Protocol (None where that is not
-    known) are without credentials: a user and password for basic or digest authentication, or a
-    token for bearer authentication; empty for none.
+    The credentials are apart: user and password (basic, digest) or token (bearer); empty for none.
     """
 
     query: str
@@ -171,18 +169,10 @@ class EndpointTransport:
     ) -> EndpointResponse:
         """Send a POST request and read the complete answer.
 
-        Args:
-            url: the address.
-            accept: the media types that can be read.
-            limits: time for the whole call, and size of its answer.
-            form: fields of a form; without it,
-            content: the body, and
-            content_type: its media type.
-            may_repeat: whether the request is idempotent.
-
-        Raises:
-            QueryError: the server says that the query is wrong, or it took too long.
-            StoreError: the server cannot be reached, refuses, or fails.
+        The body is the fields of a `form`, or else `content`; `accept` are the media types that can
+        be read. `limits` are the time for the whole call, and the size of its answer. `may_repeat`
+        says that the request is idempotent. QueryError if the server says that the query is wrong,
+        or it took too long; StoreError if it cannot be reached, refuses, or fails.
         """
         headers = {"Accept": accept} | ({"Content-Type": content_type} if content_type else {})
         timeout = httpx.Timeout(limits.seconds, connect=min(CONNECT_S, limits.seconds))

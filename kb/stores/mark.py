@@ -65,10 +65,7 @@ class MarkWriter:
 
 
 def read_mark(folder: Path) -> bytes:
-    """The mark of a folder as it is written; empty where there is none, as in older bases.
-
-    A StoreError says that it is damaged.
-    """
+    """The mark of a folder as written, empty if there is none; StoreError if it is damaged."""
     for _ in range(_TRIES):
         if not (folder / MARK).exists():
             return b""
@@ -119,8 +116,7 @@ def _end(file: Path, at: int = 0, crc: int = 0, most: int | None = None) -> End:
 def _log_end(file: Path, at: int, crc: int) -> End:
     """The end of a log's own records, from the end of some of them on.
 
-    The engine writes new logs over old ones: what follows the last record with the number of the
-    log is older.
+    The engine writes new logs over old ones: what follows the last record of this log is older.
     """
     number = int(file.stem).to_bytes(4, "little")
     with file.open("rb") as stream:

@@ -13,11 +13,9 @@ _SCHEME = re.compile(r"[A-Za-z]{2,}:")  # one letter is a Windows drive
 def open_store(location: str | Path, *, read_only: bool = False) -> Store:
     """Open or create a store; StoreError if it cannot be opened, with what to do.
 
-    Args:
-        location: `memory:`, a folder, the address of an endpoint (`hilt.kb.stores.http`), or what
-            a plug-in of `hilt.stores` opens: its name and a colon, then what it makes of the rest.
-        read_only: refuse writes; the store must exist. A folder that another process writes to
-            is read as it is now.
+    The location is `memory:`, a folder, the address of an endpoint (`hilt.kb.stores.http`), or what
+    a plug-in of `hilt.stores` opens: its name and a colon, then what it makes of the rest.
+    `read_only` refuses writes: the store must exist; a folder open elsewhere is read as it is now.
     """
     text = str(location)
     if text.startswith(("http://", "https://")):

@@ -1,9 +1,8 @@
 """Queries with limits, run in another process that is killed when they exceed them.
 
-pyoxigraph cannot stop a query, so a query with limits runs in a worker process over a snapshot of
-the store, and that process is killed when it takes too long. It is kept for the next query, and
-reads a new snapshot when the store has changed. Requests and answers are documented in
-`query_worker`.
+pyoxigraph cannot stop a query, so one with limits runs in a worker process (`query_worker`) over a
+snapshot of the store, and that process is killed when it takes too long. It is kept for the next
+query, and reads a new snapshot when the store has changed.
 """
 
 import pickle

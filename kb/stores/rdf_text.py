@@ -1,7 +1,6 @@
 """Conversion, parsing and serialization by pyoxigraph: terms, RDF text and query results.
 
-Rows of a result are JSON, CSV, TSV or XML of SPARQL 1.1, booleans JSON or XML, statements all these
-and Turtle.
+Rows are JSON, CSV, TSV or XML of SPARQL 1.1, booleans JSON or XML, statements all these and Turtle.
 """
 
 import io
@@ -172,10 +171,7 @@ def write_rdf_to(
     format: str,
     prefixes: Mapping[str, str] = PREFIXES,
 ) -> None:
-    """Write statements of pyoxigraph as RDF text into a stream; as `write_rdf` otherwise.
-
-    DataError if a text has a character that XML cannot hold.
-    """
+    """Write statements into a stream, as `write_rdf`; DataError if XML cannot hold a character."""
     chosen = RDF_FORMATS[format]
     if chosen == engine.RdfFormat.RDF_XML:
         statements = map(_checked_for_xml, statements)

@@ -63,7 +63,6 @@ class Claim:
     """A claim as the endpoint has it.
 
     Attributes:
-        node: its node.
         holder: the process that made it, for people.
         number: its place in the order of the waiting; None for one that found no other.
         age_s: the time since it was made or renewed; None when it was ended.
@@ -92,10 +91,7 @@ class Claim:
         return self.is_live and has_lower
 
     def updates(self) -> list[str]:
-        """The updates, in order, that make what is decided visible, and remove what is prepared.
-
-        They may be repeated, and be sent by several processes.
-        """
+        """Idempotent updates, in order, that show what is decided, and remove what is prepared."""
         found = list[str]()
         if self.is_decided:
             in_order = sorted(self.changes, key=lambda one: (one == _LAST, one != _FIRST, one))
@@ -121,11 +117,8 @@ def prepared(claim: Iri, kind: str, graph: Iri) -> Iri:
 class WriteLease:
     """The claims of one process on an endpoint, and what ends those of dead processes.
 
-    Args:
-        location: the endpoint, for messages.
-        read: the rows of a query.
-        write: sends one update operation, once.
-        write_all: sends several operations, in order; as one unit if the endpoint can do that.
+    `read` gives the rows of a query, `write` sends one update operation, once, and `write_all`
+    several, in order; as one unit if the endpoint can do that.
     """
 
     def __init__(
