@@ -39,7 +39,7 @@ def run_session(example: Example) -> None:
 
 def write_file(example: Example) -> None:
     """Write a block that opens with a file name, "# mine.yaml", into the working folder."""
-    if named := re.match(r"# ([\w.]+)\n", example.parsed):
+    if named := re.match(r"(?:#|<!--) ([\w.]+)(?: -->)?\n", example.parsed):
         Path(named[1]).write_text(example.parsed, encoding="utf-8")
 
 
@@ -48,6 +48,7 @@ BLOCKS = Sybil(
         PythonCodeBlockParser(),
         CodeBlockParser("console", run_session),
         CodeBlockParser("sparql", write_file),
+        CodeBlockParser("xml", write_file),
         CodeBlockParser("yaml", write_file),
     ]
 )

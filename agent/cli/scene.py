@@ -1,4 +1,4 @@
-"""Commands about scenes, simulated and seen: scene show, grasp."""
+"""Commands about scenes, clouds and objects: scene show, grasp, object import."""
 
 from __future__ import annotations
 
@@ -9,14 +9,18 @@ import typer
 
 from ...sim.installation import check_simulator
 from ..config import AgentConfig
-from .common import exit_with, print_json, spinner, terminal
+from .common import announce, exit_with, print_json, spinner, terminal
 from .options import SCENE, AsJson, app, example, with_config
 
 if TYPE_CHECKING:
     from ...sim.body import Body
+    from ...sim.vision.camera import Camera
 
 scene_app = typer.Typer(help="Show scenes.", rich_markup_mode=None)
+object_app = typer.Typer(help="Make objects of files.", rich_markup_mode=None)
 app.add_typer(scene_app, name="scene")
+app.add_typer(object_app, name="object")
+_PART = "What a link, or named geom, is in the object; may be repeated."
 
 
 @scene_app.command(epilog=example("scene show --scene random:7 --out table.png"))
@@ -30,13 +34,13 @@ def show(
 ) -> None:
     """Render a picture of a scene with the robot, and list its objects with their positions."""
     check_simulator()
-    from ...sim.media.pictures import check_writable
+    from ...sim.media.pictures import OVERVIEW, check_writable
     from ..execution.embodiment import Embodiment
 
     check_writable(out)
     embodiment = Embodiment.from_config(config)
     with spinner("Loading the scene"), embodiment.open_body() as body:
-        _picture(body, out, names=names)
+        _picture(body, out, OVERVIEW, names=names)
         things = _things(body)
     if as_json:
         print_json({"picture": str(out), "things": things})
@@ -48,13 +52,44 @@ def show(
     terminal().print(f"Picture written to {out}.")
 
 
-def _picture(body: Body, path: Path, *, names: bool) -> None:
-    from ...sim.media.pictures import OVERVIEW, draw_names, save_picture, take_picture
+@object_app.command(name="import", epilog=example("object import brush.urdf --out mine.yaml"))
+def import_(
+    file: Annotated[Path, typer.Argument(help="A URDF or MJCF file.")],
+    *,
+    out: Annotated[Path, typer.Option(help="The file of objects to write, .yaml.")],
+    part: Annotated[list[str] | None, typer.Option(metavar="PART=LINK", help=_PART)] = None,
+    role: Annotated[list[str] | None, typer.Option(metavar="PART=ROLE", help="Its role.")] = None,
+    name: Annotated[str, typer.Option(help="What it is called; by default as the file.")] = "",
+    is_a: Annotated[str, typer.Option("--is-a", help="The kind of object.")] = "artifact",
+    picture: Annotated[Path, typer.Option(help="A picture of it.")] = Path("out/object.png"),
+    as_json: AsJson = False,
+) -> None:
+    """Make an object of a file: each link, or named geom, is a part. `--objects` reads it."""
+    check_simulator()
+    from ...sim.media.pictures import closeup
+    from ...sim.models.object_import import import_object
+    from ..execution.embodiment import Embodiment
 
-    picture = take_picture(body.world.engine)
+    name = name or file.stem.lower()
+    links = {link: label for label, _, link in (each.partition("=") for each in part or ())}
+    roles = {label: given for label, _, given in (each.partition("=") for each in role or ())}
+    import_object(file, out, links, roles, name=name, is_a=is_a)
+    config = AgentConfig(objects=out, scene=f"objects:{name}")
+    with spinner("Loading the object"), Embodiment.from_config(config).open_body() as body:
+        x, y, z = body.world.points(name).mean(axis=0).tolist()
+        _picture(body, picture, closeup((x, y, z)))
+        parts = {each.name: each.mass for each in body.world.kinds[name].parts.values()}
+    document = {"object": name, "parts": parts, "file": str(out), "picture": str(picture)}
+    announce(document, f"{name}: {', '.join(parts)}. See {out} and {picture}.", as_json=as_json)
+
+
+def _picture(body: Body, path: Path, camera: Camera, *, names: bool = False) -> None:
+    from ...sim.media.pictures import draw_names, save_picture, take_picture
+
+    picture = take_picture(body.world.engine, camera)
     if names:
         places = {name: body.world.top(name) for name in body.world.kinds}
-        picture = draw_names(picture, OVERVIEW, places)
+        picture = draw_names(picture, camera, places)
     save_picture(picture, path)
 
 

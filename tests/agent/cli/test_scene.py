@@ -1,4 +1,4 @@
-"""`hilt scene show`: a picture of a scene, and what stands where; `hilt grasp`, on a cloud."""
+"""`hilt scene show`, `hilt grasp` on a cloud, and `hilt object import`."""
 
 import json
 from pathlib import Path
@@ -27,10 +27,10 @@ objects:
 """
 
 
-def run(*arguments: str) -> int:
-    """The exit code of a command."""
+def run(*arguments: str, group: str = "scene") -> int:
+    """The exit code of a command, `hilt scene show` by default."""
     with pytest.raises(SystemExit) as ended:
-        main(["scene", "show", *arguments])
+        main([group, *(["show"] if group == "scene" else []), *arguments])
     return int(ended.value.code or 0)
 
 
@@ -145,3 +145,37 @@ def test_wrong_cloud_is_wrong_usage(tmp_path: Path, capsys: pytest.CaptureFixtur
 
     assert code == 2
     assert capsys.readouterr().err == 'hilt: There is no label "lid". Known: grip, head.\n'
+
+
+BRICK = """<mujoco><worldbody><body name="brick">
+<geom type="box" size="0.03 0.02 0.01"/>
+</body></worldbody></mujoco>
+"""
+
+
+@pytest.mark.sim
+def test_object_is_imported_and_shown(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    """The object has the name of its file; the picture shows it on the table."""
+    (tmp_path / "brick.xml").write_text(BRICK, encoding="utf-8")
+    out, picture = str(tmp_path / "mine.yaml"), str(tmp_path / "brick.png")
+
+    code = run(
+        "import", str(tmp_path / "brick.xml"), "--role", "brick=grip", "--out", out,
+        "--picture", picture, "--json", group="object",
+    )  # fmt: skip
+
+    assert code == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told == {"object": "brick", "parts": {"brick": 0.048}, "file": out, "picture": picture}
+    with Image.open(picture) as image:
+        assert image.size == (960, 720)
+
+
+def test_import_without_a_link_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    """A part that names nothing is one line on stderr, which lists what could be named."""
+    (tmp_path / "brick.xml").write_text(BRICK, encoding="utf-8")
+
+    file, out = str(tmp_path / "brick.xml"), str(tmp_path / "mine.yaml")
+
+    assert run("import", file, "--part", "side", "--out", out, group="object") == 2
+    assert "Known: brick, world." in capsys.readouterr().err
