@@ -64,10 +64,14 @@ class Sweep:
 
 @dataclass(frozen=True)
 class MeshFile:
-    """A surface in a file (OBJ, STL, PLY), which collides as convex pieces."""
+    """A surface in a file (OBJ, STL, PLY), which collides as convex pieces.
+
+    Of it is kept what lies on the side n x > d of each of its cuts (n, d), where n x is in [m].
+    """
 
     path: Path
     scale: float
+    cuts: tuple[tuple[float, ...], ...] = ()
 
 
 Form = Box | Lathe | Extrusion | Sweep | MeshFile
@@ -201,11 +205,17 @@ def _read_sweep(field: YamlNode) -> Sweep:
 
 
 def _read_mesh(field: YamlNode) -> MeshFile:
-    keys = field.entries(required={"file"}, optional={"scale"})
+    keys = field.entries(required={"file"}, optional={"scale", "cut"})
     path = Path(field.source).parent / keys["file"].text()
     if not path.is_file():
         raise keys["file"].fail(f'there is no file "{path}".')
-    return MeshFile(path, keys["scale"].number(low=1e-6, high=1e6) if "scale" in keys else 1.0)
+    scale = keys["scale"].number(low=1e-6, high=1e6) if "scale" in keys else 1.0
+    planes = keys["cut"].items() if "cut" in keys else ()
+    cuts = tuple(plane.numbers(count=4, low=-MAX_LENGTH, high=MAX_LENGTH) for plane in planes)
+    for plane, (*normal, _) in zip(planes, cuts, strict=True):
+        if not any(normal):
+            raise plane.fail("expected a normal that is not 0.")
+    return MeshFile(path, scale, cuts)
 
 
 _READERS = {

@@ -38,6 +38,9 @@ def read_mesh(form: MeshFile) -> Trimesh:
     faces = getattr(loaded, "faces", None)
     with np.errstate(divide="ignore", invalid="ignore"):  # trimesh divides by volumes, also of 0
         mesh = Trimesh(loaded.vertices * form.scale, faces).process(validate=True)
+    for *normal, distance in np.array(form.cuts).reshape(-1, 4):
+        origin = np.array(normal) * distance / np.dot(normal, normal)
+        mesh = mesh.slice_plane(origin, normal, cap=mesh.is_watertight)
     if not len(mesh.faces):
         raise DataError("has no faces.", source=source)
     largest = float(np.ptp(mesh.vertices, axis=0).max())

@@ -57,6 +57,22 @@ def test_each_part_is_seen_and_held_by_itself(part: str, folder: Path):
     assert (grasped.touched, lifted.ok) == ((part,), True)
 
 
+def test_one_mesh_is_cut_into_parts(folder: Path):
+    """Both parts come from one file; the one that is asked for is held."""
+    handle, head = ("handle.obj, scale: 0.001", "head.obj, scale: 0.001")
+    text = BRUSH.replace(head, f"{handle}, cut: [[1, 0, 0, -0.05]]", 1)
+    text = text.replace(f"{handle}}}", f"{handle}, cut: [[-1, 0, 0, 0.05]]}}", 1)
+    (folder / "mine.yaml").write_text(text, encoding="utf-8")
+    objects = objects_of(folder)
+
+    with Body(parse_scene("objects:brush", seed=2, objects=objects), objects, seed=2) as body:
+        (brush,) = body.search(["object:brush"])
+        grasped = body.grasp(brush, "head")
+
+    assert grasped.touched == ("head",)
+    assert object_model(objects["brush"]).corners["head"][:, 0].min() == pytest.approx(-0.05)
+
+
 @pytest.mark.parametrize(
     ("text", "problem"),
     [
