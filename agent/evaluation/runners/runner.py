@@ -11,6 +11,7 @@ import os
 import socket
 from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import Future
+from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
@@ -138,21 +139,28 @@ class ProcessRunner:
         """Run the cases, each in one of the processes; WorkersError if none can be started."""
         if not cases:
             return
-        pool = ProcessPool(min(self.workers, len(cases)), context=get_context("spawn"))
+        pools = [self._pool(cases)]
         name, options = experiment.name, to_json_line(experiment.options)
+
+        def start(case: str) -> Future[str]:
+            if not pools[-1].active:  # a worker that dies before it reports its case breaks it
+                pools.append(self._pool(cases))
+            return pools[-1].schedule(
+                run_in_worker, args=(name, options, case), timeout=self.timeout_s
+            )
+
+        failures = (ProcessExpired, BrokenProcessPool, TimeoutError)
         try:
             yield from run_in_pool(
-                cases,
-                lambda case: pool.schedule(
-                    run_in_worker, args=(name, options, case), timeout=self.timeout_s
-                ),
-                (ProcessExpired, TimeoutError),
-                attempts=self.attempts,
-                patience_s=START_S,
+                cases, start, failures, attempts=self.attempts, patience_s=START_S
             )
         finally:
-            pool.stop()
-            pool.join()
+            for pool in pools:
+                pool.stop()
+                pool.join()
+
+    def _pool(self, cases: Sequence[Case]) -> ProcessPool:
+        return ProcessPool(min(self.workers, len(cases)), context=get_context("spawn"))
 
 
 def _import_ray() -> Any:

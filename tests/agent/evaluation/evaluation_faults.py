@@ -60,6 +60,7 @@ class Squares(Experiment):
 
     def _go_wrong(self, number: int) -> None:
         if number in self.deadly:
+            time.sleep(0.3)  # the pool notes first which case it is
             os.kill(os.getpid(), signal.SIGKILL)
         if number in self.endless:
             time.sleep(3600)

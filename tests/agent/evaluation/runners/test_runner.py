@@ -1,10 +1,12 @@
 """Runners give the same results whatever happens to the workers, and their bar shows how far."""
 
 import io
+from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
 
 import pytest
 from evaluation_faults import Squares
+from pebble.pool.process import PoolManager
 from rich.console import Console
 from rich.progress import Progress
 from rich.text import Text
@@ -45,6 +47,24 @@ def test_case_whose_worker_dies_is_begun_again(tmp_path: Path):
         "0003": 2,
         "0004": 2,
     }
+
+
+def test_broken_pool_is_replaced(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """A pool that cannot say whose worker died is given up, and its cases run in a new one."""
+    find, breaks = PoolManager.find_expired_task, [BrokenProcessPool("All workers expired")]
+
+    def find_expired_task(manager: PoolManager, worker: int) -> object:
+        if breaks:
+            raise breaks.pop()
+        return find(manager, worker)
+
+    monkeypatch.setattr(PoolManager, "find_expired_task", find_expired_task)
+    experiment = Squares(folder=str(tmp_path), deadly=[3, 4])
+
+    found = results(experiment, ProcessRunner(2))
+
+    assert [result.found for result in found] == [str(n**2) for n in range(12)]
+    assert not breaks
 
 
 def test_case_that_hangs_is_killed_and_begun_again(tmp_path: Path):
