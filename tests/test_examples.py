@@ -5,6 +5,7 @@ import runpy
 import shutil
 import subprocess
 import sys
+import wave
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -78,6 +79,9 @@ def workshop(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., tuple[st
         )
         return found.stdout, found.stderr
 
+    with wave.open(str(folder / "x.wav"), "wb") as sound:
+        sound.setparams((1, 2, 16_000, 0, "NONE", ""))
+        sound.writeframes((40 * b"\x00\x20" + 40 * b"\x00\xe0") * 200)  # one second of 200 Hz
     run("tell", "To pass a knife grab the knife by the blade")
     return run
 
