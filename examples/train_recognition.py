@@ -32,7 +32,7 @@ from hilt.sim.vision.learned_detector import (
 from hilt.sim.vision.object_detector import MaskDetector, ObjectDetector
 from hilt.sim.vision.perception_noise import NoiseLevels
 from hilt.sim.vision.point_cloud_operations import farthest_points
-from hilt.sim.vision.segmentation import TABLE_MARGIN, Segment, describe_segment, segment_images
+from hilt.sim.vision.segmentation import Segment, describe_segment, segment_images
 
 UNUSUAL = 0.3  # share of objects that lie in any stable pose, usual or not
 NAIL, LOOSE_NAIL = 0.25, 0.15  # shares of scenes with one
@@ -111,7 +111,7 @@ class TrainingScenes:
         rows: Rows = []
         for count in (len(images), 2, 1):
             chosen = [images[i] for i in rng.choice(len(images), count, replace=False)]
-            for segment in segment_images(chosen, margin=TABLE_MARGIN + 4 * noise.depth_m):
+            for segment in segment_images(chosen, noise=noise.depth_m):
                 rows += self._sample(segment, chosen, kinds, rng)
         return rows
 

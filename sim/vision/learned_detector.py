@@ -31,11 +31,10 @@ from .object_detector import ObjectDetector
 from .percept import Percept
 from .perception_noise import NoiseLevels
 from .point_cloud_operations import voxel_keys
-from .segmentation import TABLE_MARGIN, Segment, describe_points, describe_segment, segment_images
+from .segmentation import Segment, describe_points, describe_segment, segment_images
 
 CLASSIFIERS_FILE = Path(__file__).with_name("recognition.npz")
 MIN_PART_POINTS = 12  # fewer are errors of the part classifier
-NOISE_MARGIN = 4.0  # standard deviations of depth noise that still belong to the table
 SMOOTHING = 0.006  # [m], voxels in which points share their part
 SAME_PLACE = 0.04  # [m], between the centre of a percept and that of an object
 
@@ -217,8 +216,7 @@ class LearnedDetector(ObjectDetector):
 
         Where several have the same nearest object of the world, their names get numbers.
         """
-        margin = TABLE_MARGIN + NOISE_MARGIN * self.noise.depth_m
-        segments = segment_images(images, margin=margin)
+        segments = segment_images(images, noise=self.noise.depth_m)
         percepts = [percept for segment in segments for percept in self._percepts(segment)]
         percepts.sort(key=lambda percept: -percept.confidence)
         names = numbered(map(self._nearest_object, percepts))
