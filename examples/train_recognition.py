@@ -1,25 +1,34 @@
 """Train the classifiers of `hilt.sim.vision.learned_detector` on rendered scenes.
 
-    python examples/train_recognition.py [--scenes 260] [--seed 1000000] [--objects MY] [--out OUT]
+    python examples/train_recognition.py [--scenes 1000] [--seed 1000000] [--objects MY] [--out OUT]
 
 It needs scikit-learn: `pip install scikit-learn`.
 
 Scene number i has the seed SEED + i. A fifth of the scenes is held out for calibration and for the
 accuracy that is printed. The simulator's mask gives the labels.
+
+Kinds are learned, not instances: objects get other colours and sizes (domain randomisation, Tobin
+et al. 2017). Random solids among them are the examples of the class of all others (outlier
+exposure, Hendrycks et al. 2019).
 With objects of your own, use the result by `hilt do --objects MY --vision learned:OUT`.
 """
 
 import argparse
-from collections.abc import Iterator, Mapping
+import os
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
 
 import numpy as np
 
 from hilt.ontology.errors import SimulationError
-from hilt.ontology.objects import ObjectType, load_household
-from hilt.sim.scene.scene import Placement, Scene, graspable, scene_with
+from hilt.ontology.objects import Material, ObjectType, PartType, RestingPose, load_household
+from hilt.ontology.part_shapes import Box, Extrusion, Form, Lathe, PlacedSolid
+from hilt.sim.models.object_models import object_model
+from hilt.sim.scene.scene import ROOM, Placement, Scene, graspable, scene_with
 from hilt.sim.scene.world import World
 from hilt.sim.vision.camera import CameraImage
 from hilt.sim.vision.learned_detector import (
@@ -29,7 +38,7 @@ from hilt.sim.vision.learned_detector import (
     Recogniser,
     point_inputs,
 )
-from hilt.sim.vision.object_detector import MaskDetector, ObjectDetector
+from hilt.sim.vision.object_detector import ObjectDetector
 from hilt.sim.vision.perception_noise import NoiseLevels
 from hilt.sim.vision.point_cloud_operations import farthest_points
 from hilt.sim.vision.segmentation import Segment, describe_segment, segment_images
@@ -38,11 +47,25 @@ UNUSUAL = 0.3  # share of objects that lie in any stable pose, usual or not
 NAIL, LOOSE_NAIL = 0.25, 0.15  # shares of scenes with one
 POINTS = 80  # of a segment, for the part classifier
 EXAMPLES = 100  # of each type, for novelty detection
-NOISY = 0.3  # share of scenes with depth noise
-MIN_SCENES = 40  # so that some of every type are held out
-MAX_OBJECTS = 8  # on the table, besides a nail
+NOISY, MAX_NOISE = 0.4, 0.006  # share of scenes with depth noise, and the most of it [m]
+MIN_SCENES = 100  # so that some of every type are held out
+MAX_OBJECTS, MAX_OTHERS = 8, 3  # on the table, besides a nail; random solids among them
+ALONE = 0.6  # share of scenes with random solids only, and perhaps a nail
+
+SCENES_OF_TYPES = 4  # with the same varied types: to build their models takes the most time
+RECOLOURED, RESIZED = 0.6, 0.6  # shares of objects, the first of those that can be taken up
+FACTORS = (0.65, 1.45)  # of their lengths
+LENGTHS = {"size", "bevel", "profile", "wall", "outline", "thickness", "path", "sections", "scale"}
+SOLID_LENGTHS = (0.04, 0.32)  # [m], of the longest side of a random solid
+SOLID_RATIOS = ((0.04, 1.0), (0.2, 1.0))  # of the others to it: sticks and plates, or bottles
+MIN_LENGTH = 0.003  # [m], of any side
+ALIKE = 0.5  # share of random solids that are about as long, wide and high as a known object
+LYING, STANDING, ON_EDGE = (0.0, 0.0, 0.0), (0.0, np.pi / 2, 0.0), (np.pi / 2, 0.0, 0.0)
+TURNS = (LYING, LYING, STANDING, STANDING, ON_EDGE)  # of random solids, as often
 
 DECAY, RATE, BATCH = 0.02, 0.003, 256  # of the training by Adam (Kingma & Ba 2015)
+NETWORKS = 6  # for the types, of which the mean is taken: they agree only on what they know
+OBJECT_DECAY = 0.2  # more, so that what no example is like has no extreme probabilities
 MIN_DEVIATION = 1e-3  # so that inputs that hardly vary in training do not dominate later
 TEMPERATURES = np.geomspace(0.25, 10.0, 200)
 LIMIT_QUANTILE = 0.99  # of held-out inputs that are within the limit
@@ -54,10 +77,12 @@ Rows = list[
 ]  # descriptor, type, point inputs, their parts
 
 
-class WholeImages(MaskDetector):
-    """The mask detector with images of the whole table."""
+class WholeImages(ObjectDetector):
+    """A detector of nothing: only its images are used."""
 
-    _render = ObjectDetector._render
+    def detect(self, images: Sequence[CameraImage]) -> tuple[()]:
+        """Return nothing."""
+        return ()
 
 
 @dataclass(frozen=True)
@@ -80,17 +105,39 @@ class TrainingScenes:
         """The (type, part) pairs to be classified."""
         return tuple((kind, part) for kind in self.kinds for part in self.objects[kind].parts)
 
-    def make_scene(self, seed: int) -> Scene:
-        """A scene with objects, some in unusual poses, and sometimes a nail."""
+    @cached_property
+    def palette(self) -> list[tuple[float, float, float]]:
+        """The colours of all parts."""
+        return [part.colour for kind in self.objects.values() for part in kind.parts.values()]
+
+    @cached_property
+    def sizes(self) -> list[np.ndarray]:
+        """Length, width and height of each type, the largest first (3,) [m]."""
+        models = [object_model(self.objects[kind]) for kind in self.kinds]
+        return [-np.sort(-np.ptp(model.points, axis=0)) for model in models]
+
+    def make_scene(self, seed: int) -> tuple[Scene, dict[str, ObjectType]]:
+        """A scene of varied objects, some in unusual poses, random solids and sometimes a nail.
+
+        With it come the types of its objects.
+        """
         rng = np.random.default_rng(seed)
-        shown = graspable(self.objects)
-        if len(shown) > MAX_OBJECTS:
-            shown = tuple(str(name) for name in rng.choice(shown, MAX_OBJECTS, replace=False))
+        known = varied(self.objects, np.random.default_rng([seed // SCENES_OF_TYPES, 2]))
+        count = MAX_OBJECTS if rng.random() < ALONE else int(rng.integers(MAX_OTHERS + 1))
+        others = {
+            name: random_object(name, self.palette, self.sizes, rng)
+            for name in [f"other {i}" for i in range(count)]
+        }
+        objects = {**known, **others}
+        shown, most = graspable(self.objects), MAX_OBJECTS - len(others)
+        if len(shown) > most:
+            shown = tuple(str(name) for name in rng.choice(shown, most, replace=False))
         placed = [Placement(name, name, rest=self._rest(name, rng)) for name in shown]
+        placed += [Placement(name, name) for name in others]
         if rng.random() < LOOSE_NAIL:
             placed.append(Placement("loose nail", "nail", rest="flat"))
-        with_block = scene_with(["nail"], seed=seed, objects=self.objects).placements
-        return Scene((*placed, *(with_block if rng.random() < NAIL else ())), seed)
+        with_block = scene_with(["nail"], seed=seed, objects=objects).placements
+        return Scene((*placed, *(with_block if rng.random() < NAIL else ())), seed), objects
 
     def _rest(self, name: str, rng: np.random.Generator) -> str | None:
         rests = self.objects[name].rests
@@ -99,11 +146,10 @@ class TrainingScenes:
     def samples(self, seed: int) -> Rows:
         """Labelled samples of a scene, from all cameras, from two of them, and from one."""
         rng = np.random.default_rng([seed, 1])
-        noise = NoiseLevels(
-            depth_m=0.002 * rng.random() if rng.random() < NOISY else 0.0, seed=seed
-        )
+        depth = MAX_NOISE * rng.random() if rng.random() < NOISY else 0.0
+        noise = NoiseLevels(depth_m=depth, seed=seed)
         try:
-            with World.build(self.make_scene(seed), self.objects) as world:
+            with World.build(*self.make_scene(seed)) as world:
                 images = WholeImages(world, noise=noise).capture()
                 kinds = {name: kind.name for name, kind in world.kinds.items()}
         except SimulationError:  # a table that is too full
@@ -122,30 +168,186 @@ class TrainingScenes:
         kinds: dict[str, str],
         rng: np.random.Generator,
     ) -> Iterator[tuple[np.ndarray, int, np.ndarray, np.ndarray]]:
-        """A sample of a segment with labels from the mask; nothing when it is not an object."""
-        links = [
-            images[view].names.get(int(images[view].labels.flat[pixel]))
-            for view, pixel in segment.sources
-        ]
-        pairs = [(kinds.get(link[0], ""), link[1]) if link else ("", "") for link in links]
+        """A sample of a segment with labels from the mask; nothing when it is not an object.
+
+        The type of random solids comes after all others, and they have no parts.
+        """
+        labels = np.stack([image.labels.ravel() for image in images])[tuple(segment.sources.T)]
+        names = {label: link for image in images for label, link in image.names.items()}
+        shown, index = np.unique(labels, return_inverse=True)
+        links = [names.get(int(label), ("", "")) for label in shown]
+        pairs = [(kinds.get(body, ""), part) for body, part in links]
         known = np.array([self.parts.index(pair) if pair in self.parts else -1 for pair in pairs])
-        if (known < 0).mean() > 0.2:
+        if np.array([kind == "" for kind, _ in pairs])[index].mean() > 0.2:
             return
-        owned = [self.kinds.index(self.parts[i][0]) for i in known if i >= 0]
-        kind = int(np.argmax(np.bincount(owned, minlength=len(self.kinds))))
-        chosen = rng.permutation(np.flatnonzero(known >= 0))[:POINTS]
+        known = known[index]
+        count = len(self.kinds)
+        owners = [self.kinds.index(self.parts[i][0]) if i >= 0 else count for i in known]
+        kind = int(np.argmax(np.bincount(owners)))
+        chosen = _chosen_points(known, rng) if kind < count else np.zeros(0, dtype=int)
         yield (
             describe_segment(segment),
             kind,
-            point_inputs(segment, kind, len(self.kinds))[chosen],
+            point_inputs(segment, min(kind, count - 1), count)[chosen],
             known[chosen],
         )
+
+
+def _chosen_points(parts: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    """Indices of some points, given the part of each (n,), -1 for none.
+
+    Points of small parts are more often among them, else a nail in its block would have none.
+    """
+    known = np.flatnonzero(parts >= 0)
+    weights = np.bincount(parts[known])[parts[known]] ** -0.5
+    return rng.choice(known, min(POINTS, len(known)), replace=False, p=weights / weights.sum())
+
+
+def varied(objects: Mapping[str, ObjectType], rng: np.random.Generator) -> dict[str, ObjectType]:
+    """The types in other sizes, what stands in another in that of it, and those to take in colours.
+
+    A block has no form of its own: in any colour it would be any box.
+    """
+    result: dict[str, ObjectType] = {}
+    factors = {
+        name: log_uniform(FACTORS, rng) if rng.random() < RESIZED else 1.0 for name in objects
+    }
+    for name, kind in objects.items():
+        if name in ROOM:
+            result[name] = kind
+            continue
+        sized = resized(kind, factors[kind.mount.support if kind.mount else name])
+        painted = kind.graspable and rng.random() < RECOLOURED
+        result[name] = recoloured(sized, rng) if painted else sized
+    return result
+
+
+def log_uniform(limits: tuple[float, float], rng: np.random.Generator) -> float:
+    """A number between the limits that is as often in each range with the same ratio."""
+    return float(np.exp(rng.uniform(*np.log(limits))))
+
+
+def recoloured(kind: ObjectType, rng: np.random.Generator) -> ObjectType:
+    """A type in one random colour, or in one for each part, with or without its details."""
+    details, single, common = rng.random() < 0.5, rng.random() < 0.5, random_colour(rng)
+    parts = {}
+    for name, part in kind.parts.items():
+        shape = tuple(replace(each, colour=each.colour if details else None) for each in part.shape)
+        parts[name] = replace(part, shape=shape, colour=common if single else random_colour(rng))
+    return replace(kind, parts=parts)
+
+
+def random_colour(rng: np.random.Generator) -> tuple[float, float, float]:
+    """A colour, pale and pure ones among them."""
+    red, green, blue = rng.beta(0.7, 0.7, 3)
+    return float(red), float(green), float(blue)
+
+
+def resized(kind: ObjectType, factor: float) -> ObjectType:
+    """A type with all lengths multiplied by a factor, and masses by its cube."""
+
+    def form(old: Form) -> Form:
+        lengths = {name: value for name, value in vars(old).items() if name in LENGTHS}
+        return replace(old, **{name: times(value, factor) for name, value in lengths.items()})
+
+    def part(old: PartType) -> PartType:
+        shape = tuple(
+            replace(each, form=form(each.form), at=times(each.at, factor)) for each in old.shape
+        )
+        return replace(old, shape=shape, mass=old.mass * factor**3)
+
+    mount = kind.mount and replace(
+        kind.mount,
+        **{name: times(getattr(kind.mount, name), factor) for name in ("at", "depth", "deepest")},
+    )
+    parts = {name: part(old) for name, old in kind.parts.items()}
+    return replace(kind, parts=parts, mount=mount)
+
+
+def times(value: Any, factor: float) -> Any:
+    """A number, or numbers in tuples, multiplied by a factor; the path of a file as it is."""
+    if isinstance(value, tuple):
+        return tuple(times(each, factor) for each in value)
+    return value if isinstance(value, Path) else value * factor
+
+
+def random_object(
+    name: str,
+    palette: list[tuple[float, float, float]],
+    sizes: list[np.ndarray],
+    rng: np.random.Generator,
+) -> ObjectType:
+    """A type of one or two random solids, some in colours of a palette or about of given sizes."""
+    size = random_size(log_uniform(SOLID_LENGTHS, rng), rng)
+    if rng.random() < ALIKE:
+        factors = [log_uniform((0.8, 1.25), rng) for _ in size]
+        size = sizes[rng.integers(len(sizes))] * log_uniform(FACTORS, rng) * factors
+    solids = [random_solid(size, rng)]
+    if rng.random() < 0.5:
+        second = random_solid(random_size(size[0] * log_uniform((0.15, 1.0), rng), rng), rng)
+        at = (rng.choice([0.0, size[0] / 2]), 0.0, rng.choice([0.0, size[0] / 4]))
+        solids.append(replace(second, at=at))
+    usual = rng.random() < 0.5
+    colours = [palette[rng.integers(len(palette))] if usual else random_colour(rng) for _ in solids]
+    shape = tuple(replace(s, colour=colour) for s, colour in zip(solids, colours, strict=True))
+    body = PartType("body", "grip", frozenset(), Material("any", 0.6, 0.3), colours[0], 0.1, shape)
+    rest = RestingPose("any", TURNS[rng.integers(len(TURNS))], usual=True)
+    return ObjectType(name, None, frozenset(), graspable=True, parts={"body": body}, rests=(rest,))
+
+
+def random_size(length: float, rng: np.random.Generator) -> np.ndarray:
+    """Length, width and height (3,) [m] of a given length: of a stick, a plate or a bottle."""
+    ratios = SOLID_RATIOS[rng.integers(len(SOLID_RATIOS))]
+    return length * np.array([1.0, log_uniform(ratios, rng), log_uniform(ratios, rng)])
+
+
+def random_solid(size: np.ndarray, rng: np.random.Generator) -> PlacedSolid:
+    """A box, a round solid or vessel, a disc, or half a tube, with its length along x."""
+    length, width, height = np.maximum(size, MIN_LENGTH).tolist()
+    turn = STANDING
+    form: Form
+    match int(rng.integers(7)):
+        case 0:
+            form, turn = Box((length, width, height), 0.0), LYING
+        case 1 | 2:
+            form = cylinder(width / 2, length)
+        case 3:
+            form, turn = cylinder(length / 2, height), LYING
+        case 4 | 5:
+            form = random_lathe(length, width, rng)
+        case _:
+            form = half_tube(length, max(width, 4 * MIN_LENGTH))
+    return PlacedSolid(form, (0.0, 0.0, 0.0), turn, None, visible=True, collides=True)
+
+
+def cylinder(radius: float, length: float) -> Lathe:
+    """A cylinder along z [m]."""
+    return Lathe(((radius, -length / 2), (radius, length / 2)), 0.0, 0, (1.0, 1.0), smooth=False)
+
+
+def random_lathe(length: float, width: float, rng: np.random.Generator) -> Lathe:
+    """A solid of revolution: a bottle, a cone, a pin, or as often a vessel."""
+    count = int(rng.integers(2, 6))
+    heights = np.linspace(-length / 2, length / 2, count)
+    radii = np.maximum(width / 2 * rng.uniform(0.1, 1.0, count), MIN_LENGTH)
+    profile = tuple((float(r), float(z)) for r, z in zip(radii, heights, strict=True))
+    wall = min(0.002, radii.min() / 2) if rng.random() < 0.5 and length > 0.02 else 0.0
+    return Lathe(profile, float(wall), 0, (1.0, 1.0), smooth=count > 2 and rng.random() < 0.5)
+
+
+def half_tube(length: float, width: float) -> Extrusion:
+    """A gutter [m]."""
+    angles = np.linspace(0, np.pi, 9)
+    arc = np.column_stack([np.cos(angles), np.sin(angles)])
+    outline = np.vstack([width / 2 * arc, (width / 2 - MIN_LENGTH) * arc[::-1]])
+    points = tuple((float(x), float(y)) for x, y in outline)
+    return Extrusion(points, (length,) * len(points), 0.0, smooth=False)
 
 
 def main() -> None:
     """Collect samples, train, calibrate, and save."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--scenes", type=int, default=260)
+    parser.add_argument("--scenes", type=int, default=1000)
     parser.add_argument("--seed", type=int, default=1_000_000)
     parser.add_argument("--objects", type=Path, help="a file with objects of your own")
     parser.add_argument("--out", type=Path, default=CLASSIFIERS_FILE)
@@ -158,10 +360,12 @@ def main() -> None:
     if given.objects:
         household = load_household(given.objects, added_to=household)
     source, scenes = TrainingScenes(household.objects), []
-    for i in range(given.scenes):
-        scenes.append(source.samples(given.seed + i))
-        if i % 20 == 19:
-            print(f"  {i + 1} scenes rendered", flush=True)
+    with TemporaryDirectory() as folder:
+        os.environ["HILT_CACHE"] = folder  # the models of varied objects are used only once
+        for i in range(given.scenes):
+            scenes.append(source.samples(given.seed + i))
+            if i % 20 == 19:
+                print(f"  {i + 1} scenes rendered", flush=True)
     held = given.scenes // 5
     rng = np.random.default_rng(given.seed)
     _save(_train(source, scenes[held:], scenes[:held], rng), given.out)
@@ -174,11 +378,19 @@ def _train(
     """Train both classifiers and the novelty detector, calibrated on the held-out scenes."""
     segments, kinds, points, parts = _stacked(scenes)
     held_segments, held_kinds, held_points, held_parts = _stacked(held)
-    objects = calibrated(
-        train_classifier(segments, kinds, count=len(source.kinds), units=48, epochs=60, rng=rng),
-        held_segments,
-        held_kinds,
-    )
+    networks = [
+        train_classifier(
+            segments,
+            kinds,
+            count=len(source.kinds) + 1,
+            units=128,
+            epochs=60,
+            decay=OBJECT_DECAY,
+            rng=rng,
+        )
+        for _ in range(NETWORKS)
+    ]
+    objects = calibrated(joined(networks), held_segments, held_kinds)
     part_classifier = calibrated(
         train_classifier(points, parts, count=len(source.parts), units=64, epochs=20, rng=rng),
         held_points,
@@ -192,7 +404,14 @@ def _train(
         print(
             f"{what}: {right:.4f} of {len(inputs)} right, temperature {classifier.temperature:.2f}"
         )
-    novelty = fit_novelty(segments, kinds, held_segments, held_kinds, count=EXAMPLES)
+    known, held_known = kinds < len(source.kinds), held_kinds < len(source.kinds)
+    novelty = fit_novelty(
+        segments[known],
+        kinds[known],
+        held_segments[held_known],
+        held_kinds[held_known],
+        count=EXAMPLES,
+    )
     return Recogniser(source.kinds, source.parts, objects, part_classifier, novelty)
 
 
@@ -204,6 +423,7 @@ def train_classifier(
     units: int,
     epochs: int,
     rng: np.random.Generator,
+    decay: float = DECAY,
 ) -> Classifier:
     """Train a network with `units` in its hidden layer on inputs (n, d) of `count` classes (n,)."""
     from sklearn.neural_network import MLPClassifier
@@ -212,7 +432,7 @@ def train_classifier(
     network = MLPClassifier(
         (units,),
         activation="tanh",
-        alpha=DECAY,
+        alpha=decay,
         batch_size=BATCH,
         learning_rate_init=RATE,
         random_state=int(rng.integers(2**31)),
@@ -223,6 +443,17 @@ def train_classifier(
     (hidden, output), (hidden_bias, output_bias) = network.coefs_, network.intercepts_
     return replace(
         plain, hidden=hidden, hidden_bias=hidden_bias, output=output, output_bias=output_bias
+    )
+
+
+def joined(networks: list[Classifier]) -> Classifier:
+    """One network whose logits are the mean of those of several, which were trained on one set."""
+    return replace(
+        networks[0],
+        hidden=np.hstack([each.hidden for each in networks]),
+        hidden_bias=np.hstack([each.hidden_bias for each in networks]),
+        output=np.vstack([each.output for each in networks]) / len(networks),
+        output_bias=np.mean([each.output_bias for each in networks], axis=0),
     )
 
 

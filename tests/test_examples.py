@@ -13,6 +13,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from hilt.ontology.objects import load_objects
+from hilt.sim.models.object_models import object_model
+
 ROOT = Path(__file__).parents[1]
 EXAMPLES = sorted(path for path in (ROOT / "examples").iterdir() if path.suffix in {".py", ".yaml"})
 
@@ -205,6 +208,43 @@ def training() -> dict[str, Any]:
     return runpy.run_path(str(ROOT / "examples" / "train_recognition.py"))
 
 
+@pytest.mark.sim
+@pytest.mark.parametrize("name", ["knife", "mug", "block"])
+def test_resized_object_keeps_its_form(name: str, training: dict[str, Any]):
+    """Its bounds are as many times as far from the origin in each direction."""
+    kind = load_objects()[name]
+    larger = training["resized"](kind, 1.3)
+
+    bounds, plain = (
+        np.array([np.min(points, axis=0), np.max(points, axis=0)])
+        for points in (object_model(larger).points, object_model(kind).points)
+    )
+
+    assert bounds == pytest.approx(1.3 * plain, abs=1e-5)
+
+
+def test_resized_nail_stands_in_its_resized_block(training: dict[str, Any]):
+    """What stands in another object has its factor, and so have its place and depth there."""
+    objects = load_objects()
+
+    seen = [training["varied"](objects, np.random.default_rng(seed)) for seed in range(8)]
+
+    tops = [each["block"].parts["body"].shape[0].form.size[2] for each in seen]
+    assert [each["nail"].mount.at[2] for each in seen] == pytest.approx(tops)
+    assert len(set(tops)) > 2
+
+
+@pytest.mark.sim
+@pytest.mark.parametrize("seed", range(6))
+def test_random_object_can_be_made(seed: int, training: dict[str, Any]):
+    """It has a surface, and is of a size that a table can carry."""
+    rng, size = np.random.default_rng(seed), np.array([0.2, 0.05, 0.03])
+
+    kind = training["random_object"]("other", [(0.5, 0.5, 0.5)], [size], rng)
+
+    assert 0.02 < np.ptp(object_model(kind).points, axis=0).max() < 0.7
+
+
 def rings(count: int, seed: int, noise: float = 0.4) -> tuple[np.ndarray, np.ndarray]:
     """Points on three rings round each other, which no straight line separates."""
     rng = np.random.default_rng(seed)
@@ -232,6 +272,18 @@ def test_training_learns_rings_with_calibrated_probabilities(training: dict[str,
     bins = np.minimum((sure * 10).astype(int), 9)
     errors = [abs(sure[bins == b].mean() - right[bins == b].mean()) for b in np.unique(bins)]
     assert np.average(errors, weights=np.bincount(bins)[np.unique(bins)]) < 0.05
+
+
+def test_joined_networks_give_the_mean_of_their_logits(training: dict[str, Any]):
+    """Two networks side by side are one of twice the units."""
+    pytest.importorskip("sklearn")
+    how = {"count": 3, "units": 5, "epochs": 1, "rng": np.random.default_rng(1)}
+    networks = [training["train_classifier"](*rings(300, 0), **how) for _ in range(2)]
+    inputs, _ = rings(10, 2)
+
+    mean = np.mean([each.logits(inputs) for each in networks], axis=0)
+
+    assert training["joined"](networks).logits(inputs) == pytest.approx(mean)
 
 
 def test_one_outlier_does_not_widen_what_is_known(training: dict[str, Any]):

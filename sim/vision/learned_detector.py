@@ -6,9 +6,9 @@ stored in `recognition.npz`. Inputs are standardised, hidden units are tanh, out
 
 The confidence of a percept is the calibrated probability of its type: of all percepts with 0.8,
 eight in ten are right. Networks are overconfident: dividing the logits by a temperature found on
-held-out data calibrates them (Guo et al. 2017). A classifier is confident even of inputs that
-belong to no class: `NoveltyDetector` compares them with stored examples of the class, and lowers
-the confidence beyond a distance that hardly any known input exceeds.
+held-out data calibrates them (Guo et al. 2017). All other objects are a class as well, trained on
+random solids. As these are not all, `NoveltyDetector` compares inputs with stored examples of their
+class, and lowers the confidence beyond a distance that hardly any known input exceeds.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from dataclasses import dataclass, fields, replace
 from functools import cache
 from pathlib import Path
 from typing import TypeVar
+from zipfile import BadZipFile
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,6 +42,8 @@ SAME_PLACE = 0.04  # [m], between the centre of a percept and that of an object
 MAX_DEVIATIONS = 6.0  # standardised inputs are clipped to it, so that none decides alone
 STEEPNESS = 6.0  # at 1.5 times the limit a twelfth of the confidence is left
 
+# What numpy raises, by what there is in place of a file of arrays.
+_UNREADABLE = (OSError, EOFError, BadZipFile, ValueError, KeyError, TypeError, AttributeError)
 _T = TypeVar("_T", "Classifier", "NoveltyDetector")
 
 
@@ -118,7 +121,7 @@ class Recogniser:
     """Recognises the objects and parts that segments show.
 
     Attributes:
-        kinds, objects: the types, in the order of the outputs of the classifier of segments.
+        kinds, objects: the types, as in the outputs of the classifier of segments; others are last.
         parts, points: (type, part), in the order of the outputs of the classifier of their points.
         novelty: tells segments unlike any known object.
     """
@@ -133,17 +136,21 @@ class Recogniser:
     def load(cls, path: Path) -> Recogniser:
         """Read a recogniser from a file; a `DataError` when it cannot be read."""
         try:
-            with np.load(path, allow_pickle=False) as arrays:
+            with path.open("rb") as file, np.load(file, allow_pickle=False) as arrays:
                 pairs = (str(text).partition("/") for text in arrays["parts"])
-                return cls(
+                made = cls(
                     tuple(str(kind) for kind in arrays["kinds"]),
                     tuple((kind, part) for kind, _, part in pairs),
                     read_arrays(Classifier, arrays, "things"),
                     read_arrays(Classifier, arrays, "points"),
                     read_arrays(NoveltyDetector, arrays, "usual"),
                 )
-        except (OSError, ValueError, KeyError) as error:
-            raise DataError(f"cannot be read: {error}.", source=str(path)) from error
+            if len(made.objects.output_bias) != len(made.kinds) + 1:
+                raise ValueError("made by an earlier version")
+        except _UNREADABLE as error:
+            problem = f"cannot be read ({error}); make it by examples/train_recognition.py."
+            raise DataError(problem, source=str(path)) from error
+        return made
 
     @staticmethod
     @cache
@@ -154,7 +161,7 @@ class Recogniser:
     def recognise(self, segment: Segment) -> tuple[str, float]:
         """Return the type of a segment, and the confidence in it, in [0, 1]."""
         described = describe_segment(segment)
-        probabilities = self.objects.probabilities(described[None])[0]
+        probabilities = self.objects.probabilities(described[None])[0, : len(self.kinds)]
         best = int(np.argmax(probabilities))
         known = self.novelty.confidence(described, best)
         return self.kinds[best], float(probabilities[best] * known)

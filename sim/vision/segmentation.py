@@ -2,8 +2,8 @@
 
 The depths of all cameras become points of the world; the table and what is not on it are removed,
 and the rest falls into groups that do not touch when seen from above. Nothing here uses the mask.
-Depths with noise are smoothed by planes that end at edges, as in Kuwahara's filter (Kuwahara et al.
-1976): each pixel belongs to the flattest square that contains it.
+Noisy depths are smoothed first: each pixel takes the plane of the flattest square that contains it,
+so that edges stay sharp (Kuwahara et al. 1976).
 
 Descriptors are numbers that do not change when an object is turned: they use the segment's own
 frame, with the origin on the table below its middle, x along its longest extent towards its heavier
@@ -26,7 +26,7 @@ from .camera import SAMPLE, Camera, CameraImage
 from .point_cloud_operations import Integers, principal_direction, voxel_downsample, voxel_keys
 
 TABLE_MARGIN = 0.0012  # [m], what is lower is the table
-NOISE_MARGIN = 0.8  # standard deviations of depths that still belong to the table when smoothed
+NOISE_MARGIN = 1.0  # standard deviations of depths that still belong to the table when smoothed
 HALVES = (2, 1)  # pixels to each side of a square: the smaller ones fit on a spoon's handle
 ROUGHNESS = 0.0025  # [m], from a plane, that is no edge
 NOISE_VARIANCE = 1.2  # the same of noise, in its variance: few squares of a plane exceed it
@@ -67,10 +67,7 @@ class Segment:
 
 
 def segment_images(images: Sequence[CameraImage], *, noise: float = 0.0) -> tuple[Segment, ...]:
-    """Return the segments of the objects on the table at one moment, in a fixed order.
-
-    Depths are smoothed by the standard deviation of their `noise` [m].
-    """
+    """Return the segments of objects at one moment, in a fixed order; depths have `noise` [m]."""
     if noise:
         images = [replace(image, depth=kuwahara_filter(image.depth, noise)) for image in images]
     scene = _above_table(images, TABLE_MARGIN + NOISE_MARGIN * noise)
@@ -107,16 +104,13 @@ def _fit_planes(depth: Array, half: int) -> tuple[Array, Array, Array, Array]:
     """Fit a plane to the square round each pixel: its depth there, slopes and residual variance."""
     from scipy.ndimage import correlate1d  # here: images without noise save its import
 
-    steps, ones = np.arange(-half, half + 1.0), np.ones(2 * half + 1)
-    count, squares = len(ones) ** 2, len(ones) * (steps @ steps)
-
-    def summed(image: Array, down: Array, right: Array) -> Array:
-        return correlate1d(correlate1d(image, down, axis=0), right, axis=1)
-
-    mean = summed(depth, ones, ones) / count
-    slopes = summed(depth, steps, ones) / squares, summed(depth, ones, steps) / squares
-    explained = mean**2 + (slopes[0] ** 2 + slopes[1] ** 2) * squares / count
-    return mean, *slopes, summed(depth**2, ones, ones) / count - explained
+    steps = np.arange(-half, half + 1.0)
+    box, ramp = np.ones(len(steps)) / len(steps), steps / (steps @ steps)
+    filters = (depth, box, box), (depth, ramp, box), (depth, box, ramp), (depth**2, box, box)
+    mean, down, right, square = (
+        correlate1d(correlate1d(image, a, axis=0), b, axis=1) for image, a, b in filters
+    )
+    return mean, down, right, square - mean**2 - (down**2 + right**2) * np.mean(steps**2)
 
 
 def _above_table(images: Sequence[CameraImage], margin: float) -> Segment:
