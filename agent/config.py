@@ -88,7 +88,7 @@ class AgentConfig:
     noise: str = _option(
         str,
         "",
-        "How perception fails: missed, confused, confidence (shares), depth_m (metres).",
+        "How perception fails: missed, confused, confidence (shares), depth_m (metres), camera.",
         metavar="KEY=VALUE,...",
     )
     simulate: bool = _option(bool, True, "Move a simulated robot.", "--sim/--no-sim")

@@ -25,6 +25,7 @@ from .robot.models import find_robot
 from .robot.robot import Robot
 from .scene.scene import Scene
 from .scene.world import World
+from .vision.camera import CAMERAS_ROUND_TABLE, Camera
 from .vision.learned_detector import LearnedDetector, Recogniser
 from .vision.object_detector import MaskDetector, ObjectDetector
 from .vision.percept import Percept, visible_features
@@ -47,6 +48,7 @@ class Body(Striking, AbstractContextManager["Body"]):
         robot: its name in `robots.yaml`.
         vision: where percepts come from: "mask", "learned" or "learned:FILE".
         noise: of the cameras' depths; none when None.
+        cameras: what it sees with; `load_cameras` reads others.
         interruption: pauses or ends motions from another thread; a motion that is ended reports
             "interrupted".
     """
@@ -61,11 +63,12 @@ class Body(Striking, AbstractContextManager["Body"]):
         robot: str = "panda",
         vision: str = "mask",
         noise: NoiseLevels | None = None,
+        cameras: Sequence[Camera] = CAMERAS_ROUND_TABLE,
         interruption: Interruption | None = None,
     ) -> None:
         kind = find_robot(robot)
         world = World.build(scene, objects, gui=gui)
-        seen = open_vision(world, source=vision, noise=noise)
+        seen = open_vision(world, source=vision, noise=noise, cameras=cameras)
         world.let_sleep()
         arm = Robot(world.engine, kind, step=world.step, interruption=interruption)
         super().__init__(world, arm, seen, seed=seed)
@@ -119,7 +122,11 @@ class Body(Striking, AbstractContextManager["Body"]):
 
 
 def open_vision(
-    world: World, *, source: str = "mask", noise: NoiseLevels | None = None
+    world: World,
+    *,
+    source: str = "mask",
+    noise: NoiseLevels | None = None,
+    cameras: Sequence[Camera] = CAMERAS_ROUND_TABLE,
 ) -> ObjectDetector:
     """Open the detector that `--vision` names: "mask", "learned" or "learned:FILE".
 
@@ -129,9 +136,9 @@ def open_vision(
     check_vision(source)
     kind, _, file = source.partition(":")
     if kind == "mask":
-        return MaskDetector(world, noise=noise)
+        return MaskDetector(world, noise=noise, cameras=cameras)
     recogniser = Recogniser.load(Path(file)) if file else None
-    return LearnedDetector(world, recogniser=recogniser, noise=noise)
+    return LearnedDetector(world, recogniser=recogniser, noise=noise, cameras=cameras)
 
 
 def check_vision(source: str) -> None:

@@ -11,10 +11,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from math import radians, tan
+from pathlib import Path
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...ontology.yaml_reader import YamlNode, read_yaml
 from .. import poses
 from ..physics.engine import PhysicsEngine
 from ..physics.rendering import Lighting
@@ -24,15 +27,8 @@ NEAR, FAR = 0.05, 6.0  # [m], clipping planes
 # Where the renderer samples a pixel, from its upper left corner: at the lower left one. An error
 # of half a pixel would be 1 mm on the table, in another direction for each camera.
 SAMPLE = (0.0, 1.0)
+Pixels: TypeAlias = NDArray[np.integer[Any]]
 VISION_LIGHT = Lighting(ambient=0.6, diffuse=0.4, specular=0.05, shadow=False)
-
-_TARGET = (0.49, 0.0, 0.03)  # [m], the middle of where objects stand
-_POSITIONS = (
-    (1.12, -0.55, 0.72),
-    (1.12, 0.55, 0.72),
-    (0.30, -0.82, 0.70),
-    (0.30, 0.82, 0.70),
-)  # [m], round the table, two of them facing the robot
 
 
 @dataclass(frozen=True)
@@ -45,6 +41,8 @@ class Camera:
         target: point x, y, z that it looks at [m].
         field: vertical angle of view [rad].
         width, height: of the image [pixels].
+        calibration: focal lengths fx and fy, and column cx and row cy of the optical axis [pixels],
+            which go before the field; empty for a field with the axis in the middle.
     """
 
     name: str
@@ -53,6 +51,7 @@ class Camera:
     field: float = radians(46)
     width: int = 640
     height: int = 480
+    calibration: tuple[float, ...] = ()
 
     @cached_property
     def world_from_camera(self) -> Array:
@@ -67,23 +66,31 @@ class Camera:
     @cached_property
     def projection(self) -> Array:
         """The OpenGL projection matrix (4, 4)."""
-        result = np.diag([2 * self.focal / self.width, 2 * self.focal / self.height, 0, 0])
+        (fx, fy, cx, cy), (width, height) = self.intrinsics, (self.width, self.height)
+        result = np.diag([2 * fx / width, 2 * fy / height, 0, 0])
+        result[:2, 2] = 1 - 2 * cx / width, 2 * cy / height - 1
         result[2, 2:] = np.array([FAR + NEAR, 2 * FAR * NEAR]) / (NEAR - FAR)
         result[3, 2] = -1
         return result
 
-    @property
-    def focal(self) -> float:
-        """The focal length in pixels."""
-        return self.height / 2 / tan(self.field / 2)
+    @cached_property
+    def intrinsics(self) -> tuple[float, ...]:
+        """The focal lengths fx and fy, and column cx and row cy of the optical axis [pixels]."""
+        focal = self.height / 2 / tan(self.field / 2)
+        return self.calibration or (focal, focal, self.width / 2, self.height / 2)
+
+    def slopes(self, rows: Pixels, columns: Pixels) -> tuple[Array, Array]:
+        """How far to the right and upwards pixels (n,) look, per metre of depth."""
+        fx, fy, cx, cy = self.intrinsics
+        right, down = columns.astype(np.float64) + SAMPLE[0], rows.astype(np.float64) + SAMPLE[1]
+        return (right - cx) / fx, (cy - down) / fy
 
     def pixels(self, points: Array) -> Array:
         """Pixels, column and row (n, 2), of points (n, 3) of the world; NaN behind the camera."""
         seen = poses.transform(poses.inverse(self.world_from_camera), points)
         ahead = np.where(seen[:, 2] < -NEAR, -seen[:, 2], np.nan)
-        column = self.width / 2 + self.focal * seen[:, 0] / ahead
-        row = self.height / 2 - self.focal * seen[:, 1] / ahead
-        return np.column_stack([column, row])
+        fx, fy, cx, cy = self.intrinsics
+        return np.column_stack([cx + fx * seen[:, 0] / ahead, cy - fy * seen[:, 1] / ahead])
 
     def capture(self, engine: PhysicsEngine, *, light: Lighting = VISION_LIGHT) -> CameraImage:
         """Take an image."""
@@ -121,14 +128,28 @@ class CameraImage:
     def points(self, mask: NDArray[np.bool_]) -> Array:
         """The points in the world behind the pixels of a mask (n, 3) [m]."""
         rows, columns = np.nonzero(mask)
-        camera = self.camera
         depth = self.depth[rows, columns].astype(np.float64)
-        across = (columns + SAMPLE[0] - camera.width / 2) / camera.focal
-        upwards = (camera.height / 2 - rows - SAMPLE[1]) / camera.focal
+        across, upwards = self.camera.slopes(rows, columns)
         seen = np.column_stack([across * depth, upwards * depth, -depth])
-        return poses.transform(camera.world_from_camera, seen)
+        return poses.transform(self.camera.world_from_camera, seen)
 
 
-CAMERAS_ROUND_TABLE = tuple(
-    Camera(f"camera {number}", eye, _TARGET) for number, eye in enumerate(_POSITIONS, start=1)
-)
+def load_cameras(path: Path) -> tuple[Camera, ...]:
+    """Read cameras from a YAML file such as `cameras.yaml`; DataError if it is wrong."""
+    return tuple(_camera(name, spec) for name, spec in read_yaml(path).entries().items())
+
+
+def _camera(name: str, spec: YamlNode) -> Camera:
+    keys = spec.entries(required={"eye", "target", "size"}, optional={"intrinsics"})
+    eye, target = (_place(keys[key]) for key in ("eye", "target"))
+    width, height = map(int, keys["size"].numbers(count=2, low=16, high=4096))
+    given = keys["intrinsics"].numbers(count=4, low=1) if "intrinsics" in keys else ()
+    return Camera(name, eye, target, width=width, height=height, calibration=given)
+
+
+def _place(spec: YamlNode) -> tuple[float, float, float]:
+    x, y, z = spec.numbers(count=3)
+    return x, y, z
+
+
+CAMERAS_ROUND_TABLE = load_cameras(Path(__file__).parent / "cameras.yaml")

@@ -27,7 +27,7 @@ from ...ontology.errors import DataError
 from ..poses import Array
 from ..scene.scene import numbered
 from ..scene.world import World
-from .camera import CameraImage
+from .camera import CAMERAS_ROUND_TABLE, Camera, CameraImage
 from .object_detector import ObjectDetector
 from .percept import Percept
 from .perception_noise import NoiseLevels
@@ -207,8 +207,9 @@ class LearnedDetector(ObjectDetector):
         *,
         recogniser: Recogniser | None = None,
         noise: NoiseLevels | None = None,
+        cameras: Sequence[Camera] = CAMERAS_ROUND_TABLE,
     ) -> None:
-        super().__init__(world, noise=noise)
+        super().__init__(world, noise=noise, cameras=cameras)
         self._recogniser = recogniser or Recogniser.default()
         missing = [kind for kind in self._recogniser.kinds if kind not in world.objects]
         if missing:

@@ -23,7 +23,7 @@ from ..scene.scene import ROOM
 from ..scene.world import World
 from .camera import CAMERAS_ROUND_TABLE, Camera, CameraImage
 from .percept import Percept, visible_features
-from .perception_noise import NoiseLevels, with_depth_noise
+from .perception_noise import NoiseLevels, with_depth_noise, without_mixed_pixels
 from .point_cloud_operations import voxel_downsample
 
 OBSTACLE_SPACING = 0.004  # [m], voxel size of the cloud of obstacles
@@ -46,8 +46,14 @@ class ObjectDetector(ABC):
     Of the noise only that of depths is used here; see `NoisyDetector` for the rest.
     """
 
-    def __init__(self, world: World, *, noise: NoiseLevels | None = None) -> None:
-        self.world, self.noise = world, noise or NoiseLevels()
+    def __init__(
+        self,
+        world: World,
+        *,
+        noise: NoiseLevels | None = None,
+        cameras: Sequence[Camera] = CAMERAS_ROUND_TABLE,
+    ) -> None:
+        self.world, self.noise, self.cameras = world, noise or NoiseLevels(), cameras
         self._seen: tuple[int, tuple[Percept, ...]] = (-1, ())  # with the time step
 
     @abstractmethod
@@ -56,14 +62,18 @@ class ObjectDetector(ABC):
 
     def capture(self) -> tuple[CameraImage, ...]:
         """Take one image with each camera, with its depth noise."""
-        noise, step = self.noise, self.world.engine.steps
-        return tuple(
-            replace(image, depth=with_depth_noise(image.depth, noise, image.camera.name, step))
-            for image in self._render()
-        )
+        step, images = self.world.engine.steps, self._render()
+        seen = (with_depth_noise(i, self.noise, step, self._shine(i)) for i in images)
+        return tuple(map(without_mixed_pixels, seen) if self.noise.camera else seen)
+
+    def _shine(self, image: CameraImage) -> dict[int, float]:
+        kinds = self.world.kinds.items()
+        parts = {(name, part.name): part for name, kind in kinds for part in kind.parts.values()}
+        shown = ((label, parts.get(link)) for label, link in image.names.items())
+        return {label: part.material.shine for label, part in shown if part}
 
     def _render(self) -> Iterable[CameraImage]:
-        return (camera.capture(self.world.engine) for camera in CAMERAS_ROUND_TABLE)
+        return (camera.capture(self.world.engine) for camera in self.cameras)
 
     @property
     def percepts(self) -> tuple[Percept, ...]:
@@ -98,16 +108,16 @@ class MaskDetector(ObjectDetector):
     """Detects objects by their mask, in images of them alone."""
 
     def _render(self) -> Iterable[CameraImage]:
-        return capture_objects(self.world.engine, self.world.kinds, CAMERAS_ROUND_TABLE)
+        return capture_objects(self.world.engine, self.world.kinds, self.cameras)
 
     def capture(self) -> tuple[CameraImage, ...]:
         """Take one image with each camera, and smooth depths that have noise."""
         images = super().capture()
-        return tuple(map(self._smooth, images)) if self.noise.depth_m else images
+        return tuple(map(self._smooth, images)) if self.noise.depth_error else images
 
     def _smooth(self, image: CameraImage) -> CameraImage:
         labels = [label for label, (name, _) in image.names.items() if name in self.world.kinds]
-        depth = smooth_depth(image.depth, image.labels, labels, noise=self.noise.depth_m)
+        depth = smooth_depth(image.depth, image.labels, labels, noise=self.noise.depth_error)
         return replace(image, depth=depth)
 
     def detect(self, images: Sequence[CameraImage]) -> Iterator[Percept]:
@@ -134,11 +144,15 @@ def _surfaces(
 ) -> dict[tuple[str, str], tuple[Array, float]]:
     mask = np.isin(image.labels, [n for n, (name, _) in image.names.items() if name in objects])
     points, labels = image.points(mask), image.labels[mask]
-    areas = (image.depth[mask].astype(np.float64) / image.camera.focal) ** 2
-    return {
-        image.names[label]: (points[labels == label], float(areas[labels == label].sum()))
-        for label in np.unique(labels)
-    }
+    areas = (image.depth[mask].astype(np.float64) / image.camera.intrinsics[0]) ** 2
+    found: dict[tuple[str, str], tuple[Array, float]] = {}
+    for label in np.unique(labels):
+        own, area = points[labels == label], areas[labels == label]
+        is_known = np.isfinite(area)
+        if is_known.any():  # the others are seen all the same, though not how far away
+            area = float(np.nansum(area) * len(area) / np.count_nonzero(is_known))
+            found[image.names[label]] = own[is_known], area
+    return found
 
 
 def capture_objects(
@@ -185,7 +199,7 @@ def smooth_depth(
     """
     result = depth.copy()
     for label in wanted:
-        rows, columns = np.nonzero(labels == label)
+        rows, columns = np.nonzero((labels == label) & np.isfinite(depth))
         if len(rows):
             measured = depth[rows, columns].astype(float)
             fitted, error = _fit_planes(measured, rows, columns)

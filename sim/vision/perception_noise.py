@@ -4,6 +4,11 @@ Section 4.1 of the paper measures without sensor noise and attributes further er
 it. `NoiseLevels` holds its amounts; `NoisyDetector` applies it to the percepts of any detector. An
 object is misperceived in the same way in every search of a run, so that a seed gives the same run.
 Depth noise is applied by the cameras and drawn anew for every image.
+
+The errors of a stereo depth camera follow those of an Intel RealSense D435 (data sheet, and "Best
+known methods for tuning Intel RealSense depth cameras"): they arise in the disparity, in pixels, so
+that those of the depth grow with its square, in steps; pixels at edges show something between both
+surfaces, or nothing; and what shines, as glass and steel do, has holes.
 """
 
 from __future__ import annotations
@@ -14,14 +19,22 @@ from typing import Protocol
 from zlib import crc32
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...ontology.errors import DataError
 from ...ontology.objects import ObjectType
+from ..poses import Array
+from .camera import CameraImage
 from .percept import Percept, visible_features
 
 # The largest amounts; no camera has depth noise of 5 cm.
-_MAX = {"missed": 1.0, "confused": 1.0, "confidence": 1.0, "depth_m": 0.05}
+_MAX = {"missed": 1.0, "confused": 1.0, "confidence": 1.0, "depth_m": 0.05, "camera": 2.0}
+
+BASELINE = 0.05  # [m], between the two eyes of the camera
+SUBPIXEL, STEPS = 0.08, 32  # [pixels], standard deviation of the disparity; its steps in a pixel
+CAMERA_ERROR = 0.0025  # [m], of a depth of 0.9 m: depth^2 SUBPIXEL / (focal length * BASELINE)
+EDGE, BACKGROUND = 0.02, 0.3  # [m], least jump of depth at an edge; the most that is mixed in there
+MIXED, LOST = 0.3, 0.3  # shares of the pixels at edges
+PATCH, HOLES = 4, 0.002  # [pixels], size of a hole; their share where nothing shines
 
 
 @dataclass(frozen=True)
@@ -33,15 +46,17 @@ class NoiseLevels:
         confused: probability that an object is detected as another type.
         confidence: largest share of its confidence that a percept loses, in [0, 1].
         depth_m: standard deviation of each pixel's depth [m].
+        camera: errors of a stereo depth camera; 1 for those of a RealSense D435, at most 2.
 
     >>> NoiseLevels.parse("missed=0.1,confused=0.05", seed=7)
-    NoiseLevels(missed=0.1, confused=0.05, confidence=0.0, depth_m=0.0, seed=7)
+    NoiseLevels(missed=0.1, confused=0.05, confidence=0.0, depth_m=0.0, camera=0.0, seed=7)
     """
 
     missed: float = 0.0
     confused: float = 0.0
     confidence: float = 0.0
     depth_m: float = 0.0
+    camera: float = 0.0
     seed: int = 0
 
     def __post_init__(self) -> None:
@@ -50,6 +65,11 @@ class NoiseLevels:
             if not 0 <= value <= high:
                 problem = f"{name} must be in [0, {high:g}], found {value:g}."
                 raise DataError(problem, source="noise")
+
+    @property
+    def depth_error(self) -> float:
+        """The standard deviation of depths where objects are [m]."""
+        return float(np.hypot(self.depth_m, CAMERA_ERROR * self.camera))
 
     @classmethod
     def parse(cls, text: str, *, seed: int = 0) -> NoiseLevels:
@@ -125,10 +145,48 @@ def relabelled(percept: Percept, kind: ObjectType) -> Percept:
 
 
 def with_depth_noise(
-    depth: NDArray[np.float32], noise: NoiseLevels, camera: str, step: int
-) -> NDArray[np.float32]:
-    """Return a depth image (height, width) [m] of a camera with the depth noise of a time step."""
-    if not noise.depth_m:
-        return depth
-    errors = noise.generator(camera, step).normal(0.0, noise.depth_m, depth.shape)
-    return (depth + errors).astype(np.float32)
+    image: CameraImage, noise: NoiseLevels, step: int, shine: Mapping[int, float]
+) -> CameraImage:
+    """Return an image with the depth noise of a time step; depths that are lost are NaN.
+
+    `shine`, in [0, 1], is that of the surfaces with these labels.
+    """
+    if not noise.depth_error:
+        return image
+    random = noise.generator(image.camera.name, step)
+    depth = image.depth + random.normal(0.0, noise.depth_m, image.depth.shape)
+    if noise.camera:
+        depth = _with_stereo_errors(image, depth, noise.camera, random, shine)
+    return replace(image, depth=depth.astype(np.float32))
+
+
+def _with_stereo_errors(
+    image: CameraImage,
+    depth: Array,
+    amount: float,
+    random: np.random.Generator,
+    shine: Mapping[int, float],
+) -> Array:
+    from scipy.ndimage import maximum_filter, minimum_filter  # here: without noise not needed
+
+    near, far = minimum_filter(depth, 3), maximum_filter(depth, 3)
+    scale, where = image.camera.intrinsics[0] * BASELINE * STEPS, random.random(depth.shape)
+    disparity = scale / depth + random.normal(0.0, SUBPIXEL * STEPS * amount, depth.shape)
+    mixed = near + np.minimum(far - near, BACKGROUND) * random.random(depth.shape)
+    is_edge, share = far - near > EDGE, np.full(depth.shape, HOLES)
+    for label, value in shine.items():
+        share[image.labels == label] = value**2
+    rows, columns = (np.arange(size) // PATCH for size in depth.shape)
+    patches = random.random((rows[-1] + 1, columns[-1] + 1))[np.ix_(rows, columns)]
+    is_lost = (patches < amount * share) | (is_edge & (where > 1 - LOST * amount))
+    measured = scale / np.maximum(np.round(disparity), 1)
+    return np.where(is_lost, np.nan, np.where(is_edge & (where < MIXED * amount), mixed, measured))
+
+
+def without_mixed_pixels(image: CameraImage) -> CameraImage:
+    """Return an image without the depths at edges, which may be those of no surface."""
+    from scipy.ndimage import maximum_filter, minimum_filter
+
+    far = maximum_filter(np.nan_to_num(image.depth, nan=-np.inf), 3)
+    near = minimum_filter(np.nan_to_num(image.depth, nan=np.inf), 3)
+    return replace(image, depth=np.where(far - near > EDGE, np.float32(np.nan), image.depth))

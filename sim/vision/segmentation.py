@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from .. import poses
 from ..poses import Array
-from .camera import SAMPLE, Camera, CameraImage
+from .camera import Camera, CameraImage
 from .point_cloud_operations import Integers, principal_direction, voxel_downsample, voxel_keys
 
 TABLE_MARGIN = 0.0012  # [m], what is lower is the table
@@ -131,9 +131,8 @@ def _above_table(images: Sequence[CameraImage], margin: float) -> Segment:
 @lru_cache(maxsize=8)
 def _height_per_depth(camera: Camera) -> NDArray[np.float32]:
     """How much higher than the camera a point is, per metre of depth (height, width)."""
-    columns, rows = np.meshgrid(np.arange(camera.width), np.arange(camera.height))
-    across = (columns + SAMPLE[0] - camera.width / 2) / camera.focal
-    upwards = (camera.height / 2 - rows - SAMPLE[1]) / camera.focal
+    rows, columns = np.indices((camera.height, camera.width))
+    across, upwards = camera.slopes(rows, columns)
     right, up, back = camera.world_from_camera[2, :3]
     return (across * right + upwards * up - back).astype(np.float32)
 

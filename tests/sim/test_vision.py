@@ -37,11 +37,10 @@ def test_every_source_names_objects_as_the_world_does(world: World, source: str)
         assert np.linalg.norm((world.top(percept.name) - percept.centre)[:2]) < 0.03
 
 
+@pytest.mark.parametrize("noise", [NoiseLevels(depth_m=0.001, seed=1), NoiseLevels(camera=1)])
 @pytest.mark.parametrize("source", VISIONS)
-def test_every_source_works_with_noise(world: World, source: str):
-    """With 1 mm of depth noise all objects are detected, but perhaps not a nail."""
-    noise = NoiseLevels(depth_m=0.001, seed=1)
-
+def test_every_source_works_with_noise(world: World, source: str, noise: NoiseLevels):
+    """With such noise all objects are detected, but perhaps not a nail."""
     percepts = NoisyDetector(open_vision(world, source=source, noise=noise), noise, OBJECTS).search(
         ALL
     )

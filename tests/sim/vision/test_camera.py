@@ -1,29 +1,33 @@
 """Cameras: pixels and the points behind them."""
 
 from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from hilt.ontology.errors import DataError
 from hilt.ontology.objects import load_objects
 from hilt.sim import poses
 from hilt.sim.models.object_models import object_model
 from hilt.sim.physics.engine import PhysicsEngine
-from hilt.sim.vision.camera import CAMERAS_ROUND_TABLE, SAMPLE, Camera, CameraImage
+from hilt.sim.vision.camera import CAMERAS_ROUND_TABLE, SAMPLE, Camera, CameraImage, load_cameras
 
 CAMERA = Camera("test", (0.8, -0.5, 0.6), (0.0, 0.0, 0.0))
+CALIBRATED = replace(CAMERA, calibration=(612.3, 598.7, 331.5, 226.2))
 BLOCK = object_model(load_objects()["block"])
 coordinates = st.floats(-0.3, 0.3)
 
 
-@pytest.fixture(scope="module")
-def view() -> Iterator[CameraImage]:
+@pytest.fixture(scope="module", params=[CAMERA, CALIBRATED], ids=["ideal", "calibrated"])
+def view(request: pytest.FixtureRequest) -> Iterator[CameraImage]:
     """A block seen by a camera."""
     with PhysicsEngine() as engine:
         engine.bodies.load("block", BLOCK.urdf, fixed=True)
-        yield CAMERA.capture(engine)
+        yield request.param.capture(engine)
 
 
 @given(coordinates, coordinates, coordinates)
@@ -78,7 +82,7 @@ def test_points_return_to_their_pixels(view: CameraImage):
     """Seen again by the same camera, a point is in the pixel that it came from."""
     mask = view.mask("block", "body")
 
-    pixels = CAMERA.pixels(view.points(mask))
+    pixels = view.camera.pixels(view.points(mask))
 
     rows, columns = np.nonzero(mask)
     assert pixels == pytest.approx(np.column_stack([columns, rows]) + SAMPLE, abs=0.01)
@@ -99,3 +103,33 @@ def test_four_cameras_watch_the_table():
 
     assert len(cameras) == 4
     assert ((pixels > (200, 150)) & (pixels < (440, 330))).all()
+
+
+def test_cameras_of_ones_own_are_read(tmp_path: Path):
+    """With the intrinsics of their calibration."""
+    file = tmp_path / "cameras.yaml"
+    file.write_text(
+        "d435: {eye: [1.0, 0, 0.7], target: [0.5, 0, 0], size: [848, 480],"
+        " intrinsics: [425.2, 424.9, 421.7, 238.4]}"
+    )
+
+    [camera] = load_cameras(file)
+
+    assert (camera.name, camera.width, camera.height) == ("d435", 848, 480)
+    assert camera.intrinsics == (425.2, 424.9, 421.7, 238.4)
+
+
+@pytest.mark.parametrize(
+    ("text", "error"),
+    [
+        ("one: {eye: [1, 0, 1], size: [640, 480]}", r':1:6: the key "target" is missing'),
+        ("one: {eye: [1, 0], target: [0, 0, 0], size: [640, 480]}", "expected 3 numbers, found 2"),
+        ("one: {eye: [1, 0, 1], target: [0, 0, 0], size: [4, 4]}", r"expected a number in \[16"),
+    ],
+)
+def test_wrong_camera_is_an_error(tmp_path: Path, text: str, error: str):
+    """With its place."""
+    (tmp_path / "cameras.yaml").write_text(text)
+
+    with pytest.raises(DataError, match=error):
+        load_cameras(tmp_path / "cameras.yaml")

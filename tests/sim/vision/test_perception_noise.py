@@ -1,7 +1,7 @@
 """Noise: objects are missed, confused and doubted as often as asked, and from the seed."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -11,12 +11,14 @@ from hypothesis import strategies as st
 from hilt.ontology.errors import DataError
 from hilt.ontology.objects import load_objects
 from hilt.sim.scene.scene import graspable
+from hilt.sim.vision.camera import Camera, CameraImage
 from hilt.sim.vision.percept import Percept, visible_features
 from hilt.sim.vision.perception_noise import (
     NoiseLevels,
     NoisyDetector,
     relabelled,
     with_depth_noise,
+    without_mixed_pixels,
 )
 
 OBJECTS = load_objects()
@@ -124,18 +126,61 @@ def test_relabelled_percept_has_the_parts_of_the_other_type():
     assert mistaken.name == "spoon 1"
 
 
+def image_at(depth: float, name: str = "one") -> CameraImage:
+    """An image of a wall at this distance [m], whose right half has the label 1."""
+    camera = Camera(name, (0.0, 0.0, 1.0), (0.0, 0.0, 0.0), width=120, height=80)
+    camera = replace(camera, calibration=(565.0, 565.0, 60.0, 40.0))
+    shape, labels = (80, 120), np.zeros((80, 120), dtype=np.int32)
+    labels[:, 60:] = 1
+    colour = np.zeros((*shape, 3), dtype=np.uint8)
+    return CameraImage(camera, colour, np.full(shape, depth, dtype=np.float32), labels, {})
+
+
 def test_depth_noise_is_new_in_every_image():
     """Noise depends on the step and the camera, and is repeatable."""
-    depth = np.ones((50, 60), dtype=np.float32)
-    noise = NoiseLevels(depth_m=0.002, seed=5)
+    noise, image = NoiseLevels(depth_m=0.002, seed=5), image_at(1.0)
 
-    first = with_depth_noise(depth, noise, "camera 1", 10)
+    first = with_depth_noise(image, noise, 10, {}).depth
 
-    assert (first == with_depth_noise(depth, noise, "camera 1", 10)).all()
-    assert (first != with_depth_noise(depth, noise, "camera 1", 11)).any()
-    assert (first != with_depth_noise(depth, noise, "camera 2", 10)).any()
+    assert (first == with_depth_noise(image, noise, 10, {}).depth).all()
+    assert (first != with_depth_noise(image, noise, 11, {}).depth).any()
+    assert (first != with_depth_noise(image_at(1.0, "two"), noise, 10, {}).depth).any()
     assert np.std(first) == pytest.approx(0.002, rel=0.05)
-    assert with_depth_noise(depth, NoiseLevels(), "camera 1", 10) is depth
+    assert with_depth_noise(image, NoiseLevels(), 10, {}) is image
+
+
+@pytest.mark.parametrize("amount", [1.0, 2.0])
+def test_errors_of_a_depth_camera_grow_with_the_square_of_the_distance(amount: float):
+    """Twice as far the depth is four times as uncertain, and its steps are four times as large."""
+    noise = NoiseLevels(camera=amount, seed=5)
+    near, far = (with_depth_noise(image_at(z), noise, 1, {}).depth for z in (0.6, 1.2))
+
+    deviation = 0.6**2 * 0.08 * amount / (565 * 0.05)
+    assert np.nanstd(near) == pytest.approx(deviation, rel=0.1)
+    assert np.nanstd(far) == pytest.approx(4 * np.nanstd(near), rel=0.1)
+    steps = np.diff(np.unique(near[np.isfinite(near)]))
+    assert np.median(steps) == pytest.approx(0.6**2 / (565 * 0.05 * 32), rel=0.1)
+
+
+def test_depth_camera_has_holes_where_things_shine():
+    """A share of the pixels that is the square of the shine; elsewhere hardly any."""
+    depth = with_depth_noise(image_at(0.8), NoiseLevels(camera=1, seed=5), 1, {1: 0.7}).depth
+
+    assert np.isnan(depth[:, 60:]).mean() == pytest.approx(0.49, abs=0.06)
+    assert np.isnan(depth[:, :60]).mean() < 0.01
+
+
+def test_pixels_of_no_surface_lie_at_edges_and_can_be_removed():
+    """Between both surfaces, and nowhere else; what is removed is near the edge."""
+    image = image_at(1.0)
+    image.depth[:, 60:] = 0.8
+    seen = with_depth_noise(image, NoiseLevels(camera=1, seed=5), 1, {})
+    cleaned = without_mixed_pixels(seen)
+
+    mixed = (seen.depth > 0.83) & (seen.depth < 0.97)
+    assert 5 < np.count_nonzero(mixed) == np.count_nonzero(mixed[:, 59:61])
+    assert not np.any((cleaned.depth > 0.83) & (cleaned.depth < 0.97))
+    assert np.isfinite(cleaned.depth[:, :55]).mean() > 0.9
 
 
 @pytest.mark.parametrize("text", ["", "missed=0.1", "missed=0.1, depth_m=0.002,confused=1"])
@@ -151,7 +196,7 @@ def test_noise_is_read_from_text(text: str):
 @pytest.mark.parametrize(
     ("text", "problem"),
     [
-        ("fog=1", 'expected one of missed, confused, confidence, depth_m, found "fog"'),
+        ("fog=1", 'expected one of missed, confused, confidence, depth_m, camera, found "fog"'),
         ("missed=some", 'expected a number after "missed=", found "some"'),
         ("missed", 'expected a number after "missed=", found ""'),
         ("missed=1.5", r"missed must be in \[0, 1\], found 1.5"),
