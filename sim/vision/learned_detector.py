@@ -224,7 +224,7 @@ class LearnedDetector(ObjectDetector):
 
         Where several have the same nearest object of the world, their names get numbers.
         """
-        segments = segment_images(images, noise=self.noise.depth_m)
+        segments = segment_images(images, noise=self.noise.depth_error)
         percepts = [percept for segment in segments for percept in self._percepts(segment)]
         percepts.sort(key=lambda percept: -percept.confidence)
         names = numbered(map(self._nearest_object, percepts))
