@@ -1,6 +1,6 @@
 """Train the classifiers of `hilt.sim.vision.learned_detector` on rendered scenes.
 
-    python examples/train_recognition.py [--scenes 1000] [--seed 1000000] [--objects MY] [--out OUT]
+    python examples/train_recognition.py [--scenes 1500] [--seed 1000000] [--objects MY] [--out OUT]
 
 It needs scikit-learn: `pip install scikit-learn`.
 
@@ -68,7 +68,7 @@ NETWORKS = 6  # for the types, of which the mean is taken: they agree only on wh
 OBJECT_DECAY = 0.2  # more, so that what no example is like has no extreme probabilities
 MIN_DEVIATION = 1e-3  # so that inputs that hardly vary in training do not dominate later
 TEMPERATURES = np.geomspace(0.25, 10.0, 200)
-LIMIT_QUANTILE = 0.99  # of held-out inputs that are within the limit
+LIMIT_QUANTILE = 0.95  # of held-out inputs that are within the limit
 MIN_LIMIT = 0.1  # hardly any two inputs are nearer
 MAX_LIMIT_RATIO = 1.25  # of a limit to the median of all limits
 
@@ -347,7 +347,7 @@ def half_tube(length: float, width: float) -> Extrusion:
 def main() -> None:
     """Collect samples, train, calibrate, and save."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--scenes", type=int, default=1000)
+    parser.add_argument("--scenes", type=int, default=1500)
     parser.add_argument("--seed", type=int, default=1_000_000)
     parser.add_argument("--objects", type=Path, help="a file with objects of your own")
     parser.add_argument("--out", type=Path, default=CLASSIFIERS_FILE)
