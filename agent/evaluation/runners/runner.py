@@ -70,7 +70,6 @@ def run_in_pool(
     start: Callable[[str], Future[str]],
     failures: tuple[type[Exception], ...],
     *,
-    attempts: int,
     at_once: int | None = None,
     patience_s: float | None = None,
 ) -> Iterator[TimedResult]:
@@ -80,8 +79,7 @@ def run_in_pool(
         cases: what is run.
         start: starts `run_in_worker` with a case.
         failures: what it raises where the process died or timed out; then the case is started
-            again.
-        attempts: how often a case is started.
+            again, `ATTEMPTS` times in all.
         at_once: how many cases are started at the same time; None starts all.
         patience_s: how long the processes may take to start a case [s].
     """
@@ -108,7 +106,7 @@ def run_in_pool(
         try:
             yield replace(TimedResult.from_json(json.loads(future.result())), attempts=attempt)
         except failures:
-            if attempt < attempts:
+            if attempt < ATTEMPTS:
                 begin(case, attempt + 1)
                 continue
             reason = f"its worker process died or timed out {attempt} times"
@@ -128,12 +126,11 @@ class ProcessRunner:
     """Runs cases in a pool of processes (started by "spawn" on every platform).
 
     A process is killed when its case takes longer than `timeout_s` [s]. A case whose process dies
-    or times out is started `attempts` times.
+    or times out is started `ATTEMPTS` times.
     """
 
     workers: int
     timeout_s: float = TIMEOUT_S
-    attempts: int = ATTEMPTS
 
     def __call__(self, experiment: Experiment, cases: Sequence[Case]) -> Iterator[TimedResult]:
         """Run the cases, each in one of the processes; WorkersError if none can be started."""
@@ -151,9 +148,7 @@ class ProcessRunner:
 
         failures = (ProcessExpired, BrokenProcessPool, TimeoutError)
         try:
-            yield from run_in_pool(
-                cases, start, failures, attempts=self.attempts, patience_s=START_S
-            )
+            yield from run_in_pool(cases, start, failures, patience_s=START_S)
         finally:
             for pool in pools:
                 pool.stop()
@@ -180,13 +175,11 @@ class RayRunner:
         address: the address of its head node, "auto", or "local" to start a cluster.
         workers: maximum number of cases at the same time; None is the number of processors.
         timeout_s: how long a case may take before it is stopped [s].
-        attempts: how often a case is started whose worker dies.
     """
 
     address: str
     workers: int | None = None
     timeout_s: float = TIMEOUT_S
-    attempts: int = ATTEMPTS
     _ray: Any = field(default_factory=_import_ray, repr=False, compare=False)
 
     def __call__(self, experiment: Experiment, cases: Sequence[Case]) -> Iterator[TimedResult]:
@@ -198,7 +191,6 @@ class RayRunner:
                 cases,
                 lambda case: task.remote(*work, case).future(),
                 (self._ray.exceptions.RayError,),
-                attempts=self.attempts,
                 at_once=self.workers,
             )
 

@@ -81,10 +81,10 @@ def test_case_that_always_kills_is_given_up(tmp_path: Path):
     """After a few workers a case is told as lost; all others are done."""
     experiment = Squares(folder=str(tmp_path), deadly=[2], times=99, count=5)
 
-    found = results(experiment, ProcessRunner(2, attempts=2))
+    found = results(experiment, ProcessRunner(2))
 
     assert [result.kind for result in found] == ["check", "check", "lost", "check", "check"]
-    assert found[2].found == "its worker process died or timed out 2 times"
+    assert found[2].found == "its worker process died or timed out 3 times"
 
 
 @pytest.mark.parametrize("runner", [run_serially, ProcessRunner(2)], ids=["serial", "processes"])
