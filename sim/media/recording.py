@@ -55,7 +55,7 @@ class WorldRecorder:
         self._waiting = 0
         self._taken: list[tuple[Picture, str]] = []
         self._last: tuple[int, str] | None = None
-        self._freezes: list[int] = []  # indices of pictures on which it freezes
+        self._freezes: dict[int, int] = {}  # index of a picture -> how often it is shown
 
     def __enter__(self) -> WorldRecorder:
         self._world.watcher = self._watch
@@ -94,39 +94,32 @@ class WorldRecorder:
 
     def pause(self, seconds: float, at: Array | None = None) -> None:
         """Take a picture and freeze the recording on it, while no time passes in the world."""
-        self._freezes.append(len(self._taken))
+        self._freezes[len(self._taken)] = max(1, round(seconds * FRAME_RATE))
         self.take(at)
-        self._taken += self._taken[-1:] * (round(seconds * FRAME_RATE) - 1)
 
     @property
     def pictures(self) -> list[Picture]:
         """The pictures taken so far, with captions, all of one size."""
-        return _with_captions(self._taken)
+        shown = enumerate(self._with_captions())
+        return [each for i, each in shown for _ in range(self._freezes.get(i, 1))]
 
-    def _strip(self) -> Picture:
-        kept: list[tuple[Picture, str]] = []
-        freezes: list[int] = []
-        for index, each in enumerate(self._taken):
-            freezes += [len(kept)] if index in self._freezes else []
-            kept += [each] if not kept or each is not kept[-1] else []
-        return strip(_with_captions(kept), freezes)
+    def _with_captions(self) -> list[Picture]:
+        broken = (pictures.wrap_caption(*each) for each in self._taken if each[1])
+        lines = max(map(len, broken), default=0)
+        if not lines:
+            return [picture for picture, _ in self._taken]
+        return [pictures.add_caption(*each, lines=lines) for each in self._taken]
 
     def _write(self) -> None:
         with pictures.reporting_write_errors(self._path):
             match self._path.suffix.lower():
                 case ".png":
-                    pictures.save_picture(self._strip(), self._path)
+                    whole = strip(self._with_captions(), [*self._freezes])
+                    pictures.save_picture(whole, self._path)
                 case ".gif":
                     _write_gif(self.pictures, self._path)
                 case _:
                     _write_mp4(self.pictures, self._path)
-
-
-def _with_captions(taken: Sequence[tuple[Picture, str]]) -> list[Picture]:
-    lines = max((len(pictures.wrap_caption(*each)) for each in taken if each[1]), default=0)
-    if not lines:
-        return [picture for picture, _ in taken]
-    return [pictures.add_caption(picture, text, lines=lines) for picture, text in taken]
 
 
 def strip(pictures: Sequence[Picture], always: Sequence[int] = ()) -> Picture:
