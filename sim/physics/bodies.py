@@ -5,7 +5,6 @@ A body's frame is the frame of its URDF, not the centre of mass that PyBullet us
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import product
 from pathlib import Path
 from typing import TypeVar
 
@@ -129,13 +128,11 @@ class Bodies:
         for number, index in self.link_ids(body, link):
             self._client.call("changeDynamics", number, index, **options)
 
-    def enable_contacts(self, body: str, other: str, *, enabled: bool) -> None:
-        """Compute contacts between two bodies from now on, or let them pass through each other."""
-        for (number, link), (other_number, other_link) in product(
-            self.link_ids(body), self.link_ids(other)
-        ):
-            numbers = number, other_number, link, other_link
-            self._client.call("setCollisionFilterPair", *numbers, int(enabled))
+    def ignore_contacts(self, body: str, other: str) -> None:
+        """Let two bodies pass through each other from now on."""
+        for number, link in self.link_ids(body):
+            for another, its_link in self.link_ids(other):
+                self._client.call("setCollisionFilterPair", number, another, link, its_link, 0)
 
     def put_to_sleep(self, body: str) -> None:
         """Leave a body that lies still out, until something touches it, and when it is still again.

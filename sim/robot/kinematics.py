@@ -7,7 +7,7 @@ singular postures. Every solution is checked against its target and the joint li
 """
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -205,14 +205,10 @@ def _is_small(error: Array) -> np.ndarray:
 
 
 def _limits(joint: ElementTree.Element) -> tuple[float, float, float]:
-    limit, safety = joint.find("limit"), joint.find("safety_controller")
-    low = _number(safety, "soft_lower_limit", _number(limit, "lower", -np.pi))
-    high = _number(safety, "soft_upper_limit", _number(limit, "upper", np.pi))
-    return low, high, _number(limit, "velocity", 1.0)
-
-
-def _number(element: ElementTree.Element | None, key: str, default: float) -> float:
-    return default if element is None else float(element.get(key, default))
+    limit, safety = (partial(child_attribute, joint, c) for c in ("limit", "safety_controller"))
+    low = safety("soft_lower_limit") or limit("lower") or -np.pi
+    high = safety("soft_upper_limit") or limit("upper") or np.pi
+    return float(low), float(high), float(limit("velocity") or 1.0)
 
 
 def _triple(

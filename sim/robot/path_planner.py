@@ -147,15 +147,16 @@ class PathPlanner:
         start = self.robot.joints
         over_start, over_goal = self._raised(start), self._raised(goal)
         home = self.robot.kind.home
+        body = spheres if held is None else spheres.joined(held)
         detour = [over_start, home, over_goal]
         for via in ([], [over_goal], [over_start, over_goal], [home], detour):
             path = np.vstack([start, *via, goal])
             # The arm may already be nearer to something than a path should come.
-            least = np.minimum(gap, self._gaps(spheres, path[:1], points, held))
+            least = np.minimum(gap, self._gaps(body, path[:1], points))
             # Its corners are checked as the arm rounds them.
             executed, _ = self.robot.timed(path, pace=MAX_PACE)
             checked = resample(executed, CHECK_STEP)
-            if (self._gaps(spheres, checked, points, held) >= least - ROUNDING).all():
+            if (self._gaps(body, checked, points) >= least - ROUNDING).all():
                 return path
         return None
 
@@ -212,16 +213,9 @@ class PathPlanner:
         answer = chain.solve(base_from_hand, joints[None])
         return answer.joints[0] if answer.found[0] else joints
 
-    def _gaps(
-        self,
-        spheres: CollisionSpheres,
-        path: Array,
-        points: Array,
-        held: CollisionSpheres | None = None,
-    ) -> Array:
+    def _gaps(self, body: CollisionSpheres, path: Array, points: Array) -> Array:
         """The smallest gaps (2,) [m] along a path: to what is around, and to the arm itself."""
         chain = self.robot.chain
-        body = spheres if held is None else spheres.joined(held)
         around = clearance(chain, body, path, points=points, table=self.table)
         return np.array([around, self_clearance(chain, body, path)])
 

@@ -5,7 +5,7 @@ is clear of the others, the longest objects first; when one object finds no free
 drawn again. The same scene and seed always give the same placement.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -50,7 +50,7 @@ def place_objects(scene: Scene, models: Mapping[str, ObjectModel]) -> tuple[Drop
     """
     rng = np.random.default_rng(scene.seed)
     loose = [placement for placement in scene.placements if placement.within is None]
-    spots = {spot.placement.name: spot for spot in _place_loose(loose, models, scene.gap, rng)}
+    spots = _place_loose(loose, models, scene.gap, rng)
     for placement in scene.placements:
         mount = models[placement.object].kind.mount
         if placement.within is not None and mount is not None:
@@ -63,18 +63,18 @@ def _place_loose(
     models: Mapping[str, ObjectModel],
     gap: float,
     rng: np.random.Generator,
-) -> tuple[DropPose, ...]:
-    pieces = [_lay(placement, models[placement.object], rng) for placement in placements]
-    order = sorted(range(len(pieces)), key=lambda i: _sort_key(pieces[i]))
+) -> dict[str, DropPose]:
+    laid = [_lay(placement, models[placement.object], rng) for placement in placements]
+    pieces = sorted(laid, key=_sort_key)
     for _ in range(MAX_ROUNDS):
-        spots: dict[int, DropPose] = {}
-        for i in order:
-            spot = _find_spot(pieces[i], list(spots.values()), gap, rng)
+        spots: dict[str, DropPose] = {}
+        for piece in pieces:
+            spot = _find_spot(piece, spots.values(), gap, rng)
             if spot is None:
                 break
-            spots[i] = spot
+            spots[piece.placement.name] = spot
         else:
-            return tuple(spots[i] for i in range(len(pieces)))
+            return spots
     raise SimulationError(f"There is no room on the table for {len(pieces)} objects.")
 
 
@@ -103,7 +103,7 @@ def _sort_key(laid: DropPose) -> tuple[bool, float]:
 
 
 def _find_spot(
-    laid: DropPose, taken: list[DropPose], gap: float, rng: np.random.Generator
+    laid: DropPose, taken: Collection[DropPose], gap: float, rng: np.random.Generator
 ) -> DropPose | None:
     fixed = laid.placement.at is not None
     for _ in range(MAX_TRIES):

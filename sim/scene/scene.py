@@ -115,7 +115,7 @@ def scene_with(names: Sequence[str], *, seed: int, objects: Mapping[str, ObjectT
         if name not in known:
             raise UnknownNameError("object", name, known)
     plain = [Placement(name, name) for name in names]
-    return Scene(_mounted(_with_unique_names(plain), objects), seed)
+    return Scene(_mounted(plain, objects), seed)
 
 
 def _random_scene(text: str, objects: Mapping[str, ObjectType]) -> Scene:
@@ -167,7 +167,7 @@ def _read_scene(spec: str, seed: int, objects: Mapping[str, ObjectType]) -> Scen
     if "clutter" in keys:
         more, gap = CLUTTER[keys["clutter"].text(choices=CLUTTER)]
         placements += _clutter(placements, more, seed, objects)
-    return Scene(_mounted(_with_unique_names(placements), objects), seed, gap)
+    return Scene(_mounted(placements, objects), seed, gap)
 
 
 def _clutter(
@@ -209,11 +209,6 @@ def _check_names(placements: Sequence[Placement], items: Sequence[YamlNode]) -> 
         seen.add(placement.name)
 
 
-def _with_unique_names(placements: Sequence[Placement]) -> tuple[Placement, ...]:
-    names = numbered((placement.name for placement in placements), taken=RESERVED)
-    return tuple(replace(each, name=name) for each, name in zip(placements, names, strict=True))
-
-
 def numbered(names: Iterable[str], *, taken: Iterable[str] = ()) -> Iterator[str]:
     """Yield names with numbers where one comes again or is taken: knife, knife 2, ..."""
     times = Counter(taken)
@@ -225,8 +220,10 @@ def numbered(names: Iterable[str], *, taken: Iterable[str] = ()) -> Iterator[str
 def _mounted(
     placements: Sequence[Placement], objects: Mapping[str, ObjectType]
 ) -> tuple[Placement, ...]:
-    result = list(placements)
-    for index, placement in enumerate(placements):
+    """Return the placements with names of their own, and with what they stand in."""
+    names = numbered((placement.name for placement in placements), taken=RESERVED)
+    result = [replace(each, name=name) for each, name in zip(placements, names, strict=True)]
+    for index, placement in enumerate(result.copy()):
         mount = objects[placement.object].mount
         if mount is None or placement.rest is not None:
             continue

@@ -84,7 +84,7 @@ class World(AbstractContextManager["World"]):
         else:
             self.supports[name] = support
             self.engine.bodies.load(name, model.mounted, spot.world_from_object)
-            self.engine.bodies.enable_contacts(name, support, enabled=False)
+            self.engine.bodies.ignore_contacts(name, support)
             self.engine.joints.fix_bodies(name, support, force=MOUNT_FORCE)
             # A motor with target speed 0 and limited force acts as dry friction.
             self.engine.joints.drive_at(name, SOCKET_JOINT, 0.0, force=mount.resistance)
