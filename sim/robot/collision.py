@@ -66,18 +66,25 @@ def hand_spheres(chain: KinematicChain, points: Array, radius: float) -> Collisi
     return CollisionSpheres(link, points, np.full(len(points), radius))
 
 
-def clearance(
+def clearances(
     chain: KinematicChain, spheres: CollisionSpheres, joints: Array, *, points: Array, table: float
-) -> float:
-    """The smallest gap [m] between spheres and obstacles, over all postures `joints` (n, k) [rad].
+) -> Array:
+    """The smallest gaps (2,) [m] of spheres, over all postures `joints` (n, k) [rad].
 
-    Obstacles are the points (p, 3) and the height `table` in the frame of the base [m]; gaps to
-    points are at most `MAX_GAP`.
+    The first is that to obstacles: the points (p, 3) and the height `table` in the frame of the
+    base [m]; gaps to points are at most `MAX_GAP`. The second is that between hand or held object
+    and the arm; spheres on the link that carries the hand do not count.
     """
-    centres = spheres.placed(chain.frames(joints)).reshape(-1, 3)
-    radius = np.tile(spheres.radius, len(joints))
-    gap = float(np.min(centres[:, 2] - radius)) - table
-    return min(gap, _gap_to_points(centres, radius, points)) if len(points) else gap
+    centres = spheres.placed(chain.frames(joints))
+    around = float(np.min(centres[..., 2] - spheres.radius)) - table
+    if len(points):
+        radius = np.tile(spheres.radius, len(joints))
+        around = min(around, _gap_to_points(centres.reshape(-1, 3), radius, points))
+    last = np.flatnonzero(chain.moves)[-1]
+    ahead, behind = spheres.link > last, spheres.link < last
+    between = centres[:, ahead, None] - centres[:, None, behind]
+    gaps = np.linalg.norm(between, axis=-1) - spheres.radius[ahead, None] - spheres.radius[behind]
+    return np.array([around, gaps.min(initial=np.inf)])
 
 
 def _gap_to_points(centres: Array, radius: Array, points: Array) -> float:
@@ -96,16 +103,3 @@ def _gap_to_points(centres: Array, radius: Array, points: Array) -> float:
             squares += np.subtract.outer(centres[some, axis], points[:, axis]) ** 2
         gap = min(gap, float((np.sqrt(squares.min(axis=1)) - radius[some]).min()))
     return gap
-
-
-def self_clearance(chain: KinematicChain, spheres: CollisionSpheres, joints: Array) -> float:
-    """The smallest gap [m] between hand and held object and the arm, over postures (n, k) [rad].
-
-    Spheres on the link that carries the hand do not count.
-    """
-    last = np.flatnonzero(chain.moves)[-1]
-    ahead, behind = spheres.link > last, spheres.link < last
-    centres = spheres.placed(chain.frames(joints))
-    at = centres[:, ahead, None] - centres[:, None, behind]
-    gaps = np.linalg.norm(at, axis=-1) - spheres.radius[ahead, None] - spheres.radius[behind]
-    return float(gaps.min(initial=np.inf))

@@ -15,7 +15,7 @@ import numpy as np
 from .. import poses
 from ..poses import Array
 from ..vision.point_cloud_operations import farthest_points
-from .collision import CollisionSpheres, clearance, self_clearance
+from .collision import CollisionSpheres, clearances
 from .kinematics import IkSolutions
 from .robot import Robot, resample
 
@@ -215,9 +215,7 @@ class PathPlanner:
 
     def _gaps(self, body: CollisionSpheres, path: Array, points: Array) -> Array:
         """The smallest gaps (2,) [m] along a path: to what is around, and to the arm itself."""
-        chain = self.robot.chain
-        around = clearance(chain, body, path, points=points, table=self.table)
-        return np.array([around, self_clearance(chain, body, path)])
+        return clearances(self.robot.chain, body, path, points=points, table=self.table)
 
 
 def grasp_orientations(heading: float) -> Array:

@@ -134,14 +134,14 @@ class ProcessRunner:
 
     def __call__(self, experiment: Experiment, cases: Sequence[Case]) -> Iterator[TimedResult]:
         """Run the cases, each in one of the processes; WorkersError if none can be started."""
-        if not cases:
-            return
-        pools = [self._pool(cases)]
+        pools: list[ProcessPool] = []
         name, options = experiment.name, to_json_line(experiment.options)
 
         def start(case: str) -> Future[str]:
-            if not pools[-1].active:  # a worker that dies before it reports its case breaks it
-                pools.append(self._pool(cases))
+            # A worker that dies before it reports its case breaks its pool.
+            if not pools or not pools[-1].active:
+                workers = min(self.workers, len(cases))
+                pools.append(ProcessPool(workers, context=get_context("spawn")))
             return pools[-1].schedule(
                 run_in_worker, args=(name, options, case), timeout=self.timeout_s
             )
@@ -153,9 +153,6 @@ class ProcessRunner:
             for pool in pools:
                 pool.stop()
                 pool.join()
-
-    def _pool(self, cases: Sequence[Case]) -> ProcessPool:
-        return ProcessPool(min(self.workers, len(cases)), context=get_context("spawn"))
 
 
 def _import_ray() -> Any:

@@ -6,14 +6,7 @@ import numpy as np
 import pytest
 
 from hilt.sim import poses
-from hilt.sim.robot.collision import (
-    MAX_GAP,
-    arm_spheres,
-    clearance,
-    finger_spheres,
-    hand_spheres,
-    self_clearance,
-)
+from hilt.sim.robot.collision import MAX_GAP, arm_spheres, clearances, finger_spheres, hand_spheres
 from hilt.sim.robot.models import find_robot
 
 PANDA = find_robot("panda")
@@ -25,7 +18,7 @@ NOTHING = np.zeros((0, 3))
 def gap(points: np.ndarray, *, table: float = -1.0) -> float:
     """The gap of the waiting arm to these points and the table."""
     spheres = arm_spheres(ARM, PANDA.spheres)
-    return clearance(ARM, spheres, HOME, points=points, table=table)
+    return clearances(ARM, spheres, HOME, points=points, table=table)[0]
 
 
 def test_gap_of_a_ball_to_a_point_is_what_geometry_says():
@@ -34,7 +27,7 @@ def test_gap_of_a_ball_to_a_point_is_what_geometry_says():
     point = hand[None, :3, 3] + 0.015
     ball = hand_spheres(ARM, np.zeros((1, 3)), 0.02)
 
-    found = clearance(ARM, ball, HOME, points=point, table=-9.0)
+    found = clearances(ARM, ball, HOME, points=point, table=-9.0)[0]
 
     assert found == pytest.approx(0.015 * np.sqrt(3) - 0.02)
 
@@ -82,7 +75,7 @@ def test_object_held_into_the_arm_is_detected():
 
     def free(points: np.ndarray) -> float:
         held = spheres.joined(hand_spheres(ARM, points, 0.01))
-        return self_clearance(ARM, held, HOME)
+        return clearances(ARM, held, HOME, points=NOTHING, table=-9.0)[1]
 
     assert free(shoulder) < 0
     assert free(below) > 0.02
@@ -93,4 +86,6 @@ def test_hand_folded_back_to_the_forearm_is_detected():
     folded = HOME.copy()
     folded[0, 5:] = 0.0
 
-    assert self_clearance(ARM, arm_spheres(ARM, PANDA.spheres), folded) < 0
+    spheres = arm_spheres(ARM, PANDA.spheres)
+
+    assert clearances(ARM, spheres, folded, points=NOTHING, table=-9.0)[1] < 0
