@@ -129,11 +129,7 @@ def _ring(
 
 def _inner_side(outer: Array, lathe: forms.Lathe) -> Array:
     floor_first = np.vstack([[0.0, outer[0, 1]], outer])
-    ahead = np.diff(floor_first, axis=0)
-    normals = np.column_stack([-ahead[:, 1], ahead[:, 0]])
-    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    both = normals + np.vstack([normals[1:], normals[-1:]])
-    mitre = both / np.einsum("ij,ij->i", normals, both)[:, None]
+    mitre = _mitres(np.diff(floor_first, axis=0), [*range(1, len(outer)), -1])
     heights = outer[:, 1] + lathe.wall * mitre[:, 1]
     heights[-1] = outer[-1, 1]
     return np.column_stack([outer[:, 0], heights, lathe.wall * mitre[:, 0]])[::-1]
@@ -155,13 +151,9 @@ def _vessel_pieces(lathe: forms.Lathe) -> list[Array]:
     return pieces
 
 
-def _plate_outline(plate: forms.Extrusion, steps: int) -> Array:
-    corners = np.column_stack([plate.outline, np.array(plate.thickness) / 2])
-    return _curve(corners, steps, closed=True) if plate.smooth else corners
-
-
 def _plate_rings(plate: forms.Extrusion, steps: int) -> list[Array]:
-    rim = _plate_outline(plate, steps)
+    corners = np.column_stack([plate.outline, np.array(plate.thickness) / 2])
+    rim = _curve(corners, steps, closed=True) if plate.smooth else corners
     half, levels = rim[:, 2], [(rim, -rim[:, 2]), (rim, rim[:, 2])]
     if plate.bevel:
         face, side = _inset(rim, plate.bevel), half - plate.bevel
@@ -172,19 +164,22 @@ def _plate_rings(plate: forms.Extrusion, steps: int) -> list[Array]:
 def _inset(rim: Array, distance: float) -> Array:
     """Return the rim moved inwards by `distance` [m] along the mitres of its corners."""
     ahead = np.roll(rim[:, :2], -1, axis=0) - rim[:, :2]
+    mitre = _mitres(ahead, range(-1, len(rim) - 1))
+    return np.column_stack([rim[:, :2] + distance * mitre, rim[:, 2]])
+
+
+def _mitres(ahead: Array, neighbours: Sequence[int]) -> Array:
+    """Return the steps (n, 2) to a line 1 m to the left of sides `ahead` and their neighbours."""
     normals = np.column_stack([-ahead[:, 1], ahead[:, 0]])
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    both = normals + np.roll(normals, 1, axis=0)
-    mitre = both / np.einsum("ij,ij->i", normals, both)[:, None]
-    return np.column_stack([rim[:, :2] + distance * mitre, rim[:, 2]])
+    both = normals + normals[list(neighbours)]
+    return both / np.einsum("ij,ij->i", normals, both)[:, None]
 
 
 def _plate_pieces(plate: forms.Extrusion) -> list[Array]:
     rings = _plate_rings(plate, COLLISION_STEPS)
-    prisms = [
-        np.vstack([ring[triangle] for ring in rings])
-        for triangle in triangulate(_plate_outline(plate, COLLISION_STEPS)[:, :2])
-    ]
+    rim = rings[len(rings) // 2]  # which is not bevelled
+    prisms = [np.vstack([ring[each] for ring in rings]) for each in triangulate(rim[:, :2])]
     return meshes.merge(prisms, tolerance=MERGE_TOLERANCE)
 
 

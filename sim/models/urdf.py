@@ -167,8 +167,8 @@ def _attached_elements(
     carrier = ElementTree.Element("joint", name=f"{attachment.link} on the arm", type="fixed")
     ElementTree.SubElement(carrier, "parent", link=attachment.carrier)
     ElementTree.SubElement(carrier, "child", link=attachment.link)
-    xyz, rpy = (" ".join(f"{v:.6g}" for v in each) for each in (attachment.at, attachment.turn))
-    ElementTree.SubElement(carrier, "origin", xyz=xyz, rpy=rpy)
+    at, turn = map(_numbers, (attachment.at, attachment.turn))
+    ElementTree.SubElement(carrier, "origin", xyz=at, rpy=turn)
     return [*links, carrier, *joints]
 
 

@@ -28,9 +28,6 @@ class PhysicsEngine(AbstractContextManager["PhysicsEngine"]):
         self.joints = Joints(self._client, self.bodies)
         self.rendering = Rendering(self._client, self.bodies)
         self.steps = 0
-        self._configure()
-
-    def _configure(self) -> None:
         self._client.call("setGravity", 0, 0, -GRAVITY)
         self._client.call(
             "setPhysicsEngineParameter",
@@ -40,7 +37,7 @@ class PhysicsEngine(AbstractContextManager["PhysicsEngine"]):
             contactBreakingThreshold=CONTACT_BREAKING,
             deterministicOverlappingPairs=1,
         )
-        if self._client.gui:
+        if gui:
             panels = self._client.constant("COV_ENABLE_GUI")
             self._client.call("configureDebugVisualizer", panels, 0)
             self._client.call("resetDebugVisualizerCamera", 1.35, 60, -28, (0.35, 0.0, 0.05))

@@ -7,7 +7,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from functools import cache, cached_property
 from pathlib import Path
-from types import MappingProxyType
 
 import numpy as np
 
@@ -136,9 +135,7 @@ def find_robot(name: str) -> RobotType:
     return robots[wanted]
 
 
-@cache
-def _shipped() -> Mapping[str, RobotType]:
-    return MappingProxyType(load_robots())
+_shipped = cache(load_robots)
 
 
 def _read_robot(name: str, field: YamlNode) -> RobotType:
