@@ -66,12 +66,13 @@ class Sweep:
 class MeshFile:
     """A surface in a file (OBJ, STL, PLY), which collides as convex pieces.
 
-    Of it is kept what lies on the side n x > d of each of its cuts (n, d), where n x is in [m].
+    Of it are kept one or more convex regions, each of which lies on the side n x > d of each of its
+    planes (n, d), where n x is in [m].
     """
 
     path: Path
     scale: float
-    cuts: tuple[tuple[float, ...], ...] = ()
+    regions: tuple[tuple[tuple[float, ...], ...], ...] = ((),)
 
 
 Form = Box | Lathe | Extrusion | Sweep | MeshFile
@@ -205,7 +206,7 @@ def _read_sweep(field: YamlNode) -> Sweep:
 
 
 def _read_mesh(field: YamlNode) -> MeshFile:
-    keys = field.entries(required={"file"}, optional={"scale", "cut"})
+    keys = field.entries(required={"file"}, optional={"scale", "cut", "points", "other_points"})
     path = Path(field.source).parent / keys["file"].text()
     if not path.is_file():
         raise keys["file"].fail(f'there is no file "{path}".')
@@ -215,7 +216,18 @@ def _read_mesh(field: YamlNode) -> MeshFile:
     for plane, (*normal, _) in zip(planes, cuts, strict=True):
         if not any(normal):
             raise plane.fail("expected a normal that is not 0.")
-    return MeshFile(path, scale, cuts)
+    own, others = (
+        [read_point(item) for item in keys[key].items()] if key in keys else []
+        for key in ("points", "other_points")
+    )
+    cells = [[_between(q, p) for q in (*own, *others) if q != p] for p in own] or [[]]
+    return MeshFile(path, scale, tuple((*cuts, *cell) for cell in cells))
+
+
+def _between(start: Point3, end: Point3) -> tuple[float, ...]:
+    """The plane (n, d) with n x > d where x is nearer to the end than to the start."""
+    normal = tuple(b - a for a, b in zip(start, end, strict=True))
+    return *normal, sum(b * b - a * a for a, b in zip(start, end, strict=True)) / 2
 
 
 _READERS = {

@@ -37,10 +37,8 @@ def read_mesh(form: MeshFile) -> Trimesh:
         raise DataError(f"is no mesh that can be read: {error}.", source=source) from error
     faces = getattr(loaded, "faces", None)
     with np.errstate(divide="ignore", invalid="ignore"):  # trimesh divides by volumes, also of 0
-        mesh = Trimesh(loaded.vertices * form.scale, faces).process(validate=True)
-    for *normal, distance in np.array(form.cuts).reshape(-1, 4):
-        origin = np.array(normal) * distance / np.dot(normal, normal)
-        mesh = mesh.slice_plane(origin, normal, cap=mesh.is_watertight)
+        whole = Trimesh(loaded.vertices * form.scale, faces).process(validate=True)
+    mesh: Any = trimesh.util.concatenate([_cut(whole, np.array(each)) for each in form.regions])
     if not len(mesh.faces):
         raise DataError("has no faces.", source=source)
     largest = float(np.ptp(mesh.vertices, axis=0).max())
@@ -68,6 +66,14 @@ def convex_pieces(form: MeshFile) -> list[Array]:
                 source=str(form.path),
             )
     return [piece for body in bodies for piece in _decomposed(body)]
+
+
+def _cut(mesh: Trimesh, planes: Array) -> Trimesh:
+    """Return what lies on the side n x > d of each of the planes (n, d) (k, 4)."""
+    for *normal, distance in planes.reshape(-1, 4):
+        origin = np.array(normal) * distance / np.dot(normal, normal)
+        mesh = mesh.slice_plane(origin, normal, cap=mesh.is_watertight)
+    return mesh
 
 
 def _decomposed(body: Trimesh) -> list[Array]:

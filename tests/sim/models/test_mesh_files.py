@@ -127,8 +127,8 @@ def test_mesh_is_cut_by_planes(written: Writer):
     """Each plane keeps one side of it, closed: here a quarter and the half beside it."""
     whole = written(BOX)
 
-    half = read_mesh(MeshFile(whole.path, 1.0, ((2.0, 0.0, 0.0, 0.0),)))
-    quarter = read_mesh(MeshFile(whole.path, 1.0, ((-1, 0, 0, -0.0), (0, 1, 0, 0.0))))
+    half = read_mesh(MeshFile(whole.path, 1.0, (((2.0, 0.0, 0.0, 0.0),),)))
+    quarter = read_mesh(MeshFile(whole.path, 1.0, (((-1, 0, 0, -0.0), (0, 1, 0, 0.0)),)))
 
     assert half.volume == pytest.approx(BOX.volume / 2) and half.is_watertight
     assert quarter.volume == pytest.approx(BOX.volume / 4) and quarter.is_watertight
@@ -138,4 +138,4 @@ def test_mesh_is_cut_by_planes(written: Writer):
 def test_plane_that_misses_the_mesh_leaves_nothing(written: Writer):
     """What has been cut away wholly is no part."""
     with pytest.raises(DataError, match="has no faces"):
-        read_mesh(MeshFile(written(BOX).path, 1.0, ((1.0, 0.0, 0.0, 0.3),)))
+        read_mesh(MeshFile(written(BOX).path, 1.0, (((1.0, 0.0, 0.0, 0.3),),)))

@@ -57,11 +57,22 @@ def test_each_part_is_seen_and_held_by_itself(part: str, folder: Path):
     assert (grasped.touched, lifted.ok) == ((part,), True)
 
 
-def test_one_mesh_is_cut_into_parts(folder: Path):
+@pytest.mark.parametrize(
+    ("of_head", "of_handle"),
+    [
+        ("cut: [[1, 0, 0, -0.05]]", "cut: [[-1, 0, 0, 0.05]]"),
+        (
+            "points: [[0, 0, 0], [0.05, 0, 0]], other_points: [[-0.1, 0, 0]]",
+            "points: [[-0.1, 0, 0]], other_points: [[0, 0, 0], [0.05, 0, 0]]",
+        ),
+    ],
+    ids=["planes", "points"],
+)
+def test_one_mesh_is_cut_into_parts(folder: Path, of_head: str, of_handle: str):
     """Both parts come from one file; the one that is asked for is held."""
     handle, head = ("handle.obj, scale: 0.001", "head.obj, scale: 0.001")
-    text = BRUSH.replace(head, f"{handle}, cut: [[1, 0, 0, -0.05]]", 1)
-    text = text.replace(f"{handle}}}", f"{handle}, cut: [[-1, 0, 0, 0.05]]}}", 1)
+    text = BRUSH.replace(head, f"{handle}, {of_head}", 1)
+    text = text.replace(f"{handle}}}", f"{handle}, {of_handle}}}", 1)
     (folder / "mine.yaml").write_text(text, encoding="utf-8")
     objects = objects_of(folder)
 
