@@ -55,9 +55,10 @@ class ConfigOption:
         return self.kind is Path or bool(re.fullmatch(files.get(self.name, "(?!)"), value))
 
 
-def _option(*declared: Any, **more: Any) -> Any:
-    option = ConfigOption(*declared, **more)
-    return field(default=option.default, metadata={"option": option})
+def _option(default: Any, *declared: Any, **more: Any) -> Any:
+    kind = Path if default is None else type(default)
+    option = ConfigOption(kind, default, *declared, **more)
+    return field(default=default, metadata={"option": option})
 
 
 @dataclass(frozen=True)
@@ -70,52 +71,45 @@ class AgentConfig:
     """
 
     scene: str = _option(
-        str, "all", "What is on the table: a YAML file, objects:knife,mug, random:SEED, or all."
+        "all", "What is on the table: a YAML file, objects:knife,mug, random:SEED, or all."
     )
-    seed: int = _option(int, 0, "The seed of everything random.")
-    objects: Path | None = _option(Path, None, "A YAML file with further objects.")
-    actions: Path | None = _option(Path, None, "A YAML file with further actions.")
-    lexicon: Path | None = _option(Path, None, "A lexicon file with further words and phrases.")
-    robot: str = _option(str, "panda", "The robot: panda, kuka, or one of a file, FILE.yaml:NAME.")
+    seed: int = _option(0, "The seed of everything random.")
+    objects: Path | None = _option(None, "A YAML file with further objects.")
+    actions: Path | None = _option(None, "A YAML file with further actions.")
+    lexicon: Path | None = _option(None, "A lexicon file with further words and phrases.")
+    robot: str = _option("panda", "The robot: panda, kuka, or one of a file, FILE.yaml:NAME.")
     vision: str = _option(
-        str,
         "mask",
         "The source of percepts: the simulator's mask, a detector learned from pictures, or a "
         "plug-in.",
         metavar="mask|learned[:FILE]|NAME",
     )
-    motion: str = _option(str, "", "A plug-in that moves the robot, in place of the simulator.")
+    motion: str = _option("", "A plug-in that moves the robot, in place of the simulator.")
     noise: str = _option(
-        str,
         "",
         "How perception fails: missed, confused, confidence (shares), depth_m (metres), camera.",
         metavar="KEY=VALUE,...",
     )
-    simulate: bool = _option(bool, True, "Move a simulated robot.", "--sim/--no-sim")
-    gui: bool = _option(bool, False, "Show the simulator's window.")
-    induce: bool = _option(bool, False, "Also act on rules that follow by similarity.")
-    settings: Settings | Path | None = _option(Path, None, "A YAML file with inference settings.")
+    simulate: bool = _option(True, "Move a simulated robot.", "--sim/--no-sim")
+    gui: bool = _option(False, "Show the simulator's window.")
+    induce: bool = _option(False, "Also act on rules that follow by similarity.")
+    settings: Settings | Path | None = _option(None, "A YAML file with inference settings.")
     overrides: tuple[str, ...] = _option(
-        tuple,
         (),
         "One setting of the inference: fusion=dempster, threshold.pass=0.1, ...",
         "--set",
         "NAME=VALUE",
     )
     contexts: tuple[str, ...] = _option(
-        tuple,
         (),
         "What holds now: place:kitchen, role:guest; place:kitchen=0.9 where it is uncertain.",
         "--context",
         "KIND:NAME[=DEGREE]",
     )
-
     taxonomy: tuple[str, ...] = _option(
-        tuple,
         (),
         "An ontology in the base whose kinds count as well (hilt import --as ontology).",
-        "--taxonomy",
-        "NAME",
+        metavar="NAME",
     )
 
     def __post_init__(self) -> None:
@@ -272,7 +266,7 @@ def read_value(value: YamlNode, option: ConfigOption, folder: Path) -> Any:
     if option.kind is bool:
         return value.truth()
     if option.kind is tuple:
-        texts = value.items() if isinstance(value.value, tuple) else (value,)
+        texts = value.listed()
         for each in texts if option.name == "contexts" else ():
             try:
                 _context(each.text())

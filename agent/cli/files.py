@@ -59,7 +59,7 @@ def import_(
         str, typer.Option("--as", help='"rules", or "ontology": any RDF, beside the rules.')
     ] = "rules",
     name: Annotated[
-        str | None, typer.Option("--name", help="The name of the ontology; by default the file's.")
+        str | None, typer.Option(help="The name of the ontology; by default the file's.")
     ] = None,
     dry_run: DryRun = False,
     as_json: AsJson = False,

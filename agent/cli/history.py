@@ -26,10 +26,10 @@ if TYPE_CHECKING:
     from ...kb.rule import Rule
 
 ADDRESSES = ("http://", "https://", "memory:")
-By = Annotated[str | None, typer.Option("--speaker", help="Only what this one said.")]
+By = Annotated[str | None, typer.Option(help="Only what this one said.")]
 Which = Annotated[str, typer.Argument(metavar="ID|last", help="An episode's id, or its start.")]
 Form = Literal["csv", "json", "mcap"]
-Since = Annotated[int | None, typer.Option("--since", min=0, help="Only after this utterance.")]
+Since = Annotated[int | None, typer.Option(min=0, help="Only after this utterance.")]
 
 episodes_app = typer.Typer(epilog=example("episodes --last 5"), invoke_without_command=True)
 app.add_typer(episodes_app, name="episodes")
@@ -42,7 +42,7 @@ def history(
     last: Annotated[int | None, typer.Option(min=1, help="Only the last so many.")] = None,
     speaker: By = None,
     about: Annotated[
-        str | None, typer.Option("--about", metavar="RULE", help="Only what touched this rule.")
+        str | None, typer.Option(metavar="RULE", help="Only what touched this rule.")
     ] = None,
     kb: Kb = None,
     as_json: AsJson = False,
@@ -90,7 +90,7 @@ def watch(
     since: Since = None,
     speaker: By = None,
     name: Object = None,
-    every: Annotated[float, typer.Option("--every", min=0.05, help="Seconds between looks.")] = 0.5,
+    every: Annotated[float, typer.Option(min=0.05, help="Seconds between looks.")] = 0.5,
     seconds: Annotated[
         float | None,
         typer.Option("--for", min=0.0, help="Stop after so many seconds; 0 only shows what is."),
@@ -177,7 +177,7 @@ def trajectory(
     which: Which,
     *,
     form: Annotated[Form, typer.Option("--format", help="csv, json or mcap.")] = "csv",
-    out: Annotated[str, typer.Option("--out", help='A file; "-" is standard output.')] = "-",
+    out: Annotated[str, typer.Option(help='A file; "-" is standard output.')] = "-",
     kb: Kb = None,
 ) -> None:
     """Export where the joints of the robot were in an episode, 48 times a second."""
@@ -197,7 +197,7 @@ def trajectory(
 def experience(
     *,
     name: Annotated[str | None, typer.Option("--object", help="With this object.")] = None,
-    part: Annotated[str | None, typer.Option("--part", help="Grasped by this part.")] = None,
+    part: Annotated[str | None, typer.Option(help="Grasped by this part.")] = None,
     kb: Kb = None,
     as_json: AsJson = False,
 ) -> None:

@@ -113,7 +113,7 @@ def grammar(
     count: Annotated[
         int, typer.Option("--sentences", min=0, help="Print so many of its sentences instead.")
     ] = 0,
-    seed: Annotated[int, typer.Option("--seed", help="The seed of the sentences.")] = 0,
+    seed: Annotated[int, typer.Option(help="The seed of the sentences.")] = 0,
     lexicon: UserLexicon = None,
 ) -> None:
     """Print a grammar for a speech recogniser: whatever it allows is understood."""

@@ -62,7 +62,6 @@ Utterance = Annotated[
 Kb = Annotated[
     str | None,
     typer.Option(
-        "--kb",
         callback=_lasting_base,
         envvar=variable("base"),
         help='The knowledge base: "memory:", a folder, or the http(s) address of a SPARQL '
@@ -71,22 +70,16 @@ Kb = Annotated[
 ]
 Record = Annotated[Path | None, typer.Option(help="Film what is done: a .mp4, .gif or .png file.")]
 Speaker = Annotated[
-    str,
-    typer.Option(
-        "--speaker", callback=_lasting_speaker, show_default=False, help=KEYS["speaker"].help
-    ),
+    str, typer.Option(callback=_lasting_speaker, show_default=False, help=KEYS["speaker"].help)
 ]
 Host = Annotated[
     str | None,
-    typer.Option(
-        "--speaker", callback=_lasting_speaker, help="Who is speaking; by default who taught first."
-    ),
+    typer.Option(callback=_lasting_speaker, help="Who is speaking; by default who taught first."),
 ]
 Heard = Annotated[float, typer.Option(min=0.0, max=1.0, help="How surely a recogniser heard it.")]
 Recognisers = Annotated[
     list[str] | None,
     typer.Option(
-        "--recogniser",
         metavar="NAME[:REST]",
         help="moonshine, pocketsphinx, or a plug-in; may be repeated. By default these two.",
     ),
@@ -95,7 +88,6 @@ KeptSound = Annotated[Path | None, typer.Option(help="Keep what is said as sound
 Alternatives = Annotated[
     str | None,
     typer.Option(
-        "--alternatives",
         metavar="JSON",
         help="What a recogniser may have heard: a list of [text, score], scores in [0, 1]; @FILE "
         'reads a file, "-" stdin. Then what is not sure is read back.',
@@ -103,15 +95,13 @@ Alternatives = Annotated[
 ]
 DryRun = Annotated[bool, typer.Option("--dry-run", help="Only check; report what would change.")]
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON document.")]
-Out = Annotated[Path, typer.Option("--out", help="The folder for pictures and the animation.")]
-Seed = Annotated[int, typer.Option("--seed", min=0, help=OPTIONS["seed"].help)]
+Out = Annotated[Path, typer.Option(help="The folder for pictures and the animation.")]
+Seed = Annotated[int, typer.Option(min=0, help=OPTIONS["seed"].help)]
 Gui = Annotated[bool, typer.Option("--gui", help=OPTIONS["gui"].help)]
-UserLexicon = Annotated[Path | None, typer.Option("--lexicon", help=OPTIONS["lexicon"].help)]
+UserLexicon = Annotated[Path | None, typer.Option(help=OPTIONS["lexicon"].help)]
 ConfigFile = Annotated[
     Path | None,
-    typer.Option(
-        "--config", help="A YAML or TOML file with options; those given here replace its own."
-    ),
+    typer.Option(help="A YAML or TOML file with options; those given here replace its own."),
 ]
 
 SCENE = ("scene", "seed", "objects")

@@ -23,22 +23,22 @@ if TYPE_CHECKING:
 
 MOST_RULES = 500  # in one picture; nobody finds anything in more
 Object = Annotated[str | None, typer.Option("--object", help="About this object.")]
-Affordance = Annotated[str | None, typer.Option("--affordance", help="Used for this.")]
-Context = Annotated[str | None, typer.Option("--context", help="For this action.")]
-Part = Annotated[str | None, typer.Option("--part", help="Grasped by this part.")]
+Affordance = Annotated[str | None, typer.Option(help="Used for this.")]
+Context = Annotated[str | None, typer.Option(help="For this action.")]
+Part = Annotated[str | None, typer.Option(help="Grasped by this part.")]
 TABLE = "table"
-Timeout = Annotated[float, typer.Option("--timeout", min=0.001, help="Time limit in seconds.")]
-Memory = Annotated[int, typer.Option("--memory", min=1, help="Memory limit in megabytes.")]
+Timeout = Annotated[float, typer.Option(min=0.001, help="Time limit in seconds.")]
+Memory = Annotated[int, typer.Option(min=1, help="Memory limit in megabytes.")]
 
 
 @app.command(epilog=example("rules --object knife --at 2026-11-21"))
 def rules(
     *,
     at: Annotated[
-        str | None, typer.Option("--at", help="As they were: a date, a time, an utterance number.")
+        str | None, typer.Option(help="As they were: a date, a time, an utterance number.")
     ] = None,
     according_to: Annotated[
-        str | None, typer.Option("--according-to", metavar="SPEAKER", help="As this one sees it.")
+        str | None, typer.Option(metavar="SPEAKER", help="As this one sees it.")
     ] = None,
     name: Object = None,
     affordance: Affordance = None,
@@ -114,8 +114,8 @@ def graph(
     affordance: Affordance = None,
     context: Context = None,
     part: Part = None,
-    speaker: Annotated[str | None, typer.Option("--speaker", help="Told by this one.")] = None,
-    at: Annotated[str | None, typer.Option("--at", help="As they were at some time.")] = None,
+    speaker: Annotated[str | None, typer.Option(help="Told by this one.")] = None,
+    at: Annotated[str | None, typer.Option(help="As they were at some time.")] = None,
     kb: Kb = None,
     as_json: AsJson = False,
 ) -> None:
@@ -156,9 +156,7 @@ def query(
     arg: Annotated[
         list[str] | None,
         typer.Option(
-            "--arg",
-            help="The value of a variable of the query; may be repeated.",
-            metavar="NAME=VALUE",
+            metavar="NAME=VALUE", help="The value of a variable of the query; may be repeated."
         ),
     ] = None,
     list_: Annotated[bool, typer.Option("--list", help="List the named queries.")] = False,

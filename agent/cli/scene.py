@@ -60,7 +60,7 @@ def import_(
     part: Annotated[list[str] | None, typer.Option(metavar="PART=LINK", help=_PART)] = None,
     role: Annotated[list[str] | None, typer.Option(metavar="PART=ROLE", help="Its role.")] = None,
     name: Annotated[str, typer.Option(help="What it is called; by default as the file.")] = "",
-    is_a: Annotated[str, typer.Option("--is-a", help="The kind of object.")] = "artifact",
+    is_a: Annotated[str, typer.Option(help="The kind of object.")] = "artifact",
     picture: Annotated[Path, typer.Option(help="A picture of it.")] = Path("out/object.png"),
     as_json: AsJson = False,
 ) -> None:
