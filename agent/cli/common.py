@@ -143,14 +143,7 @@ def converse(
             report_error(reply.said)
         else:
             _show_reply(agent, reply)
-            _hint_at_trust(agent, reply)
     exit_with(done)
-
-
-def _hint_at_trust(agent: Agent, reply: Reply) -> None:
-    if reply.ending == "refused" and agent.base.trust(reply.speaker) is None:
-        what_to_do = f"Run: hilt trust {shlex.quote(reply.speaker)} DEGREE"
-        typer.echo(f"Nobody has said how far to trust them. {what_to_do}", err=True)
 
 
 def _show_reply(agent: Agent, reply: Reply) -> None:
@@ -158,6 +151,9 @@ def _show_reply(agent: Agent, reply: Reply) -> None:
     out.print(console.turn(reply))
     if reply.result and reply.result.steps:
         out.print(console.goal_result(reply.result, agent.quote))
+    if reply.ending == "refused" and agent.base.trust(reply.speaker) is None:
+        what_to_do = f"Run: hilt trust {shlex.quote(reply.speaker)} DEGREE"
+        typer.echo(f"Nobody has said how far to trust them. {what_to_do}", err=True)
 
 
 def utterances(text: str) -> Iterator[str]:

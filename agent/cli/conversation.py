@@ -13,16 +13,7 @@ import typer
 
 from .. import presentation
 from ..config import AgentConfig
-from . import options
-from .common import (
-    converse,
-    exit_with,
-    open_for_reading,
-    print_json,
-    read_alternatives,
-    show,
-    terminal,
-)
+from . import common, options
 from .options import AsJson, Kb, Speaker, app, example, with_config
 
 if TYPE_CHECKING:
@@ -43,12 +34,12 @@ def demo(
     from ..agent import Agent
 
     with Agent.open(kb, config) as agent:
-        found = example.run(agent, terminal(stderr=True), out)
+        found = example.run(agent, common.terminal(stderr=True), out)
         if as_json:
-            print_json(found.as_json())
+            common.print_json(found.as_json())
         else:
-            example.show(found, terminal(), agent)
-    exit_with(found.is_as_told)
+            example.show(found, common.terminal(), agent)
+    common.exit_with(found.is_as_told)
 
 
 @app.command(epilog=example('tell "To pass a knife, grab it by the blade"'))
@@ -66,9 +57,11 @@ def tell(
     """Teach a rule: "A knife is used for cutting"."""
     from ..agent import Agent
 
-    said = read_alternatives(alternatives, text)
+    said = common.read_alternatives(alternatives, text)
     with Agent.open(kb, config) as agent:
-        converse(agent, text, speaker, "tell", heard=heard, alternatives=said, as_json=as_json)
+        common.converse(
+            agent, text, speaker, "tell", heard=heard, alternatives=said, as_json=as_json
+        )
 
 
 @app.command(epilog=example('do "pass me something used for cutting" --no-sim'))
@@ -87,9 +80,9 @@ def do(
     """Ask for something to be done: "pass me something used for cutting"."""
     from ..agent import Agent
 
-    said = read_alternatives(alternatives, text)
+    said = common.read_alternatives(alternatives, text)
     with Agent.open(kb, config) as agent, _filmed(agent, record):
-        converse(agent, text, speaker, "do", heard=heard, alternatives=said, as_json=as_json)
+        common.converse(agent, text, speaker, "do", heard=heard, alternatives=said, as_json=as_json)
 
 
 @contextmanager
@@ -99,14 +92,9 @@ def _filmed(agent: Agent, path: Path | None) -> Generator[None]:
         return
     if not agent.simulate:
         raise typer.BadParameter("--record films a robot. Leave out --no-sim.")
-    films: list[Path] = []
-    try:
-        with agent.filmed(path):
-            films.append(path)
-            yield
-    finally:
-        for film in films:  # also of what has failed
-            typer.echo(f"Film written to {film}.", err=True)
+    with ExitStack() as afterwards, agent.filmed(path):
+        afterwards.callback(typer.echo, f"Film written to {path}.", err=True)  # also if it fails
+        yield
 
 
 @app.command(epilog=example('ask "how do you pass a knife?"'))
@@ -123,7 +111,7 @@ def ask(
     from ..agent import Agent
 
     with Agent.open(kb, replace(config, simulate=False)) as agent:
-        converse(agent, text, speaker, "ask", as_json=as_json)
+        common.converse(agent, text, speaker, "ask", as_json=as_json)
 
 
 @app.command(epilog=example("chat --no-sim"))
@@ -156,7 +144,7 @@ def chat(
             parts = (sound or (), recogniser or (), agent.dialogue.conversation.language)
             spoken_by = voice if speak else ""
             talk = opened.enter_context(open_talk(*parts, voice=spoken_by, kept_in=keep_sound))
-        run(agent, terminal(), sys.stdin, speaker, talk)
+        run(agent, common.terminal(), sys.stdin, speaker, talk)
 
 
 @app.command(epilog=example("listen command.wav"))
@@ -187,24 +175,24 @@ def listen(
         keep(sound, heard, keep_sound)
     understood = listener.language.understand(heard.text, heard=heard.heard)
     if as_json:
-        print_json(heard.as_json() | {"understood": understood.as_json()})
+        common.print_json(heard.as_json() | {"understood": understood.as_json()})
     else:
-        terminal().print(presentation.console.heard(heard))
-        terminal().print(presentation.console.understanding(understood))
-    exit_with(understood.reading is not None)
+        common.terminal().print(presentation.console.heard(heard))
+        common.terminal().print(presentation.console.understanding(understood))
+    common.exit_with(understood.reading is not None)
 
 
 @app.command(epilog=example("actions --json"))
 def actions(*, kb: Kb = None, as_json: AsJson = False) -> None:
     """List the actions that were taught, with their steps and their teachers."""
-    with open_for_reading(kb) as base:
+    with common.open_for_reading(kb) as base:
         found = base.actions()
-    show(found, presentation.console.actions, as_json=as_json)
+    common.show(found, presentation.console.actions, as_json=as_json)
 
 
 @app.command(epilog=example("words --json"))
 def words(*, kb: Kb = None, as_json: AsJson = False) -> None:
     """List the words and the turns of phrase that were learned, with their teachers."""
-    with open_for_reading(kb) as base:
+    with common.open_for_reading(kb) as base:
         found = [*base.words(), *base.phrases()]
-    show(found, presentation.console.words, as_json=as_json)
+    common.show(found, presentation.console.words, as_json=as_json)

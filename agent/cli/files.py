@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Generator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -16,6 +16,7 @@ from . import common
 from .options import AsJson, DryRun, Kb, app, example
 
 if TYPE_CHECKING:
+    from ...kb.formats.ontology import OntologySummary
     from ...kb.validation import ValidationFinding
 
 FORMATS = "turtle, turtle12, ntriples, rdfxml, trig, nquads, jsonld, sheet (YAML), csv, graphml"
@@ -66,7 +67,11 @@ def import_(
 ) -> None:
     """Read rules, a whole base or an ontology: checked first, applied whole or not at all."""
     if as_ == "ontology":
-        _import_ontology(kb, file, name, file_format, dry_run=dry_run, as_json=as_json)
+        from ...kb.formats.ontology import import_ontology
+
+        with common.open_to_change(kb, dry_run=dry_run) as base:
+            read = import_ontology(base, file, name=name, format=file_format, dry_run=dry_run)
+        _show_ontology(read, dry_run=dry_run, as_json=as_json)
         return
     if as_ != "rules":
         raise DataError(f'expected "rules" or "ontology", found "{as_}".', source="--as")
@@ -78,19 +83,7 @@ def import_(
     common.show_import(found, file, dry_run=dry_run, as_json=as_json)
 
 
-def _import_ontology(
-    kb: str | None,
-    file: str,
-    name: str | None,
-    file_format: str | None,
-    *,
-    dry_run: bool,
-    as_json: bool,
-) -> None:
-    from ...kb.formats.ontology import import_ontology
-
-    with common.open_to_change(kb, dry_run=dry_run) as base:
-        found = import_ontology(base, file, name=name, format=file_format, dry_run=dry_run)
+def _show_ontology(found: OntologySummary, *, dry_run: bool, as_json: bool) -> None:
     summary = {"applied": not dry_run, **found.as_json()}
     text = (
         f"{'Would read' if dry_run else 'Read'} {counted(found.statements, 'statement')} into "
@@ -140,10 +133,11 @@ def validate(
     if repair:
         with common.open_to_change(kb, dry_run=False) as base:
             base.derive()
-    if deep and file is None:
-        _check_tables(kb)
     try:
-        found = _findings_in_base(kb) if file is None else _findings_in_file(file, file_format)
+        if file is None:
+            found = _findings_in_base(kb, deep=deep)
+        else:
+            found = _findings_in_file(file, file_format)
     except DataError as error:
         if as_json:  # what cannot be read is told there, too
             common.print_json([_as_json(one) for one in error.mistakes or (error,)])
@@ -167,27 +161,18 @@ def _findings_in_file(file: str, file_format: str | None) -> list[ValidationFind
     from ...kb.formats.import_export import read_file
     from ...kb.validation import findings, locate_findings
 
-    staged = read_file(file, format=file_format)
-    try:
-        with _progress("Checking") as progress:
-            found = findings(staged, progress=progress)
-    finally:
-        staged.close()
+    with closing(read_file(file, format=file_format)) as staged, _progress("Checking") as progress:
+        found = findings(staged, progress=progress)
     return locate_findings(found, _text(file) if found else "")
 
 
-def _check_tables(kb: str | None) -> None:
+def _findings_in_base(kb: str | None, *, deep: bool) -> list[ValidationFinding]:
     from ...kb.stores.base import EmbeddedStore
-
-    with common.open_for_reading(kb) as base:
-        if isinstance(base.store, EmbeddedStore):
-            base.store.check_tables()
-
-
-def _findings_in_base(kb: str | None) -> list[ValidationFinding]:
     from ...kb.validation import findings
 
     with common.open_for_reading(kb) as base, _progress("Checking") as progress:
+        if deep and isinstance(base.store, EmbeddedStore):
+            base.store.check_tables()
         return findings(base.store, whole=True, progress=progress)
 
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import json
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
+from contextlib import contextmanager
 from functools import partial
 from itertools import islice
 from pathlib import Path
@@ -292,18 +293,15 @@ def _new_states(
         time.sleep(every)
 
 
-def _opened(name: str) -> KnowledgeBase:
+@contextmanager
+def _opened(name: str) -> Generator[KnowledgeBase]:
     from ...kb.formats.import_export import import_file
     from ...kb.knowledge_base import KnowledgeBase
 
-    if name.startswith(ADDRESSES) or Path(name).is_dir():
-        return KnowledgeBase.open(name, read_only=True)
-    if not Path(name).exists():
+    is_base = name.startswith(ADDRESSES) or Path(name).is_dir()
+    if not is_base and not Path(name).exists():
         raise DataError("is neither a knowledge base nor a file.", source=name)
-    base = KnowledgeBase.open("memory:")
-    try:
-        import_file(base, name)
-    except BaseException:
-        base.close()
-        raise
-    return base
+    with KnowledgeBase.open(name if is_base else "memory:", read_only=is_base) as base:
+        if not is_base:
+            import_file(base, name)
+        yield base

@@ -119,8 +119,11 @@ def with_config(*names: str) -> Callable[[Callable[..., None]], Callable[..., No
         def run(**given: Any) -> None:
             file: Path | None = given.pop("config")
             values = {**lasting_values(), **(read_values(file) if file else {})}
-            chosen = {name: given.pop(name) for name in dict.fromkeys(names)}
-            config = AgentConfig(**{**values, **dict(_given(chosen))})
+            for name in dict.fromkeys(names):
+                value = given.pop(name)
+                if value is not None and value != []:
+                    values[name] = tuple(value) if isinstance(value, list) else value
+            config = AgentConfig(**values)
             if "simulate" in names and config.simulate and not is_plugin(config.vision):
                 check_simulator()
             command(config=config, **given)
@@ -131,12 +134,6 @@ def with_config(*names: str) -> Callable[[Callable[..., None]], Callable[..., No
         return run
 
     return decorate
-
-
-def _given(chosen: dict[str, Any]) -> Iterable[tuple[str, Any]]:
-    for name, value in chosen.items():
-        if value is not None and value != []:
-            yield name, tuple(value) if OPTIONS[name].kind is tuple else value
 
 
 def _parameters(command: Callable[..., None], names: Iterable[str]) -> list[inspect.Parameter]:

@@ -45,13 +45,17 @@ class BeliefRevision:
         """Believe what a speaker states, and return the reply that says what that is."""
         base, conversation = self._base, self._conversation
         source = base.match_speaker(said.source) if said.source else None
-        rules = self._told_rules(said, turn, source)
+        # What somebody told the speaker is discounted by the trust in the speaker now, and by the
+        # trust in that person when it is used.
+        trust = conversation.people.trust_in(turn.speaker) if source else 1.0
+        author, weight = source or turn.speaker, turn.heard * trust
+        rules = tuple(rule_from_meaning(each, author, weight) for each in said.rules)
         before = self._earlier_rules(rules)
         replaced = _replaced_rules(said, rules, before, conversation.topic)
         is_known = not replaced and {rule.id for rule in rules} <= {rule.id for rule in before}
         key = "known_already" if is_known else self._key(turn, source, is_revised=bool(replaced))
         described = tuple(map(conversation.describe, rules))
-        answers = [AnswerContent(key, {"rules": described, "speaker": source or turn.speaker})]
+        answers = [AnswerContent(key, {"rules": described, "speaker": author})]
         words = (*turn.understood.new_words, *self._new_names(said, turn))
         if words:
             slots = {"words": tuple(word.word for word in words)}
@@ -71,15 +75,6 @@ class BeliefRevision:
             source=source,
         )
         return conversation.lesson_reply(turn, rules, spoken)
-
-    def _told_rules(
-        self, said: Lesson, turn: UnderstoodTurn, source: str | None
-    ) -> tuple[Rule, ...]:
-        # What somebody told the speaker is discounted by the trust in the speaker now, and by the
-        # trust in that person when it is used.
-        trust = self._conversation.people.trust_in(turn.speaker) if source else 1.0
-        speaker, weight = source or turn.speaker, turn.heard * trust
-        return tuple(rule_from_meaning(each, speaker, weight) for each in said.rules)
 
     def _earlier_rules(self, rules: Sequence[Rule]) -> list[Rule]:
         """Return the rules with the premises of some rules, in the order of teaching."""
@@ -123,7 +118,9 @@ class BeliefRevision:
         """Retract what the speaker takes back, or ask whether it is meant; return the reply."""
         conversation = self._conversation
         is_just_told = bool(conversation.topic) and conversation.topic_from == "lesson"
-        if said == meaning.Retraction() and not is_just_told and self._is_dismissal(turn):
+        is_bare = said == meaning.Retraction() and not is_just_told
+        answers = conversation.short_answers(turn.understood.text, turn.speaker) if is_bare else ()
+        if any(each.is_dismissal for each in answers):
             return conversation.answered(turn, "dismissed", "done")
         is_of_told = said.is_of_told or conversation.topic_from == "deed"
         topic = () if is_of_told and not is_just_told else conversation.topic
@@ -146,13 +143,6 @@ class BeliefRevision:
         conversation.believe(turn, (), spoken, turn.understood.new_words, kind="topic")
         conversation.wait_for(turn)
         return conversation.reply(turn, spoken)
-
-    def _is_dismissal(self, turn: UnderstoodTurn) -> bool:
-        conversation, text = self._conversation, turn.understood.text
-        answers = conversation.language.short_answers(
-            text, speaker=turn.speaker, discourse=conversation.discourse
-        )
-        return any(each.is_dismissal for each in answers)
 
     def _new_names(self, said: Lesson, turn: UnderstoodTurn) -> Iterator[NewWord]:
         known = {meaning.ANY_OBJECT, *(word.word for word in turn.understood.new_words)}

@@ -58,12 +58,11 @@ class ClarificationDialogue:
         return None
 
     def _short_answers(self, text: str, open_question: OpenQuestion) -> list[meaning.Answer]:
-        choices, speaker = open_question.choices, open_question.asked
-        language, discourse = self._conversation.language, self._conversation.discourse
-        number = language.chosen(text, len(choices)) if choices else None
+        conversation, choices = self._conversation, open_question.choices
+        number = conversation.language.chosen(text, len(choices)) if choices else None
         if number:
             return [meaning.Answer(number=number)]
-        return language.short_answers(text, speaker=speaker, discourse=discourse)
+        return conversation.short_answers(text, open_question.asked)
 
     def ask_back(self, turn: UnderstoodTurn, said: meaning.AskBack) -> Reply:
         """Ask what a turn leaves open, and wait for the answer; return the reply that asks."""

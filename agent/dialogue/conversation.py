@@ -18,7 +18,7 @@ from ...nlu.offers.meaning_shapes import MeaningShape
 from ...nlu.offers.phrase_memory import PhrasePattern
 from ...nlu.parsing.understanding import Understanding
 from ...nlu.semantics.discourse import Discourse
-from ...nlu.semantics.meaning import Meaning
+from ...nlu.semantics.meaning import Answer, Meaning
 from ...ontology.logs import timed
 from .. import protocols
 from ..execution.outcome import AnswerContent, Decision, Ending, Slot
@@ -126,6 +126,10 @@ class Conversation:
                 text, speaker=speaker, discourse=self.discourse, accepted=accepted, heard=heard
             )
 
+    def short_answers(self, text: str, speaker: str) -> list[Answer]:
+        """Return the short answers that a text may be to a question of Hilt, likeliest first."""
+        return self.language.short_answers(text, speaker=speaker, discourse=self.discourse)
+
     @property
     def decision(self) -> Decision | None:
         """The decision of the last command; None when it made none."""
@@ -205,10 +209,6 @@ class Conversation:
             self.language = self.language.with_phrases([phrase])
             pattern = " ".join(phrase.pattern)
             self.base.learn_phrase(LearnedPhrase(pattern, phrase.shape.text, text, speaker))
-
-    def refer_to(self, name: str) -> None:
-        """Make the object of this name the one that "it" refers to."""
-        self.discourse = self.discourse.about(name)
 
     def set_topic(self, rules: tuple[Rule, ...]) -> None:
         """Make these rules the topic; "no, by the handle" and "forget that" mean the last.

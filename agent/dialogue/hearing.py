@@ -113,11 +113,7 @@ class MeaningHeard:
 
 
 def meanings_heard(
-    text: str,
-    scores: Mapping[str, float],
-    conversation: Conversation,
-    speaker: str,
-    pending: OpenQuestion | None,
+    text: str, scores: Mapping[str, float], conversation: Conversation, pending: OpenQuestion | None
 ) -> Sequence[MeaningHeard]:
     """Return what texts with these scores may mean, the likeliest first.
 
@@ -125,7 +121,7 @@ def meanings_heard(
     """
     groups: dict[object, list[MeaningHeard]] = {}
     for each, score in scores.items():
-        understood = conversation.understand(each, speaker, heard=1.0)
+        understood = conversation.understand(each, conversation.listener, heard=1.0)
         said = _said(understood, conversation, pending)
         new = _new_words(understood)
         if said != understood.meaning:  # a short answer, whose words may all be new
@@ -151,8 +147,7 @@ def _said(
         number = language.chosen(text, len(pending.choices)) if pending.choices else None
         if number is not None:
             return meaning.Answer(number=number)
-        speaker, discourse = understood.speaker, conversation.discourse
-        answers = language.short_answers(text, speaker=speaker, discourse=discourse)
+        answers = conversation.short_answers(text, understood.speaker)
         if answers:
             return answers[0]
     if understood.kind != "error" and (understood.kind != "ask_back" or understood.reading):

@@ -126,7 +126,7 @@ class DialogueManager:
             scores = weigh(text, heard, alternatives)
             pending = self.conversation.open_question
             pending = pending if pending and pending.asked == speaker else None
-            found = meanings_heard(text, scores, self.conversation, speaker, pending)
+            found = meanings_heard(text, scores, self.conversation, pending)
             hear = partial(self.hear, speaker=speaker, only=only, keep=keep)
             parts = (found, self.conversation, pending, hear, self._sounds_like, keep)
             return SpokenUtterance(*parts).reply()
@@ -279,7 +279,7 @@ class DialogueManager:
         conversation.topic_from, conversation.unanswered = "deed", ""
         wanted, chosen = request.arguments.get("object"), reply.chosen
         if chosen and isinstance(wanted, Target) and wanted.object is None:
-            conversation.refer_to(chosen.object)
+            conversation.discourse = conversation.discourse.about(chosen.object)
         if result.doubt:
             again = partial(self._carry_out, turn, request)
             question = self._agreements.question(result.doubt, request, turn.speaker, again)
@@ -292,17 +292,13 @@ class DialogueManager:
         if first:
             conversation.wait_for(turn, lambda: self._carry_out(turn, first, (request, *rest)))
         elif reply.ending == "asked":
-            self._wait_for_answer(turn, request, result, partial(self._carry_out, turn), rest)
+            self._wait_for_answer(turn, request, result, rest)
         return reply
 
     def _wait_for_answer(
-        self,
-        turn: UnderstoodTurn,
-        request: Request,
-        result: GoalResult,
-        carry_out: Callable[[Request, Sequence[Request]], Reply],
-        rest: Sequence[Request],
+        self, turn: UnderstoodTurn, request: Request, result: GoalResult, rest: Sequence[Request]
     ) -> None:
+        carry_out = partial(self._carry_out, turn)
         is_so, is_not = (request.told(result, is_so=each) for each in (True, False))
         settled = is_so or request.confirmed(result)
 
@@ -376,7 +372,7 @@ class DialogueManager:
         conversation.set_topic(rules)
         named = {rule.object for rule in rules if rule.object}
         if said.object is None and len(named) == 1:  # the answer named it
-            conversation.refer_to(*named)
+            conversation.discourse = conversation.discourse.about(*named)
         spoken = conversation.say(found)
         if spoken == conversation.last_said:
             spoken = conversation.say(AnswerContent("as_said", {"said": spoken}))

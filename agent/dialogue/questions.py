@@ -245,7 +245,7 @@ def _trust(question: Question, known: Conversation) -> Answered:
 def why(question: Question, known: Conversation) -> Answered:
     """Return the sentences that a choice rests on, or the rules that were mentioned last."""
     if known.prohibition and not question.part:
-        return _because_forbidden(known.prohibition), ()
+        return _as_said(known.prohibition), ()
     rules = _reasons(question, known)
     if rules:
         return _because(rules, known)
@@ -256,8 +256,7 @@ def why(question: Question, known: Conversation) -> Answered:
         return spoken(wrong, object=question.object, part=question.part), ()
     if question.object or question.part or (known.decision and known.decision.object.best):
         # What the command itself names needs no rule.
-        last = known.last_done
-        return spoken("because_told", done=True, speakers=(last.speaker,), texts=(last.text,)), ()
+        return _as_said(known.last_done), ()
     return _because_of_decision(known, known.last_done), ()
 
 
@@ -273,7 +272,7 @@ def _because_of_decision(known: Conversation, last: Reply) -> AnswerContent:
 def why_not(question: Question, known: Conversation) -> Answered:
     """Return the reasons against another object, or another part."""
     if known.prohibition and not question.part:
-        return _because_forbidden(known.prohibition), ()
+        return _as_said(known.prohibition), ()
     if not question.part and not question.object:
         is_failed = known.last_done is not None and not known.last_done.is_done
         return why(question, known) if is_failed else (spoken("not_told"), ())
@@ -284,7 +283,7 @@ def why_not(question: Question, known: Conversation) -> Answered:
     return _why_not_thing(question.object or "thing", known.last_done, known)
 
 
-def _because_forbidden(said: Understanding) -> AnswerContent:
+def _as_said(said: Understanding | Reply) -> AnswerContent:
     return spoken("because_told", done=True, speakers=(said.speaker,), texts=(said.text,))
 
 

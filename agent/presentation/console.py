@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from rich.console import Console, ConsoleOptions, Group, RenderableType, RenderResult
 from rich.markup import escape
-from rich.table import Table
+from rich.table import Column, Table
 from rich.text import Text
 from rich.tree import Tree
 
@@ -55,10 +55,6 @@ MOST_ROWS = 1000  # of a query result; the layout of more takes longer than the 
 class RecordTable(Table):
     """A table that wraps its cells; on a narrow terminal that it does not fit, a list of rows."""
 
-    def add_column(self, *header: Any, **more: Any) -> None:
-        """Add a column, as `Table` does; its cells are never cut off."""
-        super().add_column(*header, **{"overflow": "fold", **more})
-
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
         whole = console.measure(self, options=options.update(max_width=UNLIMITED)).maximum
         if whole <= options.max_width or options.max_width >= NARROW:
@@ -91,7 +87,7 @@ def table(
     columns: Sequence[str], rows: Iterable[Iterable[object]], *counts: str, **more: Any
 ) -> Table:
     """Return a table of texts; `counts` is the noun of its rows, and its plural if irregular."""
-    found = RecordTable(*columns, **more)
+    found = RecordTable(*(Column(each, overflow="fold") for each in columns), **more)
     for row in rows:
         found.add_row(*(cell if isinstance(cell, Text) else escape(str(cell)) for cell in row))
     if counts:
