@@ -38,6 +38,7 @@ class ConfigOption:
 
     Attributes:
         kind: the type of its value: str, int, bool, Path, or tuple for several texts.
+        flag: its name on the command line; empty for the name of the field.
         metavar: how the command line shows its value; None for the name in capitals.
         name: the field of `AgentConfig`, and the key in a YAML file.
     """
@@ -142,12 +143,7 @@ class AgentConfig:
 
 
 OPTIONS: Mapping[str, ConfigOption] = {
-    each.name: replace(
-        each.metadata["option"],
-        name=each.name,
-        flag=each.metadata["option"].flag or f"--{each.name}",
-    )
-    for each in fields(AgentConfig)
+    each.name: replace(each.metadata["option"], name=each.name) for each in fields(AgentConfig)
 }
 
 

@@ -11,7 +11,7 @@ import gc
 import sys
 import traceback
 from collections.abc import Generator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from io import BytesIO, TextIOWrapper
 from typing import Any
 
@@ -47,7 +47,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     command = typer.main.get_command(app)
     group = _command(command, words)
     is_group = hasattr(group, "commands") and not group.invoke_without_command
-    with _logged("--verbose" in given):
+    with _logged() if "--verbose" in given else nullcontext():
         words = [*words, "--help"] if is_group else words
         code = _run(command, words, debug="--debug" in given)
     sys.exit(WRONG_USAGE if is_group else code)
@@ -60,10 +60,7 @@ def _command(found: Any, words: Sequence[str]) -> Any:
 
 
 @contextmanager
-def _logged(wanted: bool) -> Generator[None]:
-    if not wanted:
-        yield
-        return
+def _logged() -> Generator[None]:
     import logging
 
     handler, logger = logging.StreamHandler(), logging.getLogger("hilt")

@@ -148,7 +148,7 @@ def _parameter(option: ConfigOption) -> inspect.Parameter:
     kind, default = list[str] if option.kind is tuple else option.kind, option.default
     is_shown = isinstance(default, str | int) and not isinstance(default, bool) and default != ""
     declared = typer.Option(
-        option.flag,
+        option.flag or f"--{option.name}",
         help=option.help + (f" [default: {default}]" if is_shown else ""),
         metavar=option.metavar,
         min=0 if option.kind is int else None,

@@ -17,24 +17,20 @@ from .reply import OpenQuestion, Reply
 from .translation import rule_from_answer
 
 
+@dataclass(frozen=True)
 class ClarificationDialogue:
     """What Hilt asks back in a conversation, and its understanding of short answers.
 
     `hear` is `DialogueManager.hear`, for what is heard again or what a short answer stands for.
     """
 
-    def __init__(
-        self,
-        conversation: Conversation,
-        hear: Callable[..., Reply],
-        respond: Callable[[UnderstoodTurn], Reply],
-    ) -> None:
-        self._conversation = conversation
-        self._hear, self._respond = hear, respond
+    conversation: Conversation
+    hear: Callable[..., Reply]
+    respond: Callable[[UnderstoodTurn], Reply]
 
     def short_answer(self, text: str, speaker: str, *, heard: float, keep: bool) -> Reply | None:
         """Return the reply to an answer to the open question; None where the text is none."""
-        conversation = self._conversation
+        conversation = self.conversation
         open_question = conversation.open_question
         if open_question is None or open_question.asked != speaker:
             return None
@@ -58,7 +54,7 @@ class ClarificationDialogue:
         return None
 
     def _short_answers(self, text: str, open_question: OpenQuestion) -> list[meaning.Answer]:
-        conversation, choices = self._conversation, open_question.choices
+        conversation, choices = self.conversation, open_question.choices
         number = conversation.language.chosen(text, len(choices)) if choices else None
         if number:
             return [meaning.Answer(number=number)]
@@ -66,32 +62,32 @@ class ClarificationDialogue:
 
     def ask_back(self, turn: UnderstoodTurn, said: meaning.AskBack) -> Reply:
         """Ask what a turn leaves open, and wait for the answer; return the reply that asks."""
-        reply = self._conversation.recorded(turn, said.question, "asked")
+        reply = self.conversation.recorded(turn, said.question, "asked")
         choices = [each for each in said.choices if not isinstance(each, str)]
         if choices:
             heard = tuple(partial(self._take, turn, each) for each in choices)
             only = heard[0] if len(heard) == 1 else partial(self.ask_back, turn, said)
-            self._conversation.wait_for(turn, only, choices=heard)
+            self.conversation.wait_for(turn, only, choices=heard)
             return reply
-        text, speaker, wait_for = turn.understood.text, turn.speaker, self._conversation.wait_for
+        text, speaker, wait_for = turn.understood.text, turn.speaker, self.conversation.wait_for
         if said.choices == (text,):  # heard with low confidence: a "yes" confirms it
-            wait_for(turn, lambda: self._hear(text, speaker=speaker, keep=turn.keep))
+            wait_for(turn, lambda: self.hear(text, speaker=speaker, keep=turn.keep))
         elif not said.choices:
             wait_for(turn, choose=partial(self._with_referent, turn))
         else:
-            self._conversation.open_question = self._on_word(turn, said)
+            self.conversation.open_question = self._on_word(turn, said)
         return reply
 
     def _take(self, turn: UnderstoodTurn, choice: meaning.Meaning) -> Reply:
         if turn.understood.reading is not None:
-            return self._respond(replace(turn, understood=turn.understood.chosen(choice)))
-        text = self._conversation.language.generate(choice)
-        reply = self._hear(text, speaker=turn.speaker, heard=turn.heard)
-        self._conversation.learn_phrase(turn, choice)
+            return self.respond(replace(turn, understood=turn.understood.chosen(choice)))
+        text = self.conversation.language.generate(choice)
+        reply = self.hear(text, speaker=turn.speaker, heard=turn.heard)
+        self.conversation.learn_phrase(turn, choice)
         return reply
 
     def _with_referent(self, turn: UnderstoodTurn, named: meaning.Answer) -> Reply | None:
-        conversation, name, text = self._conversation, named.name, turn.understood.text
+        conversation, name, text = self.conversation, named.name, turn.understood.text
         if name in {None, meaning.ANY_OBJECT}:
             return None
         before = conversation.discourse
@@ -99,27 +95,27 @@ class ClarificationDialogue:
             conversation.discourse = replace(referring, has_failed=False)
             again = conversation.understand(text, turn.speaker, heard=turn.heard)
             if again.kind not in {"ask_back", "error"}:
-                return self._hear(text, speaker=turn.speaker, heard=turn.heard, keep=turn.keep)
+                return self.hear(text, speaker=turn.speaker, heard=turn.heard, keep=turn.keep)
         return conversation.answered(turn, "say_again", "asked", object=str(name))
 
     def wait_to_learn(self, turn: UnderstoodTurn, asked: meaning.Question) -> None:
         """Wait for a short answer that teaches what a question asks that Hilt could not answer."""
 
         def learn(named: meaning.Answer) -> Reply | None:
-            rule = rule_from_answer(asked, named, self._conversation.language.usual)
+            rule = rule_from_answer(asked, named, self.conversation.language.usual)
             return self.learn_rule(turn, rule) if rule else None
 
-        self._conversation.wait_for(turn, choose=learn)
+        self.conversation.wait_for(turn, choose=learn)
 
     def learn_rule(self, turn: UnderstoodTurn, rule: meaning.Rule) -> Reply:
         """Learn the rule that an answer to a question of Hilt stands for; return the reply."""
-        text = self._conversation.language.generate(meaning.Statement((rule,)))
-        return self._hear(text, speaker=turn.speaker, heard=turn.heard)
+        text = self.conversation.language.generate(meaning.Statement((rule,)))
+        return self.hear(text, speaker=turn.speaker, heard=turn.heard)
 
     def _on_word(self, turn: UnderstoodTurn, said: meaning.AskBack) -> OpenQuestion | None:
         words, speaker = turn.understood.words, turn.speaker
-        again = partial(self._hear, speaker=speaker, heard=turn.heard)
-        unknown = [word for word in words if word not in self._conversation.language.lexicon]
+        again = partial(self.hear, speaker=speaker, heard=turn.heard)
+        unknown = [word for word in words if word not in self.conversation.language.lexicon]
         match said.choices:
             case (str(choice),) if choice in words:
                 return OpenQuestion(speaker, lambda: again(turn.understood.text, accepted=[choice]))
@@ -138,7 +134,7 @@ class ClarificationDialogue:
 
     def not_understood(self, turn: UnderstoodTurn, said: meaning.Misunderstanding) -> Reply:
         """Return the reply that says what is wrong with a turn, and what could be said instead."""
-        conversation, problem = self._conversation, said.message
+        conversation, problem = self.conversation, said.message
         if conversation.last_said.startswith(problem):
             problem = conversation.say(AnswerContent("still_not_understood"))
         example = AnswerContent("try_saying", {"example": said.nearest[:1]})

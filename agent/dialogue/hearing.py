@@ -20,6 +20,7 @@ from ...nlu.semantics import meaning
 from ...ontology.errors import ValidationError
 from .conversation import Conversation, UnderstoodTurn, spoken
 from .reply import OpenQuestion, Reply
+from .translation import SimpleCommand
 
 SURE = 0.9
 """The least certainty of what is believed or done unasked."""
@@ -39,7 +40,6 @@ SoundsLike = Callable[[Language, str, Collection[str]], Iterable[str]]
 _WORD = re.compile(r"[\w'-]+")
 _HARMLESS = {"question", "ask_back"}
 _CHANGES = (meaning.NormStatement, meaning.TrustStatement)
-_SIMPLE_COMMANDS = (meaning.Command, meaning.ToolCommand)
 
 
 def weigh(text: str, heard: float, alternatives: Iterable[Alternative]) -> dict[str, float]:
@@ -69,7 +69,7 @@ def reaction(
     said = {each: language.understand(each).meaning for each in scores}
     own, stop = said[text], meaning.Control("stop")
     for each, found in said.items():
-        if found == stop or (isinstance(found, _SIMPLE_COMMANDS) and found.negated):
+        if found == stop or (isinstance(found, SimpleCommand) and found.negated):
             return each, stop  # "stop passing me the knife" stops that, too
     waiting = next((each for each, found in said.items() if _is_halt(found)), None)
     if waiting is not None:

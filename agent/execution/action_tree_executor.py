@@ -277,25 +277,21 @@ class TreeExecutor:
 
     def _unmet_condition(self, condition: Precondition, arguments: Arguments) -> Failure:
         argument = _value(condition.parameter, arguments)
-        if condition.property:
-            return self._unmet_property(condition, argument)
-        if self._primitives is None:  # nothing is going to be done
+        name, prop = named(argument) or "thing", condition.property
+        if prop:
+            told = self._request.contexts.get(Atom("property", prop))
+            seen = self._context.search([f"property:{prop}"]) if told is None else ()
+            if told is None and all(each.object != name for each in seen):
+                slots = {"object": name, "property": prop}
+                return AnswerContent("is_it_so", slots, "asked", "required")
+            is_so = told is None or told.lower > 0
+        elif self._primitives is None:  # nothing is going to be done
             return None
-        if condition.kind == "sees":
+        elif condition.kind == "sees":
             is_so = bool(self._context.search([f"object:{named(argument)}"]))
         else:
             found = self._found.get(argument)
             is_so = found is not None and self._primitives.holding == found.percept.name
-        name = named(argument) or "thing"
-        return outcome_answer.required(condition, name) if is_so is condition.negated else None
-
-    def _unmet_property(self, condition: Precondition, argument: Argument) -> Failure:
-        prop, name = condition.property or "", named(argument) or "thing"
-        told, features = self._request.contexts.get(Atom("property", prop)), [f"property:{prop}"]
-        if told is None and all(each.object != name for each in self._context.search(features)):
-            slots = {"object": name, "property": prop}
-            return AnswerContent("is_it_so", slots, "asked", "required")
-        is_so = told is None or told.lower > 0
         return outcome_answer.required(condition, name) if is_so is condition.negated else None
 
     def _walk_steps(

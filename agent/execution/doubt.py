@@ -65,10 +65,8 @@ def find_doubt(
     best = max(others, key=merit)
     instead = best if merit(best)[0] > merit(name)[0] else None
     teachers = tuple(dict.fromkeys(rule.speaker for rule in told.rules if rule.asserts))
-    doubted = (kind, context, name, told.experience, teachers)
-    if instead is None:
-        return Doubt(*doubted)
-    return Doubt(*doubted, instead, affordances.outcomes(kind, instead, context))
+    tried = affordances.outcomes(kind, instead, context) if instead else NO_TRIALS
+    return Doubt(kind, context, name, told.experience, teachers, instead, tried)
 
 
 def _best_told(inference: Inference, affordances: Affordances) -> Candidate | None:
