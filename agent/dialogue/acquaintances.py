@@ -66,10 +66,9 @@ class Acquaintances:
         The owner may for everybody else. Others who are trusted may not for the owner, nor for
         somebody who is trusted more than they are.
         """
-        own, other, owner = self._base.trust(speaker), self._base.trust(person), self.owner
-        if own is None or not self.trusts(speaker) or speaker == person:
+        if not self.trusts(speaker) or speaker == person:
             return False
-        is_below = other is None or other.lower <= own.lower
+        is_below, owner = self.trust_in(person) <= self.trust_in(speaker), self.owner
         return speaker == owner or (is_below and person != owner)
 
     def meet(self, speaker: str, name: str) -> AnswerContent:

@@ -182,10 +182,10 @@ class Conversation:
         The trust is that of `KnowledgeBase.set_trust`. The answer says whether it is set.
         """
         asked = Interval(lower, 1.0 if upper is None else upper)
-        person, most = self.base.match_speaker(name), self.base.trust(speaker)
-        if most is None or not self.people.may_vouch(speaker, person):
+        person = self.base.match_speaker(name)
+        if not self.people.may_vouch(speaker, person):
             return AnswerContent("may_not_vouch", {"speaker": person}, "refused")
-        self.trust(person, min(asked.lower, most.lower), upper, by=speaker)
+        self.trust(person, min(asked.lower, self.people.trust_in(speaker)), upper, by=speaker)
         return spoken("trusts_now" if lower else "trusts_no_more", done=True, speaker=person)
 
     def trust(
@@ -264,11 +264,11 @@ class Conversation:
         spoken = self.language.say(answered.key, **slots)
         return self._other.say(answered, spoken) if self._other else spoken
 
-    def reply(self, turn: UnderstoodTurn, spoken: str) -> Reply:
+    def reply(self, turn: UnderstoodTurn, spoken: str, ending: Ending = "done") -> Reply:
         """Return the reply to a turn with an answer in words; the history is not written."""
         text, seed, heard = turn.understood.text, self._seed, turn.heard
         said = (text, turn.speaker, turn.understood, spoken)
-        return Reply(*said, "done", seed=seed, heard=heard)
+        return Reply(*said, ending, seed=seed, heard=heard)
 
     def answered(self, turn: UnderstoodTurn, key: str, ending: Ending, **slots: Slot) -> Reply:
         """Write a turn to the history, and return its reply with the answer of this template."""
@@ -280,7 +280,7 @@ class Conversation:
 
     def recorded(self, turn: UnderstoodTurn, spoken: str, ending: Ending) -> Reply:
         """Write a turn to the history, and return its reply with an answer in words."""
-        reply = replace(self.reply(turn, spoken), ending=ending)
+        reply = self.reply(turn, spoken, ending)
         self.record(reply, turn)
         return reply
 

@@ -262,8 +262,7 @@ class DialogueManager:
             spoken = " ".join(map(conversation.say, (*result.setbacks, result.answer)))
         spoken = self._asking_for_use(turn, result, spoken)
         self._last = (turn, request)
-        reply = conversation.reply(turn, spoken)
-        reply = replace(reply, ending=result.answer.ending, result=result)
+        reply = replace(conversation.reply(turn, spoken, result.answer.ending), result=result)
         has_more = rest and reply.is_done
         if not has_more:
             conversation.record(reply, turn)

@@ -93,10 +93,9 @@ def _told_at_an_end(question: Question, known: Conversation, *, newest_first: bo
     found = next(taught, None)
     if found is None:
         return spoken("told_nothing", done=True, speaker=speaker), ()
-    asserted = map(known.base.rule, found.asserts)
-    rules = tuple(r for r in asserted if r.status == "active" and r.speaker == speaker)
-    is_held = any(rule.status == "active" for rule in map(known.base.rule, found.asserts))
-    key = "source" if is_held else "told_but_retracted"
+    active = [rule for rule in map(known.base.rule, found.asserts) if rule.status == "active"]
+    rules = tuple(rule for rule in active if rule.speaker == speaker)
+    key = "source" if active else "told_but_retracted"
     return spoken(key, done=True, speaker=speaker, texts=found.text), rules
 
 
