@@ -207,7 +207,7 @@ class Language:
     def _without_courtesies(
         self, failed: Understanding, context: UtteranceContext
     ) -> Understanding | None:
-        courtesy = self._courtesies.find(self._tokens(failed.text), self.offers.known)
+        courtesy = self._courtesies.find(self._tokens(failed.text))
         if courtesy is None or courtesy.rest == failed.text.strip():
             return None
         if not courtesy.rest:
@@ -279,11 +279,7 @@ class Language:
             load_model(self.folder / "offers.json"),
             OfferChecks(words, self.parser.features, self.parser.licence),
             self.utterance_parser.known_words,
-            {
-                tuple(phrase.split()): intervals[degree]
-                for degree, phrases in self.builder.qualifiers.items()
-                for phrase in phrases
-            },
+            {phrase: intervals[degree] for phrase, degree in self.builder.degree_of.items()},
             self.tool_acts,
             self.realizer,
             lambda text, at: self.utterance_parser.understand(text, at, ()).meaning,
@@ -304,21 +300,21 @@ class Language:
 
     def introduction(self, text: str) -> Courtesy | None:
         """Return who a speaker claims to be in a text and what else it says, None for nobody."""
-        known = self.utterance_parser.known_words
-        return self._courtesies.introduction(self._tokens(text), known)
+        return self._courtesies.introduction(self._tokens(text))
 
     def _trust(self, tokens: Tokens) -> TrustStatement | None:
         start = self.controls.after_polite(tokens.words)
-        return self._courtesies.trust(tokens, start, self.utterance_parser.known_words)
+        return self._courtesies.trust(tokens, start)
 
     def _only_courtesy(self, text: str) -> Acknowledgement | None:
-        courtesy = self._courtesies.find(self._tokens(text), self.utterance_parser.known_words)
+        courtesy = self._courtesies.find(self._tokens(text))
         is_whole = courtesy and courtesy.kind and not courtesy.rest
         return Acknowledgement(courtesy.kind) if courtesy and is_whole else None
 
     @cached_property
     def _courtesies(self) -> CourtesyPhrases:
-        return CourtesyPhrases(load_word_lists(self.folder / "courtesies.yaml"))
+        words = load_word_lists(self.folder / "courtesies.yaml")
+        return CourtesyPhrases(words, self.utterance_parser.known_words)
 
     def _halt_within(self, text: str) -> Control | None:
         tokens = self._tokens(text)
@@ -327,8 +323,7 @@ class Language:
         halts = {each.control for each in controls if each}
         if "stop" in halts:
             return Control("stop")
-        known = self.utterance_parser.known_words
-        is_bare = not any(self._courtesies.has_content(each, known) or each.asks for each in found)
+        is_bare = not any(self._courtesies.has_content(each) or each.asks for each in found)
         return Control("wait") if "wait" in halts and is_bare else None
 
     def denies(self, text: str) -> bool:
@@ -368,7 +363,7 @@ class Language:
         reader = PieceReader(
             load_word_lists(self.folder / "periphery.yaml"),
             {kind: words.phrases(kind) for kind in OPERATORS},
-            builder.qualifier_phrases,
+            builder.degree_of,
             self.parser.features,
             builder.discourse_markers,
             known,

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection
 from dataclasses import dataclass, fields, replace
-from functools import cached_property
 from itertools import chain
 
 from ...ontology.yaml_reader import YamlNode
@@ -46,7 +45,7 @@ class DiscourseMarkers:
     statement_tags: frozenset[Phrase] = frozenset()
     ending: frozenset[Phrase] = frozenset()
     request_tags: frozenset[Phrase] = frozenset()
-    clauses: tuple[Steps, ...] = ()
+    clauses: Steps = ()
 
     def with_phrases(self, kind: str, field: YamlNode) -> DiscourseMarkers:
         """Return these phrases and further ones; `DataError` for a wrong kind or pattern."""
@@ -55,7 +54,7 @@ class DiscourseMarkers:
             raise field.fail(f'expected one of {kinds}, found "{kind}".')
         known = getattr(self, kind)
         if isinstance(known, tuple):
-            return replace(self, **{kind: known + read_patterns(field)})
+            return replace(self, **{kind: (*known, *chain.from_iterable(read_patterns(field)))})
         return replace(self, **{kind: known | read_phrases(field)})
 
     def mark_boundaries(self, tokens: Tokens) -> Tokens:
@@ -113,19 +112,13 @@ class DiscourseMarkers:
         return replace(_begun_once(tokens.only(kept)), removed=(*tokens.removed, *removed))
 
     def _end(self, words: Phrase, start: int, edges: Collection[int], *, has_pauses: bool) -> int:
-        steps = chain.from_iterable(self.clauses) if words[start] in self._beginnings else ()
-        ends = [end for end, _ in match_pattern(tuple(steps), words, start) if end in edges]
+        ends = [end for end, _ in match_pattern(self.clauses, words, start) if end in edges]
         for end in range(min(len(words), start + _LONGEST), start, -1):
             phrase = words[start:end]
             apart = (start in edges and end in edges) or (not has_pauses and end - start > 2)
             if phrase in self.anywhere or (apart and phrase in self.apart):
                 ends.append(end)
         return max(ends, default=start)
-
-    @cached_property
-    def _beginnings(self) -> frozenset[str]:
-        steps = chain.from_iterable(self.clauses)
-        return frozenset(step[0] for step in steps if not isinstance(step, int))
 
 
 _LONGEST = 8  # the greatest length of a marker that is no clause [words]

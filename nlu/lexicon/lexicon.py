@@ -113,8 +113,7 @@ class LexiconNode:
 
     def index(self, combinator: CombinationTable) -> EntryIndex:
         """The entries, sorted once."""
-        if self._index is None:
-            self._index = EntryIndex.of(self.entries, combinator)
+        self._index = self._index or EntryIndex.of(self.entries, combinator)
         return self._index
 
     @cached_property
@@ -140,22 +139,18 @@ class Lexicon:
         self._numbers: list[list[LazyEntry]] = []
         self._places: list[tuple[str, Steps] | int] = []
         self._nodes: dict[tuple[int, ...], LexiconNode] = {}
-        self.add_all(senses)
+        self.add(senses)
 
-    def add(self, sense: LazyEntry) -> None:
-        """Add a reading; a missing bracket in its words is a `PatternError`."""
-        known = self._said.get(sense.says)
-        if known is None:
-            self._places += compile_pattern(sense.says, len(self._numbers))
-            known = self._said[sense.says] = []
-            self._numbers.append(known)
-        known.append(sense)
-        self._senses.append(sense)
-
-    def add_all(self, senses: Iterable[LazyEntry]) -> None:
-        """Add readings of some words, as `add` does."""
+    def add(self, senses: Iterable[LazyEntry]) -> None:
+        """Add readings of some words; a missing bracket in the words is a `PatternError`."""
         for sense in senses:
-            self.add(sense)
+            known = self._said.get(sense.says)
+            if known is None:
+                self._places += compile_pattern(sense.says, len(self._numbers))
+                known = self._said[sense.says] = []
+                self._numbers.append(known)
+            known.append(sense)
+            self._senses.append(sense)
 
     def __contains__(self, word: object) -> bool:
         return word in self.own_words or (self._base is not None and word in self._base)

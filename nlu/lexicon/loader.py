@@ -26,7 +26,8 @@ from .lexicon import Entry, LazyEntry, Lexicon
 from .tokenizer import Tokens
 from .vocabulary import ROLES, Vocabulary
 
-NOUN_TEMPLATES = {role: role for role in ("object", "part", "property", "person", "place")}
+NOUN_ROLES = frozenset({"object", "part", "property", "person", "place"})
+"""The roles whose names are nouns or adjectives, each with a template of its own name."""
 
 _NOTHING = Constant("something")
 _WITH = Functor(AtomicCategory("WITH"), AtomicCategory("NP"), forward=True)
@@ -166,7 +167,7 @@ class LexiconBuilder:
     def name(self, role: str, name: str) -> Iterator[LazyEntry]:
         """The senses of a name in a role, one of `ROLES`."""
         word, templates = self._inflected(role, name)
-        if role in NOUN_TEMPLATES:
+        if role in NOUN_ROLES:
             return self.noun(templates[0], word)
         return self.verb_forms(Verb(word, templates, _constant(word)))
 
@@ -178,9 +179,9 @@ class LexiconBuilder:
 
     def categories(self, role: str) -> frozenset[str]:
         """The categories of the names of things that have a role; none for acts and uses."""
-        if role not in NOUN_TEMPLATES:
+        if role not in NOUN_ROLES:
             return frozenset()
-        lines = chain.from_iterable(self._templates[NOUN_TEMPLATES[role]].forms.values())
+        lines = chain.from_iterable(self._templates[role].forms.values())
         return frozenset(str(category) for category, _, _ in lines)
 
     @cached_property
@@ -219,9 +220,10 @@ class LexiconBuilder:
         return any(each.category in _DETERMINERS for each in self.lexicon.own_entries(word))
 
     @cached_property
-    def qualifier_phrases(self) -> frozenset[tuple[str, ...]]:
-        """All phrases for degrees of confidence."""
-        return frozenset(tuple(each.split()) for said in self.qualifiers.values() for each in said)
+    def degree_of(self) -> Mapping[tuple[str, ...], str]:
+        """The degree of confidence of each phrase for one."""
+        said = self.qualifiers.items()
+        return {tuple(each.split()): degree for degree, phrases in said for each in phrases}
 
     def bare_verb(self, gerund: str) -> str:
         """The verb of a gerund: "cut" for "cutting"."""
@@ -234,8 +236,8 @@ class LexiconBuilder:
         return {self.inflection.form(verb, "ing"): verb for verb in verbs}
 
     def _inflected(self, role: str, name: str) -> tuple[str, tuple[str, ...]]:
-        if role in NOUN_TEMPLATES:
-            return name, (NOUN_TEMPLATES[role],)
+        if role in NOUN_ROLES:
+            return name, (role,)
         if role != "affordance":
             return name, ("new_act",)
         is_known = name in self._verb_of
@@ -290,7 +292,7 @@ class LexiconBuilder:
     def _read_nouns(self, kind: str, field: YamlNode) -> None:
         self._template_named(kind, field)
         for name in field.texts():
-            self.lexicon.add_all(self.noun(kind, name))
+            self.lexicon.add(self.noun(kind, name))
         self.nouns[kind] |= set(field.texts())
 
     def _read_verb(self, field: YamlNode) -> None:
@@ -303,7 +305,7 @@ class LexiconBuilder:
         for item in parts["verb"].listed():
             verb = Verb(item.text(), names, means)
             self.verbs.append(verb)
-            self.lexicon.add_all(self.verb_forms(verb))
+            self.lexicon.add(self.verb_forms(verb))
 
     def _read_qualifier(self, degree: str, field: YamlNode) -> None:
         if degree not in self._grammar.signature:
@@ -312,7 +314,7 @@ class LexiconBuilder:
         words = (" ".join(each) for item in field.items() for each in word_patterns.spellings(item))
         self.qualifiers[degree] = tuple(dict.fromkeys(words))
         for word in self.qualifiers[degree]:
-            self.lexicon.add_all(self._senses(template, word, {"DEG": degree}, "", 0.0))
+            self.lexicon.add(self._senses(template, word, {"DEG": degree}, "", 0.0))
 
     def _read_word(self, field: YamlNode) -> None:
         parts = field.entries(required=("says",), optional=("is", "like"))
@@ -362,7 +364,7 @@ class LexiconBuilder:
         self.combinator.sign(category)
         if isinstance(head, WordRun):
             make = partial(self._head_entry, construction, cost, head.text)
-            self._constructions.add(LazyEntry(head.text, category, "", make))
+            self._constructions.add([LazyEntry(head.text, category, "", make)])
         else:
             term = construction.functor()
             self.combinator.add(UnaryRule(head.category, category, term, evaluate(term), cost))
@@ -375,7 +377,7 @@ class LexiconBuilder:
     ) -> None:
         self.combinator.sign(category)
         make = partial(self._entry, category, term, cost, says)
-        lexicon.add(LazyEntry(says, category, "", make))
+        lexicon.add([LazyEntry(says, category, "", make)])
 
 
 def _constant(name: str) -> str:

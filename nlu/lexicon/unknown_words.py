@@ -13,7 +13,7 @@ from itertools import chain, pairwise
 from .inflection import Inflection
 from .learned_lexicon import LearnedLexicon
 from .lexicon import Entry, LazyEntry
-from .loader import NOUN_TEMPLATES, LexiconBuilder, Verb
+from .loader import NOUN_ROLES, LexiconBuilder, Verb
 from .tokenizer import BREAK, Token, Tokens
 from .vocabulary import NewWord
 
@@ -62,12 +62,8 @@ def is_word(token: Token) -> bool:
 
 def new_words(entries: Iterable[Entry]) -> tuple[NewWord, ...]:
     """The new words that a reading rests on, each once."""
-    words = (
-        NewWord(entry.name, entry.role, entry.says)
-        for entry in entries
-        if entry.role and entry.role not in _PEOPLE
-    )
-    return tuple(dict.fromkeys(words))
+    named = (e for e in entries if e.role and e.role not in _PEOPLE)
+    return tuple(dict.fromkeys(NewWord(e.name, e.role, e.says) for e in named))
 
 
 def new_recipients(entries: Iterable[Entry]) -> tuple[NewWord, ...]:
@@ -139,7 +135,7 @@ class KnownWords:
             is_cut = place + 1 in tokens.pauses or first in self.builder.closed
             if is_cut or self._may_be_clause(tokens, place):
                 continue
-            is_determined = place > 0 and _is_determiner(self.builder, tokens.words[place - 1])
+            is_determined = place > 0 and self.builder.is_determiner(tokens.words[place - 1])
             names = self._compounds(first, second, is_determined)
             if names:
                 found[place] = [*found.get(place, ()), *names]
@@ -158,13 +154,10 @@ class KnownWords:
         word, after = words[place], words[place + 1 : place + 2]
         if self.lexicon.name_categories(word) or not is_word(tokens.items[place]):
             return
-        kinds = ["human"]
-        is_alone = self._is_after_naming(words, place) or any(
-            map(self.builder.is_of_grammar, after)
-        )
-        if is_alone and not self.origins(word, "plural"):
-            kinds.append("person")
-        for kind in kinds:
+        is_followed = any(map(self.builder.is_of_grammar, after))
+        is_alone = is_followed or self._is_after_naming(words, place)
+        is_name = is_alone and not self.origins(word, "plural")
+        for kind in ("human", "person") if is_name else ("human",):
             for each in self.builder.noun(kind, word, role=RECIPIENT, cost=_RECIPIENT_COST):
                 yield each.entry()
 
@@ -223,7 +216,7 @@ class KnownWords:
         words = tokens.words
         word, before = words[place], words[place - 1] if place else ""
         if word in self.builder.homographs:
-            return _is_determiner(self.builder, before)
+            return self.builder.is_determiner(before)
         is_part = self.lexicon.is_name(word, ("P",))
         if len(word) < MIN_LETTERS or (self.builder.is_of_grammar(word) and not is_part):
             return False
@@ -241,18 +234,13 @@ def _has_letters(word: str) -> bool:
 
 
 @lru_cache(maxsize=8192)
-def _is_determiner(builder: LexiconBuilder, word: str) -> bool:
-    return builder.is_determiner(word)
-
-
-@lru_cache(maxsize=8192)
 def _entries(
     builder: LexiconBuilder, word: str, is_capital: bool, roles: frozenset[str]
 ) -> tuple[Entry, ...]:
     senses: list[LazyEntry] = []
     inflection = builder.inflection
     singulars = inflection.origins(word, "plural")
-    for role in sorted(roles & NOUN_TEMPLATES.keys()):
+    for role in sorted(roles & NOUN_ROLES):
         senses += builder.noun(role, word, role=role, cost=_SINGULAR_COST if singulars else 0.0)
         for name in singulars[:1]:
             senses += builder.noun(role, name, role=role)

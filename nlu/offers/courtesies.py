@@ -53,7 +53,7 @@ class Courtesy:
 
 @dataclass(frozen=True)
 class CourtesyPhrases:
-    """The phrases by which courtesies are found.
+    """The phrases by which courtesies are found, and the words that are known.
 
     Attributes:
         words: the phrases of each kind, in the order in which they count; what parts begin with
@@ -61,17 +61,18 @@ class CourtesyPhrases:
     """
 
     words: WordLists
+    known: KnownWords
 
-    def find(self, tokens: Tokens, known: KnownWords) -> Courtesy | None:
+    def find(self, tokens: Tokens) -> Courtesy | None:
         """Return the courtesy in an utterance; None where there is none."""
         found: set[str] = set()
         kept: list[tuple[int, int]] = []
         name, introduced = "", (0, 0)
         for start, end in parts(tokens):
             part = tokens.part(start, end)
-            has_content = part.asks or self.has_content(part, known)
-            kind = None if has_content else self._kind(part, known)
-            if not has_content and not name and (name := self._introduced(part, known)):
+            has_content = part.asks or self.has_content(part)
+            kind = None if has_content else self._kind(part)
+            if not has_content and not name and (name := self._introduced(part)):
                 kind, introduced = "greeting", (start, end)
             elif not has_content and start == introduced[1] > 0:  # "I'm Kim, your new neighbour"
                 kind, introduced = "greeting", (introduced[0], end)
@@ -87,21 +88,21 @@ class CourtesyPhrases:
         is_within = kept and kept[0][0] < introduced[0] < kept[-1][0]
         return Courtesy(kind, rest, found <= _FORMAL, "" if is_within else name)
 
-    def introduction(self, tokens: Tokens, known: KnownWords) -> Courtesy | None:
+    def introduction(self, tokens: Tokens) -> Courtesy | None:
         """Return the courtesy in which a speaker introduces himself or herself, None without."""
         if not any(token.capital for token in tokens.items[2:]):
             return None
-        if not any(self._introduced(tokens.part(*span), known) for span in parts(tokens)):
+        if not any(self._introduced(tokens.part(*span)) for span in parts(tokens)):
             return None
-        found = self.find(tokens, known)
+        found = self.find(tokens)
         return found if found and found.name else None
 
-    def trust(self, tokens: Tokens, start: int, known: KnownWords) -> TrustStatement | None:
+    def trust(self, tokens: Tokens, start: int) -> TrustStatement | None:
         """Return whom an utterance says to trust, or not to, from a place on; None for nobody."""
         found = () if tokens.asks else self.words.wholes("trust", tokens.words, start)
         for kind, slots in found:
             people = self._listed(tokens, *slots["NAME"])
-            if people and all(_is_person(token, known) for name in people for token in name):
+            if people and all(self._is_person(token) for name in people for token in name):
                 names = (tokens.text[name[0].start : name[-1].end] for name in people)
                 return TrustStatement(tuple(names), kind == "distrusted")
         return None
@@ -115,11 +116,11 @@ class CourtesyPhrases:
                 people[-1].append(token)
         return [name for name in people if name]
 
-    def _introduced(self, part: Tokens, known: KnownWords) -> str:
+    def _introduced(self, part: Tokens) -> str:
         words = part.words
         for start in range(min(len(words), _LONGEST_ADDRESS)):
             first = self.words.end("introducing", words, start)
-            name = [*takewhile(lambda token: _is_person(token, known), part.items[first:])]
+            name = [*takewhile(self._is_person, part.items[first:])]
             if first > start and name and self._ends_with(words, first + len(name)):
                 return " ".join(token.word for token in name)
         return ""
@@ -128,7 +129,7 @@ class CourtesyPhrases:
         verbs = self.words.words("stating") | self.words.words("verbs")
         return len(words) - start <= _LONGEST_COMPLEMENT and verbs.isdisjoint(words[start:])
 
-    def _kind(self, part: Tokens, known: KnownWords) -> str | None:
+    def _kind(self, part: Tokens) -> str | None:
         words, lists = part.words, self.words
         is_denied = not lists.words("denying").isdisjoint(words)
         is_stated = not lists.words("stating").isdisjoint(words)
@@ -139,7 +140,7 @@ class CourtesyPhrases:
             if (is_bare and is_stated) or not any(self._is_all(kind, words, at) for at in places):
                 continue
             return None if is_denied and kind in _VALUED else kind
-        unknown = known.unknown(part)
+        unknown = self.known.unknown(part)
         is_limiting = lists.has("limiting", words[0])
         is_address = len(words) <= _LONGEST_ADDRESS and unknown and not is_limiting
         is_denied |= any(token.word.endswith("ing") for token in unknown)  # it may be a new use
@@ -154,14 +155,13 @@ class CourtesyPhrases:
         )
         return bool(ends) and is_led and self._ends_with(words, max(ends))
 
-    def has_content(self, part: Tokens, known: KnownWords) -> bool:
+    def has_content(self, part: Tokens) -> bool:
         """Whether a part names something that a rule or a command is about."""
-        found = find_mentions(part, known, {}, Discourse())
+        found = find_mentions(part, self.known, {}, Discourse())
         is_act = any(each.role == "act" and each.name in GOALS for each in found.names)
         is_on_it = not self.words.words("pronouns").isdisjoint(part.words)
         return bool(found.required) or (is_act and is_on_it)
 
-
-def _is_person(token: Token, known: KnownWords) -> bool:
-    is_known = known.lexicon.is_name(token.word, _PEOPLE)
-    return token.capital and (is_known or not known.has(token.word))
+    def _is_person(self, token: Token) -> bool:
+        is_known = self.known.lexicon.is_name(token.word, _PEOPLE)
+        return token.capital and (is_known or not self.known.has(token.word))

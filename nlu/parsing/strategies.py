@@ -240,7 +240,7 @@ class _Attempt:
 
     def _variants(self, tokens: Tokens) -> Iterator[Tokens]:
         builder = self._tools.builder
-        qualifiers = builder.qualifier_phrases
+        qualifiers = builder.degree_of
         barriers = self._tools.parser.features.words["embedding"]
         untagged = self._markers.remove_tag(tokens)
         for each in (untagged, builder.expand_endings(untagged)):

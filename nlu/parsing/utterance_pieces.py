@@ -7,7 +7,7 @@ the features of its words and all else on which a meaning may depend. The words 
 """
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from enum import IntEnum, auto
 from functools import cached_property
@@ -88,8 +88,8 @@ class PieceReader:
     """
 
     words: WordLists
-    operators: Mapping[str, frozenset[Phrase]]
-    degrees: frozenset[Phrase]
+    operators: Mapping[str, Collection[Phrase]]
+    degrees: Collection[Phrase]
     features: FeatureReader
     markers: DiscourseMarkers
     known: KnownWords
@@ -168,7 +168,7 @@ class PieceReader:
         if has_subject or is_finite:
             return True
         is_restricting = self.words.has("restricting", *words[:1])
-        return (self._is_act(words[0]) and not is_restricting) or any(
+        return (self.known.names(words[0], "context") and not is_restricting) or any(
             self._may_be_verb(one, two)
             for one, two in pairwise(words)
             if not is_restricting or self._is_subject(one)
@@ -210,7 +210,7 @@ class PieceReader:
             "pointing": words and self.words.end(IMPERSONAL, words[-1:]),
             "short": len(words) < LEAST_WORDS,
             "named": any(named),
-            "act": words and self._is_act(words[0]),
+            "act": words and self.known.names(words[0], "context"),
         }
         yield from (sign for sign, is_shown in shown.items() if is_shown)
 
@@ -273,20 +273,16 @@ class PieceReader:
         is_first = first == 2 and self.words.end(OWN, words[:1]) > 0
         is_joined = is_first or bool(self.joined(words[first - 1 : first]))
         subject = words[0] if is_joined else words[first - 1]
-        is_generic = self.words.has("generic", words[0])
-        is_hearer = is_generic or self.words.end(HEARER, (subject,)) > 0
         is_let = self.words.has("auxiliary", *words[first - 2 : first - 1])
-        is_speaker = self.words.end(OWN, (subject,)) > 0
-        is_speaker = is_speaker or (is_let and self.words.has("speaker", subject))
-        return is_speaker or (or_of_hearer and is_hearer)
+        if self.words.end(OWN, (subject,)) or (is_let and self.words.has("speaker", subject)):
+            return True
+        is_hearer = self.words.has("generic", words[0]) or self.words.end(HEARER, (subject,)) > 0
+        return or_of_hearer and is_hearer
 
     def _calls(self, tokens: Tokens) -> bool:
         is_name = any(self.known.lexicon.is_name(word, _PEOPLE) for word in tokens.words)
         is_name = is_name or any(token.capital for token in tokens.items[1:])
         return len(tokens.words) == 1 or (len(tokens.words) < LEAST_WORDS and is_name)
-
-    def _is_act(self, word: str) -> bool:
-        return self.known.names(word, "context")
 
 
 def _ends_soon(tokens: Tokens, start: int) -> bool:

@@ -69,7 +69,10 @@ def complete(fragment: FragmentValues, discourse: Discourse) -> Meaning:
         return discourse.accessible.command
     discourse = discourse.accessible
     fragment = _with_other_of_pair(fragment, discourse)
-    match _how_explained(fragment, discourse) or _completed(fragment, discourse):
+    completed, rule = _completed(fragment, discourse), discourse.rule
+    if discourse.asks_why and fragment.asks and isinstance(rule, ActionRule):
+        completed = Question("how", object=rule.object, context=rule.context)
+    match completed:
         case FunctionalRule() | ActionRule() as rule:
             return _as_rule(fragment, rule)
         case Question() as question:
@@ -102,13 +105,6 @@ def _other_of_pair(discourse: Discourse) -> str | None:
     others = [each for each in pair if each != last and not each.arguments]
     known = len(pair) == 2 and len(others) == 1
     return others[0].said if known else None
-
-
-def _how_explained(fragment: FragmentValues, discourse: Discourse) -> Question | None:
-    rule = discourse.rule
-    if not (discourse.asks_why and fragment.asks and isinstance(rule, ActionRule)):
-        return None
-    return Question("how", object=rule.object, context=rule.context)
 
 
 def _completed(

@@ -54,7 +54,7 @@ def test_kept_tables_are_those_that_were_read():
 def test_words_added_to_one_are_not_in_the_next():
     """Those of a lexicon file, or of a test, do not get into the cache."""
     one = english()
-    one.builder.lexicon.add_all(one.builder.noun("object", "blorp"))
+    one.builder.lexicon.add(one.builder.noun("object", "blorp"))
 
     assert "blorp" in one.builder.lexicon
     assert "blorp" not in english().builder.lexicon
