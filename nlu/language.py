@@ -342,9 +342,13 @@ class Language:
         is_plain = others <= {self.answers.phrases["joined"]}
         return tuple(found[n] for n in range(start, end) if n in found) if is_plain else ()
 
-    def short_answers(self, text: str, *, speaker: str, discourse: Discourse) -> list[Answer]:
+    def short_answers(self, text: str, discourse: Discourse) -> list[Answer]:
         """Return the short answers that a text may be to a question of Hilt, likeliest first."""
-        return self.utterance_parser.answers(text, UtteranceContext(speaker, "self", discourse))
+        tokens, known = self._tokens(text).without_breaks(), self.utterance_parser.known_words
+        if self.utterance_parser.clarification.of_input(text, tokens):
+            return []
+        guesses = known.guesses(tokens, known.unknown(tokens))
+        return self.parser.answers(self.parser.chart(tokens, guesses), discourse)
 
     @cached_property
     def utterance_parser(self) -> UtteranceParser:

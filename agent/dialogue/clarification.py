@@ -58,7 +58,7 @@ class ClarificationDialogue:
         number = conversation.language.chosen(text, len(choices)) if choices else None
         if number:
             return [meaning.Answer(number=number)]
-        return conversation.short_answers(text, open_question.asked)
+        return conversation.short_answers(text)
 
     def ask_back(self, turn: UnderstoodTurn, said: meaning.AskBack) -> Reply:
         """Ask what a turn leaves open, and wait for the answer; return the reply that asks."""

@@ -126,9 +126,9 @@ class Conversation:
                 text, speaker=speaker, discourse=self.discourse, accepted=accepted, heard=heard
             )
 
-    def short_answers(self, text: str, speaker: str) -> list[Answer]:
+    def short_answers(self, text: str) -> list[Answer]:
         """Return the short answers that a text may be to a question of Hilt, likeliest first."""
-        return self.language.short_answers(text, speaker=speaker, discourse=self.discourse)
+        return self.language.short_answers(text, self.discourse)
 
     @property
     def decision(self) -> Decision | None:

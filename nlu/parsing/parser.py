@@ -19,7 +19,7 @@ from ..lexicon.tokenizer import Tokens
 from ..lexicon.unknown_words import new_words
 from ..semantics.clause_features import FeatureReader
 from ..semantics.coreference import PRONOUNS, resolve
-from ..semantics.discourse import SOMETHING
+from ..semantics.discourse import SOMETHING, Discourse
 from ..semantics.interpretation import KIND_FORMS, Interpreter, short_answer
 from ..semantics.licence_table import LicenceTable
 from ..semantics.meaning import Answer, Confidence, Meaning, NormStatement
@@ -102,12 +102,12 @@ class SentenceParser:
             tokens.words, lambda start, end: self.named_object(tokens.part(start, end))
         )
 
-    def answers(self, chart: Chart, context: UtteranceContext) -> list[Answer]:
+    def answers(self, chart: Chart, discourse: Discourse) -> list[Answer]:
         """Return the short answers that an utterance may be, the likeliest first."""
         found: list[Answer] = []
         for derivation in sorted(chart.derivations(self.grammar.answer), key=lambda d: d.cost):
             with contextlib.suppress(UninterpretableError):
-                found.append(short_answer(resolve(form_of(derivation.value), context.discourse)))
+                found.append(short_answer(resolve(form_of(derivation.value), discourse)))
         return found
 
     def is_generic(self, chart: Chart) -> bool:

@@ -44,15 +44,6 @@ class PeripheryRow:
     pauses: frozenset[Pause]
     unless: frozenset[str]
 
-    def allows(self, kind: str, piece: UtterancePiece, pause: Pause) -> bool:
-        """Whether a core of a kind may stand beside a piece that is set off by a pause."""
-        return (
-            kind in self.of
-            and piece.form in self.forms
-            and pause in self.pauses
-            and self.unless.isdisjoint(piece.signs)
-        )
-
 
 _KINDS = frozenset({REQUEST, QUESTION, HOLDING, USE})
 _THINGS = ("N", "MS")
@@ -68,7 +59,9 @@ class PeripheryTable:
 
     def permitted(self, piece: UtterancePiece, pause: Pause) -> frozenset[str]:
         """Return the kinds of cores beside which a piece changes nothing."""
-        return frozenset(k for k in _KINDS if any(row.allows(k, piece, pause) for row in self.rows))
+        rows = (row for row in self.rows if piece.form in row.forms and pause in row.pauses)
+        allowed = (row.of for row in rows if row.unless.isdisjoint(piece.signs))
+        return frozenset(chain.from_iterable(allowed))
 
     def announces(self, piece: UtterancePiece) -> bool:
         """Whether a piece announces what follows: "I tell you"."""

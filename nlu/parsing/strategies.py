@@ -23,7 +23,6 @@ from ..semantics.meaning import (
     Acknowledgement,
     ActionCommand,
     ActionDefinition,
-    Answer,
     AskBack,
     Command,
     Meaning,
@@ -81,14 +80,6 @@ class UtteranceParser:
             return found
         question = self.clarification.answers.say("heard_badly", text=found.text)
         return Understanding.of(tokens, context, AskBack(question, (found.text,)))
-
-    def answers(self, text: str, context: UtteranceContext) -> list[Answer]:
-        """Return the short answers that a text may be to a question of Hilt, likeliest first."""
-        tokens = tokenize(text, self.builder.contractions).without_breaks()
-        if self.clarification.of_input(text, tokens):
-            return []
-        guesses = self.known_words.guesses(tokens, self.known_words.unknown(tokens))
-        return self.parser.answers(self.parser.chart(tokens, guesses), context)
 
 
 class _Attempt:
