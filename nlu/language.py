@@ -283,7 +283,7 @@ class Language:
             self.tool_acts,
             self.realizer,
             lambda text, at: self.utterance_parser.understand(text, at, ()).meaning,
-            SegmentReader(self.utterance_parser.periphery, self.builder.expand_endings, words),
+            SegmentReader(self.utterance_parser.periphery, words),
         )
 
     def chosen(self, text: str, count: int) -> int | None:
@@ -295,7 +295,7 @@ class Language:
         """Return the control that a text is ("stop", "put it down"), None for any other text."""
         tokens = self._tokens(text)
         is_short = len(tokens.items) <= MAX_CONTROL_WORDS
-        found = self.parser.control(tokens, self.controls) if is_short else None
+        found = self.controls.match(tokens, self.parser.named_object) if is_short else None
         return Control(*found) if found else None
 
     def introduction(self, text: str) -> Courtesy | None:
@@ -358,21 +358,12 @@ class Language:
         reading_filter = ReadingFilter(known, self.parser.features)
         words = load_word_lists(self.folder / "procedures.yaml")
         procedures = ProcedureReader(words, self.parser, known, self.controls, self.frames)
-        parts = (known, reading_filter, clarification, self._periphery(known), procedures)
-        return UtteranceParser(self.parser, self.builder, *parts)
-
-    def _periphery(self, known: KnownWords) -> PeripheryReader:
-        builder = self.builder
-        words = load_word_lists(self.folder / "offers.yaml")
-        reader = PieceReader(
-            load_word_lists(self.folder / "periphery.yaml"),
-            {kind: words.phrases(kind) for kind in OPERATORS},
-            builder.degree_of,
-            self.parser.features,
-            builder.discourse_markers,
-            known,
-        )
-        return PeripheryReader(reader, load_table())
+        words, lists = (load_word_lists(self.folder / f"{n}.yaml") for n in ("periphery", "offers"))
+        operators = {kind: lists.phrases(kind) for kind in OPERATORS}
+        pieces = PieceReader(words, operators, self.parser.features, known)
+        periphery = PeripheryReader(pieces, load_table())
+        parts = (known, reading_filter, clarification, periphery, procedures)
+        return UtteranceParser(self.parser, *parts)
 
     @property
     def lexicon(self) -> LearnedLexicon:

@@ -164,7 +164,7 @@ def move_to_front(
     return replace(tokens, items=moved, pauses=tuple(sorted({*pauses})))
 
 
-Named = Callable[[int, int], str | None]
+Named = Callable[[Tokens], str | None]
 
 
 @dataclass(frozen=True)
@@ -176,15 +176,16 @@ class ControlPhrases:
 
     words: WordLists
 
-    def match(self, words: tuple[str, ...], named: Named) -> tuple[str, str | None] | None:
+    def match(self, tokens: Tokens, named: Named) -> tuple[str, str | None] | None:
         """Return the control that an utterance is, and what it names, as `named` tells, if any."""
+        words = tokens.words
         found: dict[str, str | None] = {}
         place = 0
         while place < len(words):
             if words[place] == BREAK:
                 place += 1
                 continue
-            control, end, thing = self._control(words, place, named)
+            control, end, thing = self._control(tokens, place, named)
             if end == place:
                 end = self.words.end("polite", words, place)
             if end == place:
@@ -195,16 +196,15 @@ class ControlPhrases:
         controls = self.words.names("controls")
         return next(((each, found[each]) for each in controls if each in found), None)
 
-    def _control(
-        self, words: tuple[str, ...], start: int, named: Named
-    ) -> tuple[str, int, str | None]:
-        spans = self.words.of_group("controls", words, start)
+    def _control(self, tokens: Tokens, start: int, named: Named) -> tuple[str, int, str | None]:
+        spans = self.words.of_group("controls", tokens.words, start)
         for control, end, slots in sorted(spans, key=lambda each: each[1], reverse=True):
             slot, place = next(iter(slots.items()), ("", (0, 0)))
-            is_pronoun = self.is_pronoun(words[slice(*place)])
+            thing = tokens.part(*place)
+            is_pronoun = self.is_pronoun(thing.words)
             if not slot or (is_pronoun and slot == "THING"):
                 return control, end, None
-            kind = None if is_pronoun else named(*place)
+            kind = None if is_pronoun else named(thing)
             if kind is not None:
                 return control, end, kind
         return "", start, None

@@ -277,10 +277,6 @@ def _acts_and_uses(meaning: Meaning) -> frozenset[str]:
         case Statement(rules):
             named = (r.context if isinstance(r, ActionRule) else r.affordance for r in rules)
             return frozenset(named)
-        case Command(target=target):
-            return frozenset(filter(None, (meaning.goal, target.used_for, target.not_used_for)))
-        case ToolCommand():
-            return frozenset({meaning.goal, meaning.tool.used_for or meaning.goal})
         case Question():
             return frozenset(filter(None, (meaning.affordance, meaning.context)))
         case _:

@@ -6,7 +6,7 @@ periphery and the pause before the segment show which. A person confirms what is
 may precede it than what is understood at once.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -30,17 +30,15 @@ class SegmentReader:
 
     Attributes:
         periphery: types what stands around a segment.
-        expanded: returns tokens with their short forms written out, word by word.
         words: the words of each check on offers.
     """
 
     periphery: PeripheryReader
-    expanded: Callable[[Tokens], Tokens]
     words: WordLists
 
     def found(self, mentions: Mentions) -> Iterator[Span]:
         """Yield the segments beside which nothing else is meant, the longest first."""
-        tokens = self.expanded(mentions.tokens)
+        tokens = self.periphery.reader.known.builder.expand_endings(mentions.tokens)
         for span in self._spans(tokens):
             before, after, pause = self.periphery.around(tokens, span)
             is_told = self._tells(before, tokens, pause)

@@ -12,7 +12,6 @@ from dataclasses import dataclass, replace
 from ..grammar.categories import Functor
 from ..grammar.combinators import CombinationTable
 from ..grammar.grammar import Grammar
-from ..lexicon.discourse_markers import ControlPhrases
 from ..lexicon.learned_lexicon import LearnedLexicon
 from ..lexicon.lexicon import Entry
 from ..lexicon.tokenizer import Tokens
@@ -95,12 +94,6 @@ class SentenceParser:
             if not form.arguments and form not in PRONOUNS and form.name not in SOMETHING:
                 return form.said
         return None
-
-    def control(self, tokens: Tokens, controls: ControlPhrases) -> tuple[str, str | None] | None:
-        """Return the control that tokens are, and the object that it names, if any; else None."""
-        return controls.match(
-            tokens.words, lambda start, end: self.named_object(tokens.part(start, end))
-        )
 
     def answers(self, chart: Chart, discourse: Discourse) -> list[Answer]:
         """Return the short answers that an utterance may be, the likeliest first."""

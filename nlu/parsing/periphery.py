@@ -124,14 +124,14 @@ class Core:
 
 @dataclass(frozen=True, repr=False)
 class PeripheryReader:
-    """Finds the cores of utterances, which have their short forms written out."""
+    """Finds the cores of utterances."""
 
     reader: PieceReader
     table: PeripheryTable
 
-    def cores(self, tokens: Tokens, expanded: Tokens) -> Iterator[Core]:
-        """Yield the cores to try, the longest first; in `expanded` no word is a short form."""
-        pieces = self.reader.pieces(expanded)
+    def cores(self, tokens: Tokens) -> Iterator[Core]:
+        """Yield the cores to try, the longest first."""
+        pieces = self.reader.pieces(self.reader.known.builder.expand_endings(tokens))
         starts = {piece.core_start for piece in pieces} | {0}
         spans = ((start, piece.end) for start in starts for piece in pieces)
         long_enough = [s for s in spans if s[1] - s[0] >= LEAST_WORDS]
@@ -143,7 +143,10 @@ class PeripheryReader:
     def around(
         self, expanded: Tokens, span: tuple[int, int]
     ) -> tuple[list[UtterancePiece], list[UtterancePiece], Pause]:
-        """Return the pieces before and after a span, and its pause, `INSIDE` within a clause."""
+        """Return the pieces before and after a span, and its pause, `INSIDE` within a clause.
+
+        In `expanded` no word is a short form.
+        """
         start, end = span
         sides = (expanded.part(0, start), expanded.part(end, len(expanded.items)))
         before, after = map(self.reader.pieces, sides)

@@ -351,7 +351,7 @@ class _Clauses:
         return act, ClauseState(found.discourse, held)
 
     def _control_of(self, tokens: Tokens) -> tuple[str, str | None] | None:
-        return self._reader.parser.control(tokens, self._reader.controls)
+        return self._reader.controls.match(tokens, self._reader.parser.named_object)
 
     def _control(
         self, control: str, name: str | None, state: ClauseState

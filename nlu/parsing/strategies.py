@@ -16,7 +16,6 @@ from functools import cache, partial
 from itertools import islice
 
 from ..lexicon.discourse_markers import move_to_front
-from ..lexicon.loader import LexiconBuilder
 from ..lexicon.tokenizer import BREAK, Token, Tokens, tokenize
 from ..lexicon.unknown_words import KnownWords
 from ..semantics.meaning import (
@@ -54,7 +53,6 @@ class UtteranceParser:
     """Understands utterances, whole or in segments."""
 
     parser: SentenceParser
-    builder: LexiconBuilder
     known_words: KnownWords
     reading_filter: ReadingFilter
     clarification: Clarifier
@@ -65,7 +63,7 @@ class UtteranceParser:
         self, text: str, context: UtteranceContext, accepted: Collection[str]
     ) -> Understanding:
         """Return what an utterance means, or its clarification; no word in `accepted` is a slip."""
-        tokens = tokenize(text, self.builder.contractions)
+        tokens = tokenize(text, self.known_words.builder.contractions)
         problem = self.clarification.of_input(text, tokens)
         if problem is not None:
             return _failed(Understanding.of(tokens, context, problem))
@@ -87,7 +85,7 @@ class _Attempt:
 
     def __init__(self, tools: UtteranceParser, accepted: Collection[str]) -> None:
         self._tools, self._accepted = tools, accepted
-        self._markers = tools.builder.discourse_markers
+        self._markers = tools.known_words.builder.discourse_markers
         self._charts: dict[object, Chart] = {}
         self._plain_chart = cache(partial(tools.parser.chart, guesses={}))
         self._sentence = cache(self._read_sentence)
@@ -193,8 +191,7 @@ class _Attempt:
         return None
 
     def _by_core(self, tokens: Tokens, context: UtteranceContext) -> Understanding | None:
-        expanded = self._tools.builder.expand_endings(tokens)
-        for core in islice(self._tools.periphery.cores(tokens, expanded), MAX_CORES):
+        for core in islice(self._tools.periphery.cores(tokens), MAX_CORES):
             found = self._core(core, context)
             if found is not None:
                 return found if self._is_meant(core, found, context) else None
@@ -230,7 +227,7 @@ class _Attempt:
         return all(e.reading is None or isinstance(e.meaning, Acknowledgement) for e in before)
 
     def _variants(self, tokens: Tokens) -> Iterator[Tokens]:
-        builder = self._tools.builder
+        builder = self._tools.known_words.builder
         qualifiers = builder.degree_of
         barriers = self._tools.parser.features.words["embedding"]
         untagged = self._markers.remove_tag(tokens)

@@ -7,14 +7,13 @@ the features of its words and all else on which a meaning may depend. The words 
 """
 
 import re
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from enum import IntEnum, auto
 from functools import cached_property
 from itertools import pairwise
 
 from ..grammar.word_patterns import Phrase, WordLists
-from ..lexicon.discourse_markers import DiscourseMarkers
 from ..lexicon.tokenizer import BREAK, Tokens
 from ..lexicon.unknown_words import KnownWords
 from ..semantics.clause_features import MAIN, FeatureReader
@@ -88,10 +87,8 @@ class PieceReader:
     """
 
     words: WordLists
-    operators: Mapping[str, Collection[Phrase]]
-    degrees: Collection[Phrase]
+    operators: Mapping[str, frozenset[Phrase]]
     features: FeatureReader
-    markers: DiscourseMarkers
     known: KnownWords
 
     def property_clause(self, tokens: Tokens) -> tuple[int, int]:
@@ -149,7 +146,7 @@ class PieceReader:
         part = tokens.part(start, end)
         lead, joined = max((self.words.end(k, part.words), p) for k, p in _LEADS.items())
         joined = joined if lead else Pause.WEAK
-        bare = self.markers.remove_markers(part).words
+        bare = self.known.builder.discourse_markers.remove_markers(part).words
         form = MARKER if not bare else self._form(part.words, bare)
         if form == OTHER and len(bare) > 1 and not self._has_verb(bare):
             form = PHRASE
@@ -243,8 +240,9 @@ class PieceReader:
     @cached_property
     def _operators(self) -> Mapping[str, Sequence[tuple[Phrase, str]]]:
         found: dict[str, list[tuple[Phrase, str]]] = {}
-        unreal = {key: self.words.phrases(key) for key in ("unreal", "unwanted")}
-        for kind, phrases in {**self.operators, **unreal, "degree": self.degrees}.items():
+        others = {key: self.words.phrases(key) for key in ("unreal", "unwanted")}
+        others["degree"] = frozenset(self.known.builder.degree_of)
+        for kind, phrases in {**self.operators, **others}.items():
             for phrase in phrases:
                 found.setdefault(phrase[0], []).append((phrase, kind))
         return found

@@ -43,8 +43,6 @@ _NAMELESS = frozenset({"self", "speaker", "someone", "it", "both", "butNot"})
 KIND_FORMS = frozenset({"kindOf", "isA"})
 """The forms of "a knife is a kind of tool" and of "a knife is a tool"."""
 
-_UNLEARNABLE = {"noPast": "no_past"}  # the answer to what is understood, but not learned
-
 
 @dataclass(frozen=True)
 class Interpreter:
@@ -80,8 +78,8 @@ class Interpreter:
                 return self._fragment(content, discourse)
             case "wantBelieve" if content.name in load_predicates().fragments:
                 return self._fragment(content, discourse)
-            case "wantBelieve" if content.name in _UNLEARNABLE:
-                raise UnlearnableError(_UNLEARNABLE[content.name])
+            case "wantBelieve" if content.name == "noPast":
+                raise UnlearnableError("no_past")
             case "wantBelieve" if content.name == "topic":
                 return TopicStatement(_kind(content.arguments[0]))
             case "wantBelieve":

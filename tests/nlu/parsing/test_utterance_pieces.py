@@ -14,7 +14,7 @@ from hilt.nlu.parsing.utterance_pieces import UtterancePiece
 def pieces(language: Language, text: str) -> list[UtterancePiece]:
     """The pieces of a text."""
     parser = language.utterance_parser
-    return parser.periphery.reader.pieces(tokenize(text, parser.builder.contractions))
+    return parser.periphery.reader.pieces(tokenize(text, parser.known_words.builder.contractions))
 
 
 @pytest.mark.parametrize(
