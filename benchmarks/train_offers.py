@@ -33,14 +33,14 @@ from hilt.nlu.offers.candidates import (
     NONE,
     Asides,
     CandidateMeaning,
-    Ranker,
+    OfferModel,
     candidates,
     filling_features,
     utterance_features,
 )
 from hilt.nlu.offers.meaning_shapes import MeaningShape, meaning_from_json, shape_of
 from hilt.nlu.offers.mentions import Mentions
-from hilt.nlu.offers.offers import LEAST, OfferModel
+from hilt.nlu.offers.offers import LEAST
 from hilt.nlu.parsing.understanding import UtteranceContext
 from hilt.nlu.semantics.discourse import Discourse
 from hilt.nlu.semantics.meaning import Json
@@ -310,7 +310,7 @@ def trained(examples: Sequence[Example], acts: Mapping[str, str]) -> OfferModel:
     for (feature, trait), weight in zip(part.names, _fit(data, part, 40), strict=True):
         if abs(weight) >= LEAST_WEIGHT:
             found[feature][trait] = round(float(weight), 1)
-    return OfferModel(shapes, Ranker(found))
+    return OfferModel(shapes, found)
 
 
 def _fit(data: Sequence[Choices], made: Design, steps: int) -> np.ndarray:
@@ -424,7 +424,7 @@ def as_json(model: OfferModel, seed: int) -> str:
     """The file of a model: the shapes, and compressed the weights by feature and trait."""
     weights = {
         feature: {trait: round(weight, 1) for trait, weight in each.items()}
-        for feature, each in sorted(model.ranker.weights.items())
+        for feature, each in sorted(model.weights.items())
     }
     packed = base64.b64encode(zlib.compress(_compact(weights).encode(), 9)).decode()
     made_by = f"python benchmarks/train_offers.py --write --seed {seed}"

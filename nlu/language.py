@@ -35,7 +35,7 @@ from .offers.checks import OPERATORS, OfferChecks
 from .offers.courtesies import Courtesy, CourtesyPhrases, answer_to
 from .offers.meaning_shapes import meaning_from_json
 from .offers.offers import OfferFinder, choice_of, is_misspelled, load_model
-from .offers.phrase_memory import NO_PHRASES, PhraseMemory, PhrasePattern, phrase_from
+from .offers.phrase_memory import Key, PhrasePattern, meaning_by_phrase, phrase_from
 from .offers.utterance_segments import SegmentReader, parts
 from .parsing.clarification import Clarifier
 from .parsing.parser import SentenceParser
@@ -68,7 +68,7 @@ class Language:
 
     Attributes:
         examples: sentences that are understood, each with its words.
-        phrases: turns of phrase that the grammar does not have, and whose meaning was confirmed.
+        phrases: confirmed turns of phrase that the grammar does not have, by their keys.
         frames: the taught actions on several objects or none, with the words between them.
     """
 
@@ -81,7 +81,7 @@ class Language:
     inflection: Inflection
     degrees: Degrees
     controls: ControlPhrases
-    phrases: PhraseMemory = NO_PHRASES
+    phrases: Mapping[Key, PhrasePattern] = field(default_factory=dict[Key, PhrasePattern])
     frames: Mapping[str, tuple[str, ...]] = field(default_factory=dict[str, tuple[str, ...]])
 
     @classmethod
@@ -241,10 +241,10 @@ class Language:
         return replace(found, meaning=question) if question else found
 
     def _by_phrase(self, text: str, context: UtteranceContext) -> Understanding | None:
-        if not self.phrases.phrases:
+        if not self.phrases:
             return None
         mentions = self.offers.mentions(self._tokens(text), Discourse())
-        meaning = self.phrases.meaning(mentions)
+        meaning = meaning_by_phrase(self.phrases, mentions)
         if meaning is None:
             return None
         sentence = self.generate(meaning_from_json(meaning))
@@ -259,8 +259,8 @@ class Language:
         return phrase_from(mentions, meaning.as_json(), self.tool_acts, unknown)
 
     def with_phrases(self, phrases: Iterable[PhrasePattern]) -> Language:
-        """Return this language with further turns of phrase."""
-        return replace(self, phrases=self.phrases.with_phrases(phrases))
+        """Return this language with further turns of phrase; a later one replaces an earlier."""
+        return replace(self, phrases={**self.phrases, **{each.key: each for each in phrases}})
 
     def with_frames(self, frames: Mapping[str, tuple[str, ...]]) -> Language:
         """Return this language with these taught actions, whose names it has as words."""

@@ -70,7 +70,7 @@ class Realizer:
             case Question():
                 return self._question(meaning)
             case KindStatement(rules):
-                return self._say("rules", "several").join(map(self._kind, rules))
+                return self._say("rules", "several").join(map(self._rule, rules))
             case Retraction() | TopicStatement():
                 return self._turn(meaning)
             case TrustStatement(people, distrusted):
@@ -81,10 +81,6 @@ class Realizer:
             case _:
                 raise UnknownNameError("sentence for", meaning.kind, SECTIONS)
 
-    def _kind(self, rule: KindRelation) -> str:
-        text = self.answers.kind_phrase(rule)
-        return self._say("rules", "told", source=rule.source, rule=text) if rule.source else text
-
     def _turn(self, meaning: Retraction | TopicStatement) -> str:
         match meaning:
             case TopicStatement(name):
@@ -94,18 +90,18 @@ class Realizer:
             case Retraction(about=None, rule=None):
                 return self._say("rules", "last_taken_back")
             case Retraction(rule) if rule is not None:
-                is_kind = isinstance(rule, KindRelation)
-                told = self._kind(rule) if is_kind else self._rule(rule, reported=True)
-                return self._say("rules", "taken_back", rule=told)
+                return self._say("rules", "taken_back", rule=self._rule(rule, reported=True))
             case Retraction(about=name) if name and name != ANY_OBJECT:
                 return self._say("rules", "taken_back_about", object=name)
             case _:
                 return self._say("rules", "all_taken_back")
 
-    def _rule(self, rule: Rule, *, reported: bool = False) -> str:
+    def _rule(self, rule: Rule | KindRelation, *, reported: bool = False) -> str:
         if rule.source:
             text = self._rule(replace(rule, source=None), reported=True)
             return self._say("rules", "told", source=rule.source, rule=text)
+        if isinstance(rule, KindRelation):
+            return self.answers.kind_phrase(rule)
         thing = self.answers.noun_phrase(rule.object, rule.props)
         slots = {"often": self._often(rule.confidence), "thing": thing}
         if isinstance(rule, FunctionalRule):

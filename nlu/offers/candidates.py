@@ -105,9 +105,15 @@ _START, _END = "^", "$"
 
 
 @dataclass(frozen=True)
-class Ranker:
-    """The weights by what an utterance or a filling has, and then by the trait of the meaning."""
+class OfferModel:
+    """What was learned from utterances.
 
+    Attributes:
+        shapes: those of their meanings.
+        weights: by what an utterance or a filling has, and then by the trait of the meaning.
+    """
+
+    shapes: tuple[MeaningShape, ...]
     weights: Mapping[str, Mapping[str, float]]
 
     def probabilities(

@@ -34,9 +34,9 @@ from ..semantics.meaning import (
     with_rules,
 )
 from ..semantics.predicates import PredicateForm
-from .candidates import CandidateMeaning, Ranker, candidates, left_over
+from .candidates import CandidateMeaning, OfferModel, candidates, left_over
 from .checks import OfferChecks
-from .meaning_shapes import MeaningShape, meaning_from_json, shape_from
+from .meaning_shapes import meaning_from_json, shape_from
 from .mentions import Mention, Mentions, find_mentions
 from .utterance_segments import SegmentReader
 
@@ -52,14 +52,6 @@ LEAST_OTHER = 0.03  # the least probability of a further offer
 MAX_TRIED = 6  # how many of the likeliest candidates are checked
 MAX_UNKNOWN = 5  # how many unknown words an utterance may have
 MAX_SEGMENTS = 30  # how many segments are parsed
-
-
-@dataclass(frozen=True)
-class OfferModel:
-    """What was learned from utterances: the shapes of their meanings, and the weights."""
-
-    shapes: tuple[MeaningShape, ...]
-    ranker: Ranker
 
 
 @dataclass(frozen=True, repr=False)
@@ -173,7 +165,7 @@ class OfferFinder:
     def ranked(self, mentions: Mentions) -> Sequence[tuple[float, CandidateMeaning]]:
         """Return the likeliest candidates with their probabilities, the likeliest first."""
         some = tuple(candidates(mentions, self.model.shapes, self.tool_acts))
-        chances = self.model.ranker.probabilities(mentions, some)
+        chances = self.model.probabilities(mentions, some)
         ranked = sorted(zip(chances, some, strict=True), key=lambda each: -each[0])
         return ranked[:MAX_TRIED]
 
@@ -251,7 +243,7 @@ def load_model(path: Path) -> OfferModel:
     """Return the model in a file, which `benchmarks/train_offers.py` writes."""
     data = json.loads(path.read_text(encoding="utf-8"))
     weights = json.loads(zlib.decompress(base64.b64decode(data["weights"])))
-    return OfferModel(tuple(map(shape_from, data["shapes"])), Ranker(weights))
+    return OfferModel(tuple(map(shape_from, data["shapes"])), weights)
 
 
 def choice_of(words: Phrase, count: int, lists: WordLists) -> int | None:

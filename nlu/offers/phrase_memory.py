@@ -43,31 +43,16 @@ class PhrasePattern:
         return tuple(_role(each) if each.startswith("?") else each for each in self.pattern)
 
 
-@dataclass(frozen=True)
-class PhraseMemory:
-    """The phrases that are known, by their keys; immutable."""
-
-    phrases: Mapping[Key, PhrasePattern]
-
-    def with_phrases(self, phrases: Iterable[PhrasePattern]) -> PhraseMemory:
-        """Return this memory with further phrases; a later one replaces one with its key."""
-        return PhraseMemory({**self.phrases, **{each.key: each for each in phrases}})
-
-    def meaning(self, mentions: Mentions) -> Json | None:
-        """Return what an utterance that is a known phrase means, None for any other."""
-        gaps = dict(_gaps(mentions))
-        key = tuple(f"?{gaps[n]}" if n in gaps else word for n, word in _words(mentions))
-        phrase = self.phrases.get(key)
-        if phrase is None:
-            return None
-        slots = (each for each in phrase.pattern if each.startswith("?"))
-        values = {
-            slot: _value(mentions, *gap) for slot, gap in zip(slots, gaps.items(), strict=True)
-        }
-        return None if None in values.values() else phrase.shape.filled(values)
-
-
-NO_PHRASES = PhraseMemory({})
+def meaning_by_phrase(phrases: Mapping[Key, PhrasePattern], mentions: Mentions) -> Json | None:
+    """Return what an utterance that is one of some phrases means, None for any other."""
+    gaps = dict(_gaps(mentions))
+    key = tuple(f"?{gaps[n]}" if n in gaps else word for n, word in _words(mentions))
+    phrase = phrases.get(key)
+    if phrase is None:
+        return None
+    slots = (each for each in phrase.pattern if each.startswith("?"))
+    values = {slot: _value(mentions, *gap) for slot, gap in zip(slots, gaps.items(), strict=True)}
+    return None if None in values.values() else phrase.shape.filled(values)
 
 
 def phrase_from(
@@ -95,7 +80,7 @@ def phrase_from(
     if len(fixed) < LEAST_FIXED or not set(fixed).isdisjoint(unknown):
         return None
     phrase = PhrasePattern(pattern, shape)
-    return phrase if PhraseMemory({phrase.key: phrase}).meaning(mentions) == meaning else None
+    return phrase if meaning_by_phrase({phrase.key: phrase}, mentions) == meaning else None
 
 
 def _role(slot: str) -> str:

@@ -100,13 +100,11 @@ def update_discourse(meaning: Meaning, content: PredicateForm, discourse: Discou
         case Statement(rules=rules):
             last = replace(rules[-1], source=None)  # what completes it are the speaker's own words
             return replace(discourse, rule=last, last=last)
-        case Question(object=None, affordance=None):
-            return discourse  # about Hilt or about what was just said
-        case Question():
+        case Question() if meaning.object or meaning.affordance:
             return replace(discourse, last=meaning)
         case Command() | ToolCommand():
             return replace(discourse, last=meaning, command=meaning)
-        case _:
+        case _:  # also a question about Hilt or about what was just said
             return discourse
 
 

@@ -337,9 +337,8 @@ class Interpreter:
             case "which", (
                 PredicateForm(name="usedFor" | "implies", arguments=(thing, use, *_)),
                 *_,
-            ):
-                if thing.name in SOMETHING and use.name != "graspObject":
-                    return _question_on_use("objects_for", use)
+            ) if thing.name in SOMETHING and use.name != "graspObject":
+                return _question_on_use("objects_for", use)
             case "how", (PredicateForm(name="implies", arguments=(act, *_)) | act, *_):
                 return self._question_on_act(ask, act)
             case "why" | "whyNot", reason:
@@ -350,8 +349,7 @@ class Interpreter:
                 context = None if act.name == "grasp" else act.name
                 return replace(asked, context=context, part=part_and_owner(part)[0])
             case _:
-                pass
-        raise UninterpretableError("unanswerable")
+                raise UninterpretableError("unanswerable")
 
     def _question_naming(self, ask: str, kind: str, thing: PredicateForm) -> Question:
         match kind:
