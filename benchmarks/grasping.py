@@ -26,9 +26,11 @@ objects lifted by 10 cm or more and held for a second after up to three closings
 after one; `given`, objects handed over and still held then; `facing`, those of them whose free part
 leads from the grip towards the receiver, within 45 degrees of the level direction. This is taken
 from the poses in the world; objects whose free part is less than 1 cm aside of the grip, such as
-upright glasses, have no such direction and do not count. `tries` is the mean number of closings.
+upright glasses, have no such direction and do not count. `taken`, of those handed over, those that
+the receiver had after pulling at them, when the hand had felt it and opened. `tries` is the mean
+number of closings.
 Processor time is that of a whole episode, from building the world (heaps are there before) to the
-last step, in a process that has run one before. For comparison, the same number of steps is timed
+handover, in a process that has run one before. For comparison, the same number of steps is timed
 with a robot that stands still in the same scene.
 """
 
@@ -187,13 +189,13 @@ def _timed(
     with Stopwatch() as watch, Body(scene, objects, seed=seed, **options) as body:
         _pile(body.world, piled)
         reports = _reports(body, name, part or None)
-        steps, facing_deg = body.world.engine.steps, None
+        steps, facing_deg, taken = body.world.engine.steps, None, False
         cpu_s = process_time() - started
         if reports[-1].action == "hand_over" and reports[-1].ok:
-            facing_deg = _facing_deg(body)
+            facing_deg, taken = _facing_deg(body), body.release().taken
     shares = {**watch.seconds, "other": cpu_s - sum(watch.seconds.values())}
     bare_s = _bare_s(setting, scene, objects, piled, steps) if bare else None
-    return Episode(name, part, seed, reports, facing_deg, cpu_s, shares, steps, bare_s)
+    return Episode(name, part, seed, reports, facing_deg, taken, cpu_s, shares, steps, bare_s)
 
 
 def _pile(world: World, piled: Mapping[str, poses.Array]) -> None:

@@ -20,7 +20,8 @@ class Episode:
         seed: of the scene.
         reports: of grasp, lift and hand-over, up to the first that failed.
         facing_deg: angle from the free part to the receiver when handed over [deg]; None without.
-        cpu_s: processor time [s].
+        taken: whether the receiver, who pulls, had it after the hand opened.
+        cpu_s: processor time [s], up to the handover.
         shares: kind of work -> processor time [s].
         steps: number of simulator steps.
         bare_s: processor time of as many bare steps [s]; None if not measured.
@@ -31,6 +32,7 @@ class Episode:
     seed: int
     reports: tuple[MotionReport, ...]
     facing_deg: float | None
+    taken: bool
     cpu_s: float
     shares: Mapping[str, float]
     steps: int
@@ -117,9 +119,9 @@ def pair_table(episodes: Sequence[Episode]) -> str:
 def summary_table(measured: Mapping[str, Sequence[Episode]]) -> str:
     """Return a table with a row for each setting."""
     rows = [
-        "| setting | episodes | right part | first | held | given | facing | slip p95 | tries "
-        "| neighbour moved | CPU |",
-        "|---" * 11 + "|",
+        "| setting | episodes | right part | first | held | given | facing | taken | slip p95 "
+        "| tries | neighbour moved | CPU |",
+        "|---" * 12 + "|",
     ]
     for title, group in measured.items():
         n, closed = len(group), sum(e.closed for e in group)
@@ -129,6 +131,7 @@ def summary_table(measured: Mapping[str, Sequence[Episode]]) -> str:
             (sum(e.ok for e in group), n),
             (sum(e.given for e in group), n),
             _facing(group),
+            (sum(e.taken for e in group), sum(e.given for e in group)),
         )
         bumped = sum(bool(e.last.bumped) for e in group)
         rows.append(

@@ -196,6 +196,8 @@ class WorldOutcome:
         handed_over: whether it was still held at the hand-over pose.
         handed_over_at: that pose of the grip: x, y, z [m] and the unit quaternion x, y, z, w; empty
             when nothing was handed over.
+        facing_rad: the level angle from its free part to the receiver then, None where it has none
+            aside, and `clearance_m` the gap between that part and the fingers [m].
         attempts: the number of grasps.
         score: of the last one, at most about 1.
         slip_m: how far the object moved in the hand at the grip, and `slip_rad` how far it turned.
@@ -209,6 +211,8 @@ class WorldOutcome:
     held_s: float = 0.0
     handed_over: bool = False
     handed_over_at: tuple[float, ...] = ()
+    facing_rad: float | None = None
+    clearance_m: float | None = None
     attempts: int = 0
     score: float = 0.0
     slip_m: float = 0.0
@@ -236,6 +240,10 @@ class WorldOutcome:
         if self.handed_over_at:
             pose = [round(value, 4) + 0.0 for value in self.handed_over_at]
             result["handed_over_at"] = {"position_m": pose[:3], "quaternion_xyzw": pose[3:]}
+        if self.clearance_m is not None:
+            result["clearance_m"] = round(self.clearance_m, 4)
+        if self.facing_rad is not None:
+            result["facing_deg"] = round(degrees(self.facing_rad), 1)
         if self.nail_depth_mm is not None:
             result["nail_depth_mm"] = round(self.nail_depth_mm, 2)
             result["driven_mm"] = round(self.driven_mm, 2)

@@ -154,7 +154,7 @@ def hand_emptied(primitive: str, held: str, reason: str = "") -> AnswerContent:
     if reason == INTERRUPTED:
         return stopped(held)
     if reason:
-        key = "dropped" if reason == "dropped" else "no_place"
+        key = reason if reason in {"dropped", "not_taken"} else "no_place"
         return AnswerContent(key, {"object": held}, "failed", reason)
     return AnswerContent(_EMPTIED[primitive], {"object": held})
 

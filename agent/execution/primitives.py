@@ -165,7 +165,7 @@ class PrimitiveExecutor:
         report = self._motion.hand_over()
         self.grasps.follow(report, is_offered=True)
         handed = {"handed_over": report.ok, "handed_over_at": report.at}
-        return self._moved(report, task, *_FIRMNESS, **handed)
+        return self._moved(report, task, *_FIRMNESS, "facing_rad", "clearance_m", **handed)
 
     def _empty_hand(self, task: PrimitiveTask) -> Failure:
         failure = empty_hand(self._motion, task.action, named(task.arguments.get("object")))

@@ -14,7 +14,7 @@ from .. import poses
 from ..grasping.context import GraspContext
 from ..physics.engine import GRAVITY, TIME_STEP
 from ..poses import Array
-from ..robot.collision import hand_spheres
+from ..robot.collision import finger_spheres, hand_spheres
 from ..robot.path_planner import MAX_PACE, GraspPath, PathPlanner, hand_orientations
 from ..robot.robot import FingerContacts, Robot
 from ..vision.point_cloud_operations import voxel_downsample
@@ -41,6 +41,9 @@ AHEAD = (1.0, 0.0, 0.0)  # from there to the person who receives them, across th
 MIN_FREE_LENGTH = 0.01  # [m] from the grip to the free part, else it has no direction
 HEADINGS = 24  # turns about the vertical that are tried for handing over
 FACING = (-0.5, 0.0, 0.7, 0.9)  # cosines to the receiver; between two of them all are as good
+PULL, FELT = 20.0, 5.0  # [N], of the receiver at the object, and from which on the hand opens
+PULL_SPEED, PULL_TIME = 0.25, 1.0  # [m/s], [s] of that pull
+TAKEN, LOST_GAP = 0.5, 0.05  # [m] that the receiver takes it away; further off it was lost
 OFFSETS = (0.0, -0.06, 0.06, -0.12)  # [m] from the meeting point towards the receiver
 
 
@@ -56,7 +59,9 @@ class HeldObject:
         hand_from_object: pose (4, 4) of the object in the hand when the fingers had closed.
         points: point cloud of the object (n, 3) in the hand frame [m].
         torque: largest torque of gravity about the line between the fingers [N m].
-        free: vector (3,) from the grip to the other parts, in the hand frame; zero without any [m].
+        others: points of the other parts (n, 3) in the hand frame [m].
+        free: vector (3,) from the grip to their middle, in the hand frame; zero without any [m].
+        is_offered: whether it was brought to the receiver last.
     """
 
     context: GraspContext
@@ -66,7 +71,9 @@ class HeldObject:
     hand_from_object: Array
     points: Array
     torque: float
+    others: Array
     free: Array
+    is_offered: bool = False
 
     @property
     def name(self) -> str:
@@ -108,18 +115,22 @@ class HandMotion:
             hand_from_object,
             cloud[voxel_downsample(cloud, HELD_CELL)],
             GRAVITY * context.kind.mass * float(np.hypot(arm[0], arm[2])),
+            other_parts,
             other_parts.mean(axis=0) - grip if len(other_parts) else np.zeros(3),
         )
 
     def release(self, planner: PathPlanner, opening: float) -> None:
         """Open the gripper to `opening` [m], retreat, and go home if there is a free path."""
+        self._let_loose(planner, opening)
+        spheres = self.robot.body_spheres(self.robot.opening)
+        home = planner.plan_transit(self.robot.kind.home, spheres, planner.scene)
+        self._follow_if(home, TRANSIT_PACE)
+
+    def _let_loose(self, planner: PathPlanner, opening: float) -> None:
         self.robot.open(opening)
         self.robot.wait(RELEASE_TIME)
         back = self.robot.world_from_grip @ poses.translation(0, 0, -RETREAT)
         self._follow_if(planner.plan_straight(back), APPROACH_PACE)
-        spheres = self.robot.body_spheres(self.robot.opening)
-        home = planner.plan_transit(self.robot.kind.home, spheres, planner.scene)
-        self._follow_if(home, TRANSIT_PACE)
 
     def lift(self, held: HeldObject, height: float) -> bool:
         """Lift the held object by `height` [m]; return False as soon as it is lost."""
@@ -191,6 +202,48 @@ class HandMotion:
             if path is not None:
                 return self.carry(held, path)
         return "unreachable"
+
+    def offered(self, held: HeldObject) -> tuple[float | None, float | None]:
+        """How the free part is offered: its level angle to the receiver, its gap to the fingers.
+
+        In [rad] and [m]; None without a free part, and the angle also where it is not aside.
+        """
+        if not len(held.others):
+            return None, None
+        fingers = finger_spheres(self.robot.chain, self.robot.gripper, self.robot.opening)
+        gaps = np.linalg.norm(held.others[:, None] - fingers.centre, axis=-1) - fingers.radius
+        aside = (self.robot.world_from_hand[:3, :3] @ held.free)[:2]
+        cosine = aside @ AHEAD[:2] / max(np.linalg.norm(aside), MIN_FREE_LENGTH)
+        is_aside = np.linalg.norm(aside) > MIN_FREE_LENGTH
+        return float(np.arccos(np.clip(cosine, -1, 1))) if is_aside else None, float(gaps.min())
+
+    def give(self, held: HeldObject) -> bool:
+        """Open the hand when the receiver pulls at the held object; return whether it was taken.
+
+        The receiver is a force at the free part, towards the person. The hand feels it by the
+        torques of the arm, as a Panda does (Haddadin et al. 2017).
+        """
+        joints, ahead = self.robot.engine.joints, np.array(AHEAD)
+        grip = self.robot.hand_from_grip[:3, 3] + held.free
+        start = poses.transform(self.robot.world_from_hand, grip[None])[0]
+        object_from_world = poses.inverse(self.robot.engine.bodies.pose(held.name))
+        at_rest, tether = self.robot.force_on_hand(), joints.tether(held.name, start, force=PULL)
+        for step in range(round(PULL_TIME / TIME_STEP)):
+            joints.move_tether(tether, start + PULL_SPEED * TIME_STEP * step * ahead)
+            self.robot.advance(1)
+            if (at_rest - self.robot.force_on_hand()) @ ahead > FELT:
+                break
+        else:
+            joints.untie(tether)
+            return False
+        joints.move_tether(tether, start)
+        self._let_loose(held.planner, held.path.grasp.opening)
+        for step in range(round(TAKEN / PULL_SPEED / TIME_STEP)):
+            joints.move_tether(tether, start + PULL_SPEED * TIME_STEP * step * ahead)
+            self.robot.advance(1)
+        now_from_start = self.robot.engine.bodies.pose(held.name) @ object_from_world
+        moved = poses.transform(now_from_start, start[None])[0] - start
+        return bool(np.linalg.norm(moved - TAKEN * ahead) < LOST_GAP)
 
     def put_back(self, held: HeldObject) -> str:
         """Put the held object down where it lay; return the reason of failure, or ""."""

@@ -22,6 +22,9 @@ class MotionReport:
         bumped: neighbours that were moved by more than a centimetre.
         depth_m: how deep the struck object stands in the other one [m]; 0 without one.
         driven: whether it is driven in completely.
+        facing_rad: level angle at the handover from the free part to the receiver [rad], and
+            `clearance_m` the gap between it and the fingers [m]; None without one.
+        taken: whether the receiver took what was released.
         at: grip at the handover, x, y, z [m] and quaternion x, y, z, w; empty for other motions.
     """
 
@@ -39,4 +42,7 @@ class MotionReport:
     bumped: tuple[str, ...] = ()
     depth_m: float = 0.0
     driven: bool = False
+    facing_rad: float | None = None
+    clearance_m: float | None = None
+    taken: bool = False
     at: tuple[float, ...] = ()

@@ -95,8 +95,11 @@ class PickAndPlace:
         return self._act("put_down", lambda held: self._put(held, "put_down"))
 
     def release(self) -> MotionReport:
-        """Open the hand where it is, and go back to the waiting posture."""
-        return self._act("release", self._drop)
+        """Open the hand where it is, and go back to the waiting posture.
+
+        What was handed over is let go when the receiver pulls at it.
+        """
+        return self._act("release", self._let_go)
 
     def point_at(self, percept: Percept) -> MotionReport:
         """Point at an object without touching it; a held one is put back before."""
@@ -174,6 +177,14 @@ class PickAndPlace:
         planner = PathPlanner(self.robot, context.scene, context.obstacles)
         reason = self._motion.point_at(context.percept.cloud, planner)
         return MotionReport("point_at", ok=not reason, reason=reason)
+
+    def _let_go(self, held: HeldObject) -> MotionReport:
+        if not held.is_offered:
+            return self._drop(held)
+        is_taken = self._motion.give(held)
+        if not is_taken and self.robot.finger_contacts().holds(held.name):
+            return self._report("release", "not_taken")
+        return replace(self._drop(held), taken=is_taken)
 
     def _drop(self, held: HeldObject) -> MotionReport:
         self._motion.release(held.planner, held.path.grasp.opening)
@@ -285,7 +296,10 @@ class PickAndPlace:
         report = self._hold(held, "hand_over", OFFER_TIME)
         grip = self.robot.world_from_grip
         at = (*grip[:3, 3].tolist(), *poses.quaternion(grip[:3, :3]))
-        return replace(report, at=at) if report.ok else report
+        self.in_hand = replace(held, is_offered=report.ok)
+        facing_rad, clearance_m = self._motion.offered(held)
+        offered = replace(report, at=at, facing_rad=facing_rad, clearance_m=clearance_m)
+        return offered if report.ok else report
 
     def _bumped(self) -> tuple[str, ...]:
         return tuple(

@@ -188,6 +188,10 @@ class Joints:
         states = self._client.call("getJointStates", *self._bodies.joint_ids(body, joints))
         return np.array([state[column] for state in states])
 
+    def torques(self, body: str, joints: Sequence[str]) -> Array:
+        """What the motors of joints applied in the last step [N m], shape (len(joints),)."""
+        return self._states(body, joints, 3)
+
     def efforts(self, body: str, joints: Sequence[str]) -> Array:
         """Highest torques [N m] or forces [N] of joints, as the URDF has them (len(joints),)."""
         number, indices = self._bodies.joint_ids(body, joints)
@@ -252,7 +256,7 @@ class Joints:
         """
         number, (index, other_index) = self._bodies.joint_ids(body, [joint, other])
         axis = self._client.call("getJointInfo", number, index)[13]
-        gear = self._join("GEAR", (number, index, number, other_index), axis, np.eye(4))
+        gear = self._join("GEAR", (number, index, number, other_index), axis, np.eye(4), np.eye(4))
         self._client.call("changeConstraint", gear, gearRatio=ratio, erp=stiffness, maxForce=force)
 
     def fix_bodies(self, body: str, other: str, *, force: float) -> None:
@@ -260,20 +264,44 @@ class Joints:
         world_from_other = self._bodies.centre_of_mass(other)
         other_from_body = poses.inverse(world_from_other) @ self._bodies.centre_of_mass(body)
         bases = (*self._bodies.link_id(other), *self._bodies.link_id(body))
-        joint = self._join("FIXED", bases, (0, 0, 0), other_from_body)
+        joint = self._join("FIXED", bases, (0, 0, 0), other_from_body, np.eye(4))
         self._client.call("changeConstraint", joint, maxForce=force)
 
+    def tether(self, body: str, at: Array, *, force: float) -> int:
+        """Hold a body at a point (3,) [m] by at most `force` [N], as a person; return its id."""
+        body_from_joint = poses.inverse(self._bodies.centre_of_mass(body)) @ poses.translation(*at)
+        links = (*self._bodies.link_id(body), BASE, BASE)
+        tether = self._join(
+            "POINT2POINT", links, (0, 0, 0), body_from_joint, poses.translation(*at)
+        )
+        self._client.call("changeConstraint", tether, maxForce=force)
+        return tether
+
+    def move_tether(self, tether: int, position: Array) -> None:
+        """Move a tether to where its point of the body shall be (3,) [m]."""
+        self._client.call("changeConstraint", tether, jointChildPivot=position)
+
+    def untie(self, tether: int) -> None:
+        """Let go of what a tether holds."""
+        self._client.call("removeConstraint", tether)
+
     def _join(
-        self, kind: str, links: Sequence[int], axis: Sequence[float], parent_from_child: Array
+        self,
+        kind: str,
+        links: Sequence[int],
+        axis: Sequence[float],
+        parent_from_joint: Array,
+        child_from_joint: Array,
     ) -> int:
         return self._client.call(
             "createConstraint",
             *links,
             jointType=self._client.constant(f"JOINT_{kind}"),
             jointAxis=axis,
-            parentFramePosition=parent_from_child[:3, 3],
-            childFramePosition=(0, 0, 0),
-            parentFrameOrientation=poses.quaternion(parent_from_child[:3, :3]),
+            parentFramePosition=parent_from_joint[:3, 3],
+            childFramePosition=child_from_joint[:3, 3],
+            parentFrameOrientation=poses.quaternion(parent_from_joint[:3, :3]),
+            childFrameOrientation=poses.quaternion(child_from_joint[:3, :3]),
         )
 
 

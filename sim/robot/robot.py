@@ -223,6 +223,12 @@ class Robot:
         found = (c for c in self.engine.bodies.contacts(NAME, link) if c.force > MIN_FORCE)
         return frozenset((c.other, c.other_link) for c in found if c.other != NAME)
 
+    def force_on_hand(self) -> Array:
+        """The force (3,) that the hand exerts, with the arm's own weight, by its motors [N]."""
+        torques = self.engine.joints.torques(NAME, self._joints)
+        jacobian = self.chain.jacobian(self.chain.frames(self.joints[None]))[0, :3]
+        return np.linalg.lstsq(jacobian.T, torques, rcond=None)[0]
+
     def take_trajectory(self) -> str | None:
         """Return where the joints were since the last call, packed; None if no time has passed."""
         now = self._sample()

@@ -12,6 +12,7 @@ from hilt.ontology.objects import load_household, load_objects
 from hilt.sim import poses
 from hilt.sim.body import Body
 from hilt.sim.grasping.planner import MAX_ATTEMPTS
+from hilt.sim.manipulation import hand_motions
 from hilt.sim.manipulation.motion_report import MotionReport
 from hilt.sim.robot.robot import NAME
 from hilt.sim.scene.scene import Placement, Scene, parse_scene
@@ -179,6 +180,39 @@ def test_object_lost_on_the_way_is_grasped_again_and_handed_over():
         assert (report.attempts, report.failures) == (2, ("dropped",))
         assert report.touched == ("handle",)
         assert body.world.points("knife")[:, 2].min() > 0.1
+
+
+@pytest.mark.parametrize(
+    ("name", "part"), [("knife", "blade"), ("hammer", "handle"), ("mug", "barrel")]
+)
+def test_receiver_takes_what_is_offered(name: str, part: str):
+    """The free part faces the receiver; the hand opens as it is pulled at, and goes home empty."""
+    with body_with(f"objects:{name}", seed=7) as body:
+        assert grasped(body, name, part).ok and body.lift().ok
+        offered = body.hand_over()
+        before = body.world.pose(name)[0, 3]
+
+        report = body.release()
+
+        assert (report.ok, report.taken, body.holding) == (True, True, None)
+        assert body.world.pose(name)[0, 3] > before + 0.3
+        assert body.world.points(name)[:, 2].min() > 0.1
+        assert not body.robot.is_touching()
+    assert np.degrees(offered.facing_rad or 0.0) < 45
+    assert offered.clearance_m is not None and offered.clearance_m > -0.002
+
+
+def test_what_nobody_pulls_at_is_kept(monkeypatch: pytest.MonkeyPatch):
+    """A force of 2 N is no pull: the hand stays closed, and says why."""
+    monkeypatch.setattr(hand_motions, "PULL", 2.0)
+    with body_with("objects:knife", seed=7) as body:
+        assert grasped(body, "knife", "blade").ok and body.lift().ok and body.hand_over().ok
+
+        report = body.release()
+
+        assert (report.ok, report.reason, report.taken) == (False, "not_taken", False)
+        assert body.holding == "knife"
+        assert body.robot.finger_contacts().holds("knife")
 
 
 def test_object_that_is_held_by_the_part_already_is_kept():
