@@ -188,6 +188,7 @@ def _timed(
     started = process_time()
     with Stopwatch() as watch, Body(scene, objects, seed=seed, **options) as body:
         _pile(body.world, piled)
+        body.movable = lambda _: (None,)
         reports = _reports(body, name, part or None)
         steps, facing_deg, taken = body.world.engine.steps, None, False
         cpu_s = process_time() - started

@@ -17,6 +17,7 @@ from ..poses import Array
 from ..robot.collision import finger_spheres, hand_spheres
 from ..robot.path_planner import MAX_PACE, GraspPath, PathPlanner, hand_orientations
 from ..robot.robot import FingerContacts, Robot
+from ..scene.world import TABLE
 from ..vision.point_cloud_operations import voxel_downsample
 
 TRANSIT_PACE = MAX_PACE  # shares of the joints' speed limits
@@ -270,11 +271,14 @@ class HandMotion:
         path, opening = held.planner.plan_straight(goal), held.path.grasp.opening
         if path is None or not held.planner.is_clear(path, opening):
             return "unreachable"
-        self.robot.follow(path, pace=APPROACH_PACE)
+        self.robot.follow(path, pace=APPROACH_PACE, stop=lambda: self._is_laid(held.name))
         laid = poses.transform(self.robot.world_from_hand, held.points)
         scene = np.vstack([held.planner.obstacles, laid])
         self.release(replace(held.planner, scene=scene), opening)
         return ""
+
+    def _is_laid(self, name: str) -> bool:
+        return any(contact.other == TABLE for contact in self.robot.engine.bodies.contacts(name))
 
     def _free_places(self, held: HeldObject) -> Iterator[Array]:
         """Shifts (3,) [m] from where the object lay to places with room, the nearest first."""
@@ -285,9 +289,10 @@ class HandMotion:
         clouds = (held.context.percept.cloud, held.planner.obstacles)
         cloud, others = (each[voxel_downsample(each, HELD_CELL), :2] for each in clouds)
         taken = shapely.MultiPoint(others)
+        drop = held.planner.table - held.context.percept.cloud[:, 2].min()
         for shift in places[np.argsort(far, kind="stable")] - start:
             if not shapely.dwithin(taken, shapely.MultiPoint(cloud + shift), PLACE_GAP):
-                yield np.array([*shift, 0.0])
+                yield np.array([*shift, min(drop, 0.0)])
 
     def _hand_over_postures(self, held: HeldObject) -> Iterator[Array]:
         turns = poses.rotation_about((0, 0, 1), np.arange(HEADINGS) * 2 * np.pi / HEADINGS)

@@ -19,7 +19,9 @@ class MotionReport:
         score: of the grasp that was used, at most 1; 0 without one.
         slip_m: how far the object moved in the hand, at the grip [m]; more than 1 cm is a failure.
         slip_rad: how far it turned there [rad]; more than 15 degrees are a failure.
-        bumped: neighbours that were moved by more than a centimetre.
+        moved: neighbours that were put aside to get at the object, in order.
+        barred_by: those that leave no room for the hand, where that is the reason.
+        bumped: other neighbours that were moved by more than a centimetre.
         depth_m: how deep the struck object stands in the other one [m]; 0 without one.
         driven: whether it is driven in completely.
         facing_rad: level angle at the handover from the free part to the receiver [rad], and
@@ -39,6 +41,8 @@ class MotionReport:
     score: float = 0.0
     slip_m: float = 0.0
     slip_rad: float = 0.0
+    moved: tuple[str, ...] = ()
+    barred_by: tuple[str, ...] = ()
     bumped: tuple[str, ...] = ()
     depth_m: float = 0.0
     driven: bool = False

@@ -4,8 +4,9 @@ Each action returns a `MotionReport`. A failed grasp is followed by another one 
 are used up, and a lost object is grasped again; what is impossible is reported without trying.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import replace
+from itertools import chain
 from typing import TypeAlias
 
 import numpy as np
@@ -13,7 +14,7 @@ import numpy as np
 from ...ontology.errors import MotionInterruptedError
 from .. import poses
 from ..grasping.context import GraspContext
-from ..grasping.planner import GraspAttempts, RankedGrasps, select_grasp
+from ..grasping.planner import GraspAttempts, RankedGrasps, barring, select_grasp
 from ..poses import Array
 from ..robot.path_planner import Grasp, GraspPath, PathPlanner
 from ..robot.robot import Robot
@@ -29,9 +30,11 @@ RAISED = 0.01  # [m], from which on an object has left the table, as after an in
 HOLD_TIME = 1.0  # [s], after a lift
 OFFER_TIME = 0.5  # [s], at the receiver
 MAX_SLIP, MAX_TURN = 0.01, np.radians(15)  # [m], [rad] in the hand; more is no firm hold
+MAX_MOVED = 3  # neighbours that are put aside to get at one object
 BUMP = 0.01  # [m], a neighbour that moved more was bumped
 LOST = {"slipped", "dropped"}  # reasons to take the object again, if it is not in the hand firmly
 
+Movable: TypeAlias = Callable[[Percept], Collection[str | None]]
 PlanListener: TypeAlias = Callable[[str, str | None, RankedGrasps, Grasp | None], None]
 
 
@@ -44,6 +47,8 @@ class PickAndPlace:
         in_hand: the object in the hand, with its grasp; None when it is empty.
         on_plan: called, if not None, before each closing of the gripper, with the name of the
             object, the part to grasp it by, the last grasp plan, and the selected grasp.
+        movable: returns the parts by one of which a neighbour in the way may be taken and put
+            aside (None for any); for none, as long as nobody says otherwise.
     """
 
     def __init__(self, world: World, robot: Robot, vision: ObjectDetector, *, seed: int) -> None:
@@ -52,8 +57,12 @@ class PickAndPlace:
         self.on_plan: PlanListener | None = None
         self._motion, self._vision = HandMotion(robot), vision
         self._rng = np.random.default_rng(seed)
+        self.movable: Movable = lambda _: ()
         self._task = GraspAttempts("", None)
         self._before: dict[str, Array] = {}  # poses of all objects before the task
+        self._wanted: set[str] = set()  # names of what was to be taken for the task
+        self._put_aside: tuple[str, ...] = ()
+        self._barred_by: tuple[str, ...] = ()
         self._is_interrupted = False  # since the last motion, which left the arm where it was
 
     @property
@@ -135,6 +144,8 @@ class PickAndPlace:
             score=held.path.grasp.score if held else 0.0,
             slip_m=slip_m,
             slip_rad=slip_rad,
+            moved=self._put_aside,
+            barred_by=self._barred_by if reason == "blocked" else (),
             bumped=self._bumped(),
         )
 
@@ -145,6 +156,7 @@ class PickAndPlace:
             return self._report("grasp", "")
         self._clear_hand()
         self._task = GraspAttempts(percept.name, part)
+        self._wanted, self._put_aside = {percept.name}, ()
         self._before = {name: self.world.pose(name) for name in self.world.kinds}
         return self._grasp()
 
@@ -210,7 +222,7 @@ class PickAndPlace:
         reason = "nothing_seen"
         while not self._task.is_given_up:
             context = self._observe(self._task.name, self._task.part)
-            if context is None or not len(context.target):
+            if context is None:
                 break
             planner = PathPlanner(self.robot, context.scene, context.obstacles)
             plan, path, reason = select_grasp(
@@ -218,6 +230,8 @@ class PickAndPlace:
             )
             if self.on_plan:
                 self.on_plan(self._task.name, self._task.part, plan, path.grasp if path else None)
+            if path is None and self._make_room(context, planner):
+                continue
             if path is None:
                 break
             reason = self._close_on(path, context, planner)
@@ -227,6 +241,29 @@ class PickAndPlace:
             self._motion.release(planner, path.grasp.opening)
             self.in_hand = None
         return self._report("grasp", reason)
+
+    def _make_room(self, context: GraspContext, planner: PathPlanner) -> bool:
+        """Put something in the way aside, and what is in its way; return whether that was done."""
+        done, seen = self._put_aside, self._vision.percepts
+        others = {*self.world.loose} - {self._task.name}
+        others = [each for each in seen if each.name in others]
+        ways = barring(context, planner, others, lift=LIFT_HEIGHT, rng=self._rng)
+        for other in dict.fromkeys(chain(*ways)):
+            for part in self.movable(other) if other.name not in self._wanted else ():
+                if self._put_aside == done and len(done) < MAX_MOVED:
+                    self._move_aside(other.name, part)
+        self._barred_by = tuple(each.name for each in next(filter(None, ways), ()))
+        return self._put_aside != done
+
+    def _move_aside(self, name: str, part: str | None) -> None:
+        self._wanted.add(name)
+        task, self._task = self._task, GraspAttempts(name, part)
+        if self._grasp_and_lift().ok and self.in_hand:
+            if self._put(self.in_hand, "put_down").ok:
+                self._put_aside += (name,)
+            else:
+                self._put_away(self.in_hand)
+        self._task = task
 
     def _close_on(self, path: GraspPath, context: GraspContext, planner: PathPlanner) -> str:
         name = self._task.name
@@ -305,6 +342,6 @@ class PickAndPlace:
         return tuple(
             name
             for name, before in self._before.items()
-            if name != self._task.name
+            if name not in {self._task.name, *self._put_aside}
             and np.linalg.norm((self.world.pose(name) - before)[:3, 3]) > BUMP
         )

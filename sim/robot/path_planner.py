@@ -160,11 +160,11 @@ class PathPlanner:
                 return path
         return None
 
-    def is_clear(self, path: Array, opening: float) -> bool:
-        """Whether a path (n, k) hits no obstacle with the hand open by `opening` [m]."""
+    def is_clear(self, path: Array, opening: float, *, gap: float = APPROACH_GAP) -> bool:
+        """Whether a path (n, k) keeps a gap [m] to obstacles, the hand open by `opening` [m]."""
         spheres, home = self.robot.body_spheres(opening), self.robot.kind.home[None]
         # Spheres of the arm may be so large that some always overlap.
-        least = np.minimum(APPROACH_GAP, self._gaps(spheres, home, self.obstacles))
+        least = np.minimum(gap, self._gaps(spheres, home, self.obstacles))
         return bool((self._gaps(spheres, path, self.obstacles) >= least).all())
 
     def plan_straight(
