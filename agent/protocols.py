@@ -7,7 +7,7 @@ an utterance. A failure is a report with a reason, never an exception.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from pathlib import Path
 from threading import Event
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
@@ -109,6 +109,13 @@ class ReleasingMotion(Protocol):
     def put_back(self) -> MotionReport:
         """Put the held object back where it was taken up."""
         ...
+
+
+@runtime_checkable
+class ClearingMotion(Protocol):
+    """A motion that puts aside what is in the way, by a part that it may take it by; optional."""
+
+    movable: Callable[[Percept], Collection[str | None]]  # set before a command; None is any part
 
 
 class Dialogue(Protocol):

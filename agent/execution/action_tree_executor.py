@@ -21,7 +21,7 @@ from ...ontology.errors import ConflictError, MotionInterruptedError
 from ...ontology.logs import timed
 from ...sim.robot.interruption import Interruption
 from ...sim.vision.percept import Percept
-from ..protocols import Motion, ReleasingMotion, Vision
+from ..protocols import ClearingMotion, Motion, ReleasingMotion, Vision
 from . import outcome_answer
 from .doubt import Doubt, find_doubt
 from .norm_guard import NormGuard
@@ -30,7 +30,7 @@ from .perception import percept_as_observation
 from .primitives import PrimitiveExecutor, PrimitiveTask
 from .request import PATIENT, Argument, Arguments, Request, named, review_arguments
 
-GRASP = "graspObject"
+GRASP, PICK_UP = "graspObject", "pickUp"
 WORTH_TRYING = ("accepted", "unsure")  # verdicts of candidates that may be tried instead
 
 
@@ -99,6 +99,8 @@ class TreeExecutor:
         )
         motion = context.motion if is_able else None
         self._primitives = PrimitiveExecutor(motion, context, request.action) if motion else None
+        if isinstance(motion, ClearingMotion):
+            motion.movable = self._parts_to_move
         self.decision: Decision | None = None
         self._steps: list[WalkStep] = []
         self._setbacks: list[AnswerContent] = []
@@ -112,6 +114,8 @@ class TreeExecutor:
         """Return the result of the execution so far, with this answer."""
         world = self._primitives.world if self._primitives else WorldOutcome()
         trials = self._primitives.grasps.trials if self._primitives else ()
+        if world.moved:
+            self._report_setback(AnswerContent("moved_aside", {"objects": world.moved}))
         done = (tuple(self._steps), world, tuple(self._setbacks), trials, self._doubt)
         verdicts = tuple(self._norms.verdicts)
         return GoalResult(answer, self.decision, *done, verdicts)
@@ -447,6 +451,19 @@ class TreeExecutor:
 
     def _no_part(self, key: str, percept: Percept, **slots: str) -> AnswerContent:
         return AnswerContent(key, {"object": percept.object, **slots}, "failed", "no_part")
+
+    def _parts_to_move(self, other: Percept) -> tuple[str | None, ...]:
+        """Return the part, None for any, by which Hilt would pick up what is in the way, if any."""
+        asked, alike = self._request, self._context.vision.search([f"object:{other.object}"])
+        others = frozenset(each.name for each in alike if each.name != other.name)
+        target = {"object": Target(object=other.object, is_confirmed=True)}
+        request = Request(PICK_UP, target, asked.speaker, None, asked.contexts, excluded=others)
+        request = replace(request, momentary=asked.momentary)
+        context = replace(self._context, motion=None, done=[*self._context.done], watchers=[])
+        walk = TreeExecutor(context, request, is_able=False)
+        failure = walk.visit(PICK_UP, request.arguments)
+        part = walk.decision.chosen_part if walk.decision else None
+        return (part,) if not failure and part in {None, *other.parts} else ()
 
     def _allowed_parts(self, percept: Percept, inference: Inference) -> list[str]:
         forbidden = {each.argument.name for each in inference.denied if each.argument}

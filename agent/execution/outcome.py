@@ -198,6 +198,7 @@ class WorldOutcome:
             when nothing was handed over.
         facing_rad: the level angle from its free part to the receiver then, None where it has none
             aside, and `clearance_m` the gap between that part and the fingers [m].
+        moved: the kinds of objects that were in the way and were put aside.
         attempts: the number of grasps.
         score: of the last one, at most about 1.
         slip_m: how far the object moved in the hand at the grip, and `slip_rad` how far it turned.
@@ -213,6 +214,7 @@ class WorldOutcome:
     handed_over_at: tuple[float, ...] = ()
     facing_rad: float | None = None
     clearance_m: float | None = None
+    moved: tuple[str, ...] = ()
     attempts: int = 0
     score: float = 0.0
     slip_m: float = 0.0
@@ -231,6 +233,7 @@ class WorldOutcome:
             "lifted_m": round(self.lifted_m, 4),
             "held_s": round(self.held_s, 3),
             "handed_over": self.handed_over,
+            "moved": list(self.moved),
             "attempts": self.attempts,
             "score": round(self.score, 3),
             "slip_m": round(self.slip_m, 4),

@@ -6,6 +6,7 @@ from ...inference.induction import INDUCER
 from ...inference.types import Candidate, Inference, Target
 from ...nlu.generation.templates import proper_name
 from ...ontology.actions import Precondition
+from ...sim.manipulation.motion_report import MotionReport
 from .doubt import Doubt
 from .outcome import AnswerContent, Decision, Slot
 
@@ -128,13 +129,14 @@ def ask_about(doubt: Doubt) -> AnswerContent:
     return AnswerContent(key, slots, "asked", "doubted")
 
 
-def motion_failed(reason: str, object_name: str, part: str | None) -> AnswerContent:
+def motion_failed(report: MotionReport, object_name: str, part: str | None) -> AnswerContent:
     """Return the answer to a motion that failed."""
-    if reason not in _MOTION:  # a failure of the robot's own
-        return failed(reason.replace("_", " "), object_name, reason)
-    with_part, without = _MOTION[reason]
-    slots = {"object": object_name} | ({"part": part} if part else {})
-    return AnswerContent(with_part if part else without, slots, "failed", reason)
+    if report.reason not in _MOTION:  # a failure of the robot's own
+        return failed(report.reason.replace("_", " "), object_name, report.reason)
+    key = _MOTION[report.reason][0 if part else 1] + ("_by" if report.barred_by else "")
+    slots = {"object": object_name, "part": part, "objects": report.barred_by}
+    known = {name: slot for name, slot in slots.items() if slot}
+    return AnswerContent(key, known, "failed", report.reason)
 
 
 def failed(why: str, object_name: str, cause: str) -> AnswerContent:

@@ -152,7 +152,7 @@ class PrimitiveExecutor:
         self._part = task.part
         report = self._motion.grasp(task.percept, task.part)
         self.grasps.begin(task.percept.object, task.part, task.context, report)
-        self.world = WorldOutcome()
+        self.world = WorldOutcome(moved=self.world.moved)
         self.holding = task.percept.name if report.ok else None
         return self._moved(report, task, *_GRASPED)
 
@@ -228,9 +228,10 @@ class PrimitiveExecutor:
         self, report: MotionReport, task: PrimitiveTask, *same: str, **changed: Any
     ) -> Failure:
         changed |= {name: getattr(report, name) for name in same}
+        changed["moved"] = self.world.moved + report.moved
         self.world = replace(self.world, executed=True, **changed)
         name = task.percept.object if task.percept else self.tool or "thing"
-        return None if report.ok else outcome_answer.motion_failed(report.reason, name, self._part)
+        return None if report.ok else outcome_answer.motion_failed(report, name, self._part)
 
 
 def empty_hand(motion: Motion | None, primitive: str, kind: str | None) -> AnswerContent:

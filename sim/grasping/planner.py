@@ -8,9 +8,8 @@ has not failed before.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from itertools import islice
 
 import numpy as np
 
@@ -18,7 +17,6 @@ from .. import poses
 from ..poses import Array
 from ..robot.models import Gripper
 from ..robot.path_planner import Grasp, GraspPath, PathPlanner
-from ..vision.percept import Percept
 from . import scoring
 from .context import GraspContext, LabelledPointCloud
 from .sampling import sample_grasps
@@ -48,9 +46,6 @@ SAME_PLACE = 0.015  # [m], a grasp so near to a failed one is not tried again
 # Efforts of planning, and the scores from which the next one is not needed: where little effort
 # finds no reachable grasp, or a poor one, more may find a better one.
 EFFORTS = {1: 0.5, 2: 0.3, 4: 0.3, 8: 0.0}
-WAYS = 8  # grasps of an object alone whose paths are checked for what bars them
-ROOM = 0.01  # [m] that these keep to all else
-TOUCHING = 0.012  # [m] between points of things that may lie on each other
 ACCEPTABLE = 0.1  # score; a grasp that is not above it is not tried
 _REASONS = {"too_wide": "too_wide", "part": "blocked", "neighbour": "blocked", "below_table": ""}
 
@@ -130,8 +125,6 @@ def select_grasp(
     and the reason.
     """
     plan, best = RankedGrasps((), {}), None
-    if not len(context.target):
-        return plan, None, "nothing_seen"
     cloud = context.labelled_cloud(planner.table)
     for effort, enough in EFFORTS.items():
         plan = plan_grasps(cloud, planner.robot.gripper, rng=rng, effort=effort)
@@ -146,39 +139,6 @@ def select_grasp(
         is_free = plan_grasps(alone, planner.robot.gripper, rng=rng).grasps
         return plan, None, "blocked" if is_free else plan.reason or "no_grasp"
     return plan, best, "" if best else "unreachable"
-
-
-def barring(
-    context: GraspContext,
-    planner: PathPlanner,
-    others: Iterable[Percept],
-    *,
-    lift: float,
-    rng: np.random.Generator,
-) -> list[list[Percept]]:
-    """Return the other objects in the way of each of some grasps, the uppermost first.
-
-    The grasp that the fewest bar comes first; the last are those that touch, and so may hide it.
-    """
-    upper = sorted(others, key=lambda each: -float(each.cloud[:, 2].max()))
-    points = {each: replace(context, neighbours=each.cloud).obstacles for each in upper}
-    alone = replace(context, neighbours=context.neighbours[:0])
-    free = replace(planner, scene=alone.scene, obstacles=alone.neighbours)
-    cloud = alone.labelled_cloud(planner.table)
-    grasps = plan_grasps(cloud, planner.robot.gripper, rng=rng).grasps if len(cloud.target) else ()
-
-    def bars(other: Percept, path: GraspPath) -> bool:
-        way, around = np.vstack([path.approach, path.lift]), replace(free, obstacles=points[other])
-        above = replace(around, table=-np.inf)
-        return not above.is_clear(way, path.grasp.opening, gap=ROOM)
-
-    def touches(other: Percept) -> bool:
-        aside = points[other][:, None] - free.scene
-        return bool(np.linalg.norm(aside, axis=-1).min() < TOUCHING)
-
-    paths = islice(free.grasp_paths(grasps, lift=lift), WAYS)
-    ways = [[each for each in upper if bars(each, path)] for path in paths]
-    return [*sorted(ways, key=len), [*filter(touches, upper)]]
 
 
 def plan_grasps(

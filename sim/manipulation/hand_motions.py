@@ -12,12 +12,12 @@ import shapely
 
 from .. import poses
 from ..grasping.context import GraspContext
+from ..models.object_models import object_model
 from ..physics.engine import GRAVITY, TIME_STEP
 from ..poses import Array
 from ..robot.collision import finger_spheres, hand_spheres
 from ..robot.path_planner import MAX_PACE, GraspPath, PathPlanner, hand_orientations
 from ..robot.robot import FingerContacts, Robot
-from ..scene.world import TABLE
 from ..vision.point_cloud_operations import voxel_downsample
 
 TRANSIT_PACE = MAX_PACE  # shares of the joints' speed limits
@@ -271,14 +271,11 @@ class HandMotion:
         path, opening = held.planner.plan_straight(goal), held.path.grasp.opening
         if path is None or not held.planner.is_clear(path, opening):
             return "unreachable"
-        self.robot.follow(path, pace=APPROACH_PACE, stop=lambda: self._is_laid(held.name))
+        self.robot.follow(path, pace=APPROACH_PACE)
         laid = poses.transform(self.robot.world_from_hand, held.points)
         scene = np.vstack([held.planner.obstacles, laid])
         self.release(replace(held.planner, scene=scene), opening)
         return ""
-
-    def _is_laid(self, name: str) -> bool:
-        return any(contact.other == TABLE for contact in self.robot.engine.bodies.contacts(name))
 
     def _free_places(self, held: HeldObject) -> Iterator[Array]:
         """Shifts (3,) [m] from where the object lay to places with room, the nearest first."""
@@ -289,10 +286,11 @@ class HandMotion:
         clouds = (held.context.percept.cloud, held.planner.obstacles)
         cloud, others = (each[voxel_downsample(each, HELD_CELL), :2] for each in clouds)
         taken = shapely.MultiPoint(others)
-        drop = held.planner.table - held.context.percept.cloud[:, 2].min()
+        corners = poses.transform(held.world_from_start, object_model(held.context.kind).points)
+        drop = held.planner.table - corners[:, 2].min()
         for shift in places[np.argsort(far, kind="stable")] - start:
             if not shapely.dwithin(taken, shapely.MultiPoint(cloud + shift), PLACE_GAP):
-                yield np.array([*shift, min(drop, 0.0)])
+                yield np.array([*shift, drop])
 
     def _hand_over_postures(self, held: HeldObject) -> Iterator[Array]:
         turns = poses.rotation_about((0, 0, 1), np.arange(HEADINGS) * 2 * np.pi / HEADINGS)

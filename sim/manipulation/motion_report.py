@@ -19,8 +19,8 @@ class MotionReport:
         score: of the grasp that was used, at most 1; 0 without one.
         slip_m: how far the object moved in the hand, at the grip [m]; more than 1 cm is a failure.
         slip_rad: how far it turned there [rad]; more than 15 degrees are a failure.
-        moved: neighbours that were put aside to get at the object, in order.
-        barred_by: those that leave no room for the hand, where that is the reason.
+        moved: the kinds of neighbours that were put aside for it, in order.
+        barred_by: the kinds of those that leave no room for the hand, when that is the reason.
         bumped: other neighbours that were moved by more than a centimetre.
         depth_m: how deep the struck object stands in the other one [m]; 0 without one.
         driven: whether it is driven in completely.

@@ -6,7 +6,7 @@ are used up, and a lost object is grasped again; what is impossible is reported 
 
 from collections.abc import Callable, Collection
 from dataclasses import replace
-from itertools import chain
+from itertools import chain, islice
 from typing import TypeAlias
 
 import numpy as np
@@ -14,7 +14,7 @@ import numpy as np
 from ...ontology.errors import MotionInterruptedError
 from .. import poses
 from ..grasping.context import GraspContext
-from ..grasping.planner import GraspAttempts, RankedGrasps, barring, select_grasp
+from ..grasping.planner import GraspAttempts, RankedGrasps, plan_grasps, select_grasp
 from ..poses import Array
 from ..robot.path_planner import Grasp, GraspPath, PathPlanner
 from ..robot.robot import Robot
@@ -30,11 +30,12 @@ RAISED = 0.01  # [m], from which on an object has left the table, as after an in
 HOLD_TIME = 1.0  # [s], after a lift
 OFFER_TIME = 0.5  # [s], at the receiver
 MAX_SLIP, MAX_TURN = 0.01, np.radians(15)  # [m], [rad] in the hand; more is no firm hold
-MAX_MOVED = 3  # neighbours that are put aside to get at one object
+WAYS = 8  # paths to grasps of an object alone that are checked for what bars them
+ROOM = 0.01  # [m] from such a path to what does not bar it
+MAX_MOVED = 3  # neighbours that are put aside in one motion
 BUMP = 0.01  # [m], a neighbour that moved more was bumped
 LOST = {"slipped", "dropped"}  # reasons to take the object again, if it is not in the hand firmly
 
-Movable: TypeAlias = Callable[[Percept], Collection[str | None]]
 PlanListener: TypeAlias = Callable[[str, str | None, RankedGrasps, Grasp | None], None]
 
 
@@ -47,8 +48,8 @@ class PickAndPlace:
         in_hand: the object in the hand, with its grasp; None when it is empty.
         on_plan: called, if not None, before each closing of the gripper, with the name of the
             object, the part to grasp it by, the last grasp plan, and the selected grasp.
-        movable: returns the parts by one of which a neighbour in the way may be taken and put
-            aside (None for any); for none, as long as nobody says otherwise.
+        movable: returns the parts by one of which something in the way may be taken and put aside
+            (None for any); none until somebody says so.
     """
 
     def __init__(self, world: World, robot: Robot, vision: ObjectDetector, *, seed: int) -> None:
@@ -57,12 +58,11 @@ class PickAndPlace:
         self.on_plan: PlanListener | None = None
         self._motion, self._vision = HandMotion(robot), vision
         self._rng = np.random.default_rng(seed)
-        self.movable: Movable = lambda _: ()
+        self.movable: Callable[[Percept], Collection[str | None]] = lambda _: ()
         self._task = GraspAttempts("", None)
+        self._wanted: set[str] = set()  # names of all that was to be taken for the task
+        self._put_aside, self._barred_by = tuple[str, ...](), tuple[str, ...]()  # kinds
         self._before: dict[str, Array] = {}  # poses of all objects before the task
-        self._wanted: set[str] = set()  # names of what was to be taken for the task
-        self._put_aside: tuple[str, ...] = ()
-        self._barred_by: tuple[str, ...] = ()
         self._is_interrupted = False  # since the last motion, which left the arm where it was
 
     @property
@@ -121,6 +121,7 @@ class PickAndPlace:
         return self._moved(action, lambda: act(held))
 
     def _moved(self, action: str, move: Callable[[], MotionReport]) -> MotionReport:
+        self._put_aside = ()
         try:
             return move()
         except MotionInterruptedError:
@@ -156,7 +157,7 @@ class PickAndPlace:
             return self._report("grasp", "")
         self._clear_hand()
         self._task = GraspAttempts(percept.name, part)
-        self._wanted, self._put_aside = {percept.name}, ()
+        self._wanted = {percept.name}
         self._before = {name: self.world.pose(name) for name in self.world.kinds}
         return self._grasp()
 
@@ -222,7 +223,7 @@ class PickAndPlace:
         reason = "nothing_seen"
         while not self._task.is_given_up:
             context = self._observe(self._task.name, self._task.part)
-            if context is None:
+            if context is None or not len(context.target):
                 break
             planner = PathPlanner(self.robot, context.scene, context.obstacles)
             plan, path, reason = select_grasp(
@@ -243,26 +244,41 @@ class PickAndPlace:
         return self._report("grasp", reason)
 
     def _make_room(self, context: GraspContext, planner: PathPlanner) -> bool:
-        """Put something in the way aside, and what is in its way; return whether that was done."""
-        done, seen = self._put_aside, self._vision.percepts
-        others = {*self.world.loose} - {self._task.name}
-        others = [each for each in seen if each.name in others]
-        ways = barring(context, planner, others, lift=LIFT_HEIGHT, rng=self._rng)
+        """Put something in the way aside, or what is in its way; return whether that was done."""
+        done, ways = self._put_aside, self._barring(context, planner)
         for other in dict.fromkeys(chain(*ways)):
             for part in self.movable(other) if other.name not in self._wanted else ():
                 if self._put_aside == done and len(done) < MAX_MOVED:
-                    self._move_aside(other.name, part)
-        self._barred_by = tuple(each.name for each in next(filter(None, ways), ()))
+                    self._move_aside(other, part)
+        self._barred_by = tuple(each.object for each in next(iter(ways), ()))
         return self._put_aside != done
 
-    def _move_aside(self, name: str, part: str | None) -> None:
-        self._wanted.add(name)
-        task, self._task = self._task, GraspAttempts(name, part)
-        if self._grasp_and_lift().ok and self.in_hand:
-            if self._put(self.in_hand, "put_down").ok:
-                self._put_aside += (name,)
-            else:
-                self._put_away(self.in_hand)
+    def _barring(self, context: GraspContext, planner: PathPlanner) -> list[list[Percept]]:
+        """Return what bars each of some grasps, the fewest first; the uppermost first in each."""
+        alone = replace(context, neighbours=context.neighbours[:0])
+        free = replace(planner, scene=alone.scene, obstacles=alone.neighbours, table=-np.inf)
+        cloud, loose = alone.labelled_cloud(planner.table), {*self.world.loose}
+        grasps = plan_grasps(cloud, self.robot.gripper, rng=self._rng).grasps
+        seen = sorted(self._vision.percepts, key=lambda each: -float(each.cloud[:, 2].max()))
+        around = {
+            each: replace(free, obstacles=replace(context, neighbours=each.cloud).obstacles)
+            for each in seen
+            if each.name in loose - {context.percept.name}
+        }
+
+        def barred(path: GraspPath) -> list[Percept]:
+            way, opening = np.vstack([path.approach, path.lift]), path.grasp.opening
+            return [p for p, only in around.items() if not only.is_clear(way, opening, gap=ROOM)]
+
+        paths = islice(free.grasp_paths(grasps, lift=LIFT_HEIGHT), WAYS)
+        return sorted(filter(None, map(barred, paths)), key=len)
+
+    def _move_aside(self, other: Percept, part: str | None) -> None:
+        self._wanted.add(other.name)
+        task, self._task = self._task, GraspAttempts(other.name, part)
+        if self._grasp_and_lift().ok and self.in_hand and self._put(self.in_hand, "put_down").ok:
+            self._put_aside += (other.object,)
+        self._clear_hand()
         self._task = task
 
     def _close_on(self, path: GraspPath, context: GraspContext, planner: PathPlanner) -> str:
@@ -342,6 +358,6 @@ class PickAndPlace:
         return tuple(
             name
             for name, before in self._before.items()
-            if name not in {self._task.name, *self._put_aside}
+            if name not in self._wanted
             and np.linalg.norm((self.world.pose(name) - before)[:3, 3]) > BUMP
         )
