@@ -135,9 +135,7 @@ def select_grasp(
         if best is not None and best.grasp.score >= enough:
             break
     if best is None and not plan.grasps and planner.can_reach(context.target):
-        alone = replace(context, neighbours=context.neighbours[:0]).labelled_cloud(planner.table)
-        is_free = plan_grasps(alone, planner.robot.gripper, rng=rng).grasps
-        return plan, None, "blocked" if is_free else plan.reason or "no_grasp"
+        return plan, None, plan.reason or "no_grasp"
     return plan, best, "" if best else "unreachable"
 
 

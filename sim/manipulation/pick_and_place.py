@@ -234,6 +234,7 @@ class PickAndPlace:
             if path is None and self._make_room(context, planner):
                 continue
             if path is None:
+                reason = "blocked" if self._barred_by else reason
                 break
             reason = self._close_on(path, context, planner)
             if not reason:

@@ -1,7 +1,10 @@
 """The running example in the simulated world: what the fingers touch is what was said."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
+import numpy as np
 import pytest
 from PIL import Image
 
@@ -9,6 +12,7 @@ from hilt.agent.agent import Agent
 from hilt.agent.cli import main
 from hilt.agent.config import AgentConfig
 from hilt.agent.execution.outcome import WorldOutcome
+from hilt.sim import poses
 from hilt.sim.grasping.planner import ACCEPTABLE
 from hilt.sim.manipulation.hand_motions import MEETING
 
@@ -74,6 +78,54 @@ def test_object_that_turns_in_the_hand_is_not_handed_over(tmp_path: Path):
     assert not happened["handed_over"]
     assert happened["turn_deg"] > 15
     assert [trial.outcome for trial in reply.result.trials] == ["slipped"]
+
+
+@contextmanager
+def covered_knife(*told: str) -> Iterator[Agent]:
+    """An agent that was told something, at a table where a spatula lies on a knife."""
+    with Agent.open("memory:", AgentConfig(scene="objects:knife,spatula", seed=3)) as agent:
+        for sentence in told:
+            agent.hear(sentence)
+        world = agent.body.world
+        world.engine.bodies.place("knife", poses.translation(0.5, 0, 0))
+        world.engine.bodies.place("spatula", poses.translation(0.56, 0, 0.03))
+        world.settle()
+        yield agent
+
+
+def test_what_is_in_the_way_is_moved_aside_and_said():
+    """It is taken as it would be picked up, and the knife handed over by the part that was said."""
+    parts: dict[str, str | None] = {}
+    with covered_knife("To pick up a spatula grab the spatula by the handle") as agent:
+        agent.body.on_plan = lambda name, part, *_: parts.update({name: part})
+        reply = agent.hear("pass me the knife by the handle")
+
+    assert reply.said.startswith("I moved the spatula aside first. Here is the knife.")
+    assert parts == {"knife": "handle", "spatula": "handle"}
+    assert reply.result is not None
+    assert reply.as_do_json()["world"]["moved"] == ["spatula"]
+    assert (reply.result.world.touched, reply.result.world.handed_over) == (("handle",), True)
+
+
+@pytest.mark.parametrize(
+    "told",
+    [
+        "never pick up the spatula",
+        "don't pick up the spatula",
+        "never hold a spatula by the handle",  # and the blade is too wide
+    ],
+)
+def test_what_must_not_be_picked_up_is_not_moved_aside(told: str):
+    """The answer says what is in the way, and it lies where it lay."""
+    with covered_knife(told) as agent:
+        before = agent.body.world.pose("spatula")
+        reply = agent.hear("pass me the knife by the handle")
+        after = agent.body.world.pose("spatula")
+
+    assert reply.said == (
+        "I can't get my fingers around the handle of the knife, because of the spatula."
+    )
+    assert np.array_equal(before, after)
 
 
 def test_robot_does_not_move_for_what_it_was_not_told():

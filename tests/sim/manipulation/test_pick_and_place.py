@@ -17,6 +17,7 @@ from hilt.sim.manipulation.motion_report import MotionReport
 from hilt.sim.robot.robot import NAME
 from hilt.sim.scene.scene import Placement, Scene, parse_scene
 from hilt.sim.vision.camera import Camera, CameraImage
+from hilt.sim.vision.percept import Percept
 
 pytestmark = pytest.mark.sim
 
@@ -44,6 +45,20 @@ BESIDE = (
     Placement("screwdriver", "screwdriver", (0.53, -0.35), 2.7),
     Placement("mug", "mug", (0.37, -0.35), -2.5),
 )
+
+
+SIDE_BY_SIDE = (
+    Placement("knife", "knife", (0.5, 0.0), 0.0),
+    Placement("spatula", "spatula", (0.5, 0.3), 0.0),
+)
+
+
+def covered_body() -> Body:
+    """A body at a table where a spatula lies on a knife."""
+    body = body_at(*SIDE_BY_SIDE)
+    body.world.engine.bodies.place("spatula", poses.translation(0.56, 0.0, 0.03))
+    body.world.settle()
+    return body
 
 
 def body_at(*placements: Placement, robot: str = "panda") -> Body:
@@ -84,6 +99,53 @@ def test_impossible_grasp_is_not_tried(placements: tuple[Placement, ...], part: 
         assert (report.ok, report.reason, report.attempts) == (False, reason, 0)
         assert body.world.time == before
         assert body.holding is None
+
+
+def test_thing_in_the_way_is_put_aside():
+    """The spatula is laid on the table, nothing else is touched, and the knife is handed over."""
+    with covered_body() as body:
+        body.movable = lambda _: (None,)
+
+        report = grasped(body, "knife", "handle")
+        low = body.world.points("spatula")[:, 2].min()
+
+        assert (report.ok, report.touched, report.attempts) == (True, ("handle",), 1)
+        assert (report.moved, report.bumped) == (("spatula",), ())
+        assert low < 0.005
+        assert body.lift().ok
+        assert body.hand_over().ok
+
+
+def test_thing_in_the_way_that_must_stay_is_named():
+    """It lies where it lay, no time has passed, and the report says what is in the way."""
+    asked: list[str] = []
+
+    def movable(other: Percept) -> tuple[str, ...]:
+        asked.append(other.name)
+        return ()
+
+    with covered_body() as body:
+        body.movable, before = movable, body.world.time
+
+        report = grasped(body, "knife", "handle")
+
+        assert (report.reason, report.moved, report.barred_by) == ("blocked", (), ("spatula",))
+        assert (body.world.time, asked) == (before, ["spatula"])
+
+
+def test_thing_is_put_aside_by_the_part_that_is_allowed():
+    """The spatula is taken by its handle only, and the same seed gives the same run."""
+    runs: list[tuple[str, list[str]]] = []
+    for _ in range(2):
+        with covered_body() as body:
+            planned: list[str] = []
+            body.on_plan = lambda name, part, *_, to=planned: to.append(f"{name} {part}")
+            body.movable = lambda _: ("handle",)
+            assert grasped(body, "knife", "handle").ok
+            runs.append((body.state_hash(), planned))
+
+    assert runs[0] == runs[1]
+    assert set(runs[0][1]) == {"knife handle", "spatula handle"}
 
 
 @pytest.mark.parametrize("at", [(1.0, 0.1), (0.9, 0.6), (-0.4, 0.2)])
