@@ -28,7 +28,8 @@ leads from the grip towards the receiver, within 45 degrees of the level directi
 from the poses in the world; objects whose free part is less than 1 cm aside of the grip, such as
 upright glasses, have no such direction and do not count. `taken`, of those handed over, those that
 the receiver had after pulling at them, when the hand had felt it and opened. `tries` is the mean
-number of closings.
+number of closings, `put aside` that of neighbours that were in the way; `bumped` are other
+neighbours that moved by a centimetre or more.
 Processor time is that of a whole episode, from building the world (heaps are there before) to the
 handover, in a process that has run one before. For comparison, the same number of steps is timed
 with a robot that stands still in the same scene.
@@ -188,7 +189,7 @@ def _timed(
     started = process_time()
     with Stopwatch() as watch, Body(scene, objects, seed=seed, **options) as body:
         _pile(body.world, piled)
-        body.movable = lambda _: (None,)
+        body.movable = lambda _: (None,)  # anything in the way, by any part
         reports = _reports(body, name, part or None)
         steps, facing_deg, taken = body.world.engine.steps, None, False
         cpu_s = process_time() - started

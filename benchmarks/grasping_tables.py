@@ -78,11 +78,18 @@ class Episode:
         return self.last.action == "hand_over" and self.last.ok
 
     @property
+    def put_aside(self) -> tuple[str, ...]:
+        """The kinds of neighbours that were put aside for it, in order."""
+        return tuple(kind for report in self.reports for kind in report.moved)
+
+    @property
     def trouble(self) -> str:
         """All failures, recovered ones included; empty when there were none."""
         what = [*self._failures]
         if not self.last.ok:
             what.append(f"{self.last.action}: {self.last.reason}")
+        if self.put_aside:
+            what.append(f"put aside {', '.join(self.put_aside)}")
         if self.last.bumped:
             what.append(f"moved {', '.join(self.last.bumped)}")
         return "; ".join(what)
@@ -120,8 +127,8 @@ def summary_table(measured: Mapping[str, Sequence[Episode]]) -> str:
     """Return a table with a row for each setting."""
     rows = [
         "| setting | episodes | right part | first | held | given | facing | taken | slip p95 "
-        "| tries | neighbour moved | CPU |",
-        "|---" * 12 + "|",
+        "| tries | put aside | bumped | CPU |",
+        "|---" * 13 + "|",
     ]
     for title, group in measured.items():
         n, closed = len(group), sum(e.closed for e in group)
@@ -134,10 +141,12 @@ def summary_table(measured: Mapping[str, Sequence[Episode]]) -> str:
             (sum(e.taken for e in group), sum(e.given for e in group)),
         )
         bumped = sum(bool(e.last.bumped) for e in group)
+        put_aside = _mean(len(e.put_aside) for e in group)
+        cpu_s = _mean(e.cpu_s for e in group)
         rows.append(
             f"| {title} | {n} | {' | '.join(_share(*count) for count in counts)} "
             f"| {_slip_mm(group):.1f} mm | {_mean(e.last.attempts for e in group):.2f} "
-            f"| {_share(bumped, n)} | {_mean(e.cpu_s for e in group):.2f} s |"
+            f"| {put_aside:.2f} | {_share(bumped, n)} | {cpu_s:.2f} s |"
         )
     return "\n".join(rows)
 

@@ -30,9 +30,8 @@ RAISED = 0.01  # [m], from which on an object has left the table, as after an in
 HOLD_TIME = 1.0  # [s], after a lift
 OFFER_TIME = 0.5  # [s], at the receiver
 MAX_SLIP, MAX_TURN = 0.01, np.radians(15)  # [m], [rad] in the hand; more is no firm hold
-WAYS = 8  # paths to grasps of an object alone that are checked for what bars them
-ROOM = 0.01  # [m] from such a path to what does not bar it
-MAX_MOVED = 3  # neighbours that are put aside in one motion
+WAYS, MAX_MOVED = 8, 3  # paths that are checked for what bars them; neighbours put aside at once
+ROOM, TOUCHING = 0.01, 0.012  # [m] from a path to what bars it; from an object to what may hide it
 BUMP = 0.01  # [m], a neighbour that moved more was bumped
 LOST = {"slipped", "dropped"}  # reasons to take the object again, if it is not in the hand firmly
 
@@ -234,7 +233,7 @@ class PickAndPlace:
             if path is None and self._make_room(context, planner):
                 continue
             if path is None:
-                reason = "blocked" if self._barred_by else reason
+                reason = "blocked" if self._barred_by and reason != "too_wide" else reason
                 break
             reason = self._close_on(path, context, planner)
             if not reason:
@@ -255,24 +254,22 @@ class PickAndPlace:
         return self._put_aside != done
 
     def _barring(self, context: GraspContext, planner: PathPlanner) -> list[list[Percept]]:
-        """Return what bars each of some grasps, the fewest first; the uppermost first in each."""
-        alone = replace(context, neighbours=context.neighbours[:0])
+        """Return what bars each of some grasps, the fewest first, then what touches the object."""
+        alone, loose = replace(context, neighbours=context.neighbours[:0]), self.world.loose
         free = replace(planner, scene=alone.scene, obstacles=alone.neighbours, table=-np.inf)
-        cloud, loose = alone.labelled_cloud(planner.table), {*self.world.loose}
-        grasps = plan_grasps(cloud, self.robot.gripper, rng=self._rng).grasps
-        seen = sorted(self._vision.percepts, key=lambda each: -float(each.cloud[:, 2].max()))
-        around = {
-            each: replace(free, obstacles=replace(context, neighbours=each.cloud).obstacles)
-            for each in seen
-            if each.name in loose - {context.percept.name}
+        rest = [p for p in self._vision.percepts if p.name in loose and p != context.percept]
+        rest.sort(key=lambda percept: -percept.cloud[:, 2].max())
+        near = {
+            p: replace(free, obstacles=replace(alone, neighbours=p.cloud).obstacles) for p in rest
         }
-
-        def barred(path: GraspPath) -> list[Percept]:
+        cloud, ways = alone.labelled_cloud(planner.table), list[list[Percept]]()
+        grasps = plan_grasps(cloud, self.robot.gripper, rng=self._rng).grasps if rest else ()
+        for path in islice(free.grasp_paths(grasps, lift=LIFT_HEIGHT), WAYS):
             way, opening = np.vstack([path.approach, path.lift]), path.grasp.opening
-            return [p for p, only in around.items() if not only.is_clear(way, opening, gap=ROOM)]
-
-        paths = islice(free.grasp_paths(grasps, lift=LIFT_HEIGHT), WAYS)
-        return sorted(filter(None, map(barred, paths)), key=len)
+            ways.append([p for p in rest if not near[p].is_clear(way, opening, gap=ROOM)])
+        gaps = (np.linalg.norm(near[p].obstacles[:, None] - free.scene, axis=-1) for p in rest)
+        touching = [p for p, gap in zip(rest, gaps, strict=True) if gap.min() < TOUCHING]
+        return [each for each in (*sorted(ways, key=len), touching) if each]
 
     def _move_aside(self, other: Percept, part: str | None) -> None:
         self._wanted.add(other.name)
