@@ -91,7 +91,7 @@ class Episode:
         if self.put_aside:
             what.append(f"put aside {', '.join(self.put_aside)}")
         if self.last.bumped:
-            what.append(f"moved {', '.join(self.last.bumped)}")
+            what.append(f"bumped {', '.join(self.last.bumped)}")
         return "; ".join(what)
 
     def __str__(self) -> str:
