@@ -6,6 +6,7 @@ commanded. A motion that fails returns the reason and raises nothing.
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from itertools import product
 
 import numpy as np
 import shapely
@@ -31,7 +32,8 @@ HELD_CELL, HELD_RADIUS = 0.015, 0.008  # [m], spheres that stand for a held obje
 HELD_GAP = 0.006  # [m] between a held object and obstacles
 RELEASE_HEIGHT = 0.003  # [m] above where it was taken up, an object is released
 PLACES = ((0.35, 0.66), (-0.36, 0.37))  # [m], x and y of the grip where objects are put down
-PLACE_STEP, PLACE_GAP = 0.05, 0.03  # [m] between two places, and to other objects
+PLACE_STEP = 0.05  # [m] between two places
+PLACE_GAPS = (0.10, 0.03)  # [m] to other objects: with room for a hand, where there is such a place
 PLACE_HEIGHT = 0.10  # [m] above a place, from where an object is lowered
 RELEASE_TIME = 0.4  # [s]
 RETREAT = 0.08  # [m] the open hand goes back
@@ -288,8 +290,9 @@ class HandMotion:
         taken = shapely.MultiPoint(others)
         corners = poses.transform(held.world_from_start, object_model(held.context.kind).points)
         drop = held.planner.table - corners[:, 2].min()
-        for shift in places[np.argsort(far, kind="stable")] - start:
-            if not shapely.dwithin(taken, shapely.MultiPoint(cloud + shift), PLACE_GAP):
+        shifts = places[np.argsort(far, kind="stable")] - start
+        for gap, shift in product(PLACE_GAPS, shifts):
+            if not shapely.dwithin(taken, shapely.MultiPoint(cloud + shift), gap):
                 yield np.array([*shift, drop])
 
     def _hand_over_postures(self, held: HeldObject) -> Iterator[Array]:
