@@ -6,7 +6,7 @@ bounded memory. What any other store has is sorted first.
 
 from collections.abc import Callable, Iterable, Iterator
 from itertools import groupby
-from typing import BinaryIO, TypeAlias, TypeVar, cast
+from typing import TypeAlias, TypeVar, cast
 
 from ...ontology.errors import ValidationError
 from ...ontology.garbage_collection import paused_garbage_collection
@@ -44,26 +44,11 @@ class ProgressCounter:
                 self._progress(self.total)
 
 
-def write_statements(
-    store: Store, stream: BinaryIO, form: str, progress: Progress | None, *, rules_only: bool
-) -> int:
-    """Write a base, or all that belongs to its rules, and return the number of statements.
-
-    The form is one of `rdf_text.RDF_FORMATS`; `progress` is called with how many statements are
-    written. `rules_only` leaves out all but the rules and the utterances that they come from.
-    OSError if the stream cannot be written to; StoreError if the store cannot be read.
-    """
-    from ..stores.rdf_text import write_rdf_to
-
-    counter = ProgressCounter(progress)
-    with store.writing():  # so that all of it is of one moment
-        quads = counter.counted(statements(store, rules_only=rules_only))
-        write_rdf_to(quads, stream, format=form)
-    return counter.total
-
-
 def statements(store: Store, *, rules_only: bool = False) -> Iterator[EngineQuad]:
-    """The statements of an export, those about one subject together; sorted in a small store."""
+    """The statements of an export, those about one subject together; sorted in a small store.
+
+    `rules_only` leaves out all but the rules and the utterances that they come from.
+    """
     from ..stores.rdf_text import graph_statements
 
     is_sorted = not is_large(store)

@@ -37,7 +37,7 @@ from ..stores.base import EmbeddedStore, Store, batched
 from ..validation import ValidationFinding, raise_findings
 from ..writer import to_milliseconds
 from . import reconciliation
-from .exporter import write_statements
+from .exporter import statements
 from .nquads_reader import StatementGroup, Statements, read_groups, read_quads
 from .reconciliation import AncillaryWrites, ImportConflict, ImportSummary
 from .rule_nquads import NQuadsWriter
@@ -86,9 +86,12 @@ def merge(
     The source names the other base in the history; a dry run only finds out what would change.
     ValidationError if the other base breaks a law; nothing has changed.
     """
+    from ..stores.rdf_text import write_rdf_to
+
     with tempfile.SpooledTemporaryFile(_MAX_SPOOLED, prefix="hilt-") as spool:
         stream = cast(BinaryIO, spool)
-        write_statements(other, stream, "nquads", None, rules_only=False)
+        with other.writing():  # so that all of it is of one moment
+            write_rdf_to(statements(other), stream, format="nquads")
         stream.seek(0)
         groups = read_groups(stream, format="nquads", source=source, default=BELIEFS)
         return import_statements(

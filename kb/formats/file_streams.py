@@ -11,15 +11,14 @@ import os
 import sys
 import tempfile
 import zlib
-from collections.abc import Callable, Generator, Iterator
+from collections.abc import Generator, Iterator
 from contextlib import contextmanager, nullcontext, suppress
 from pathlib import Path
 from typing import BinaryIO, cast
 
 from ...ontology.errors import DataError
+from ..bulk.exporter import Progress
 from .registry import PACKED, STREAM, FileFormat
-
-Progress = Callable[[int], None]  # is called with how many bytes, rules or statements are done
 
 MAX_STATEMENT = 64 * 2**20  # bytes that may be read before one statement is complete
 MAX_LINE = 2**20  # characters of one line of a table
@@ -32,18 +31,11 @@ class CheckedStream(io.RawIOBase):
     """A stream that counts and checks what a parser reads of it."""
 
     def __init__(
-        self,
-        stream: BinaryIO,
-        name: str,
-        chosen: FileFormat,
-        *,
-        progress: Progress | None = None,
-        position: Callable[[], int] | None = None,
+        self, stream: BinaryIO, name: str, chosen: FileFormat, progress: Progress | None = None
     ) -> None:
         super().__init__()
         self.name = name
-        self._stream, self._chosen = stream, chosen
-        self._progress, self._position = progress, position
+        self._stream, self._chosen, self._progress = stream, chosen, progress
         self._read = self._since_statement = 0
         self._tail = b""
 
@@ -109,7 +101,7 @@ class CheckedStream(io.RawIOBase):
         if self._chosen.is_xml:
             self._refuse_doctype(found)
         if self._progress:
-            self._progress(self._position() if self._position else self._read)
+            self._progress(self._read)
 
     def _refuse_doctype(self, found: bytes) -> None:
         """XML entities unfold: some hundred bytes become gigabytes."""
@@ -138,9 +130,12 @@ def open_input(
         raise DataError(f"cannot be read: {error.strerror}.", source=file) from error
     with opened as plain:
         stream = plain if plain.seekable() else io.BufferedReader(cast(io.RawIOBase, plain))
-        position = plain.tell if plain.seekable() else None
-        unpacked = _unpacked(stream, file)
-        yield CheckedStream(unpacked, file, chosen, progress=progress, position=position)
+
+        def report(read: int) -> None:
+            if progress:  # of a packed file, its own bytes are told
+                progress(plain.tell() if plain.seekable() else read)
+
+        yield CheckedStream(_unpacked(stream, file), file, chosen, report)
 
 
 @contextmanager

@@ -74,11 +74,16 @@ def graph_of(rules: Iterable[Rule]) -> MultiDiGraph[str]:
     graph: MultiDiGraph[str] = nx.MultiDiGraph()
     for rule in rules:
         end = str(rule.argument) if rule.argument else f"functor:{rule.functor}"
-        attributes = _attributes(rule)
+        texts = dict(zip(COLUMNS, value_notation.write_texts(rule, bare=False), strict=True))
+        said = {key: texts.pop(key) for key in ("functor", "argument")}  # these come first in files
+        bounds = {"lower": rule.interval.lower, "upper": rule.interval.upper}
+        label = str(rule.interval)
         for start in sorted(rule.features or rule.contexts):
             graph.add_node(str(start), kind=start.kind, name=start.name)
             graph.add_node(end, kind=end.partition(":")[0], name=end.partition(":")[2])
-            graph.add_edge(str(start), end, key=rule.id, **attributes)
+            graph.add_edge(
+                str(start), end, key=rule.id, rule=rule.id, label=label, **said, **texts | bounds
+            )
     return graph
 
 
@@ -87,7 +92,9 @@ def rules_of_graph(graph: MultiDiGraph[str], *, source: str = "<graph>") -> Iter
     seen: set[str] = set()
     for start, end, attributes in graph.edges(data=True):
         try:
-            rule = _rule(attributes)
+            given = {key: value for key, value in attributes.items() if value is not None}
+            given = {**dict.fromkeys(_OPTIONAL, ""), **given}
+            rule = value_notation.read_rule([str(given[key]) for key in COLUMNS])
         except (HiltError, KeyError, TypeError, ValueError) as error:
             problem = f"it has no {error}." if isinstance(error, KeyError) else str(error)
             raise DataError(f"the edge {start} -> {end}: {problem}", source=source) from error
@@ -160,19 +167,6 @@ def draw_graph(graph: MultiDiGraph[str], form: str) -> bytes:
         metadata = {"Date": None} if form == "svg" else None
         figure.savefig(stream, format=form, dpi=_PIXELS_PER_INCH, metadata=metadata)
     return stream.getvalue()
-
-
-def _attributes(rule: Rule) -> dict[str, str | float]:
-    texts = dict(zip(COLUMNS, value_notation.write_texts(rule, bare=False), strict=True))
-    said = {key: texts.pop(key) for key in ("functor", "argument")}  # these come first in files
-    bounds = {"lower": rule.interval.lower, "upper": rule.interval.upper}
-    return {"rule": rule.id, "label": str(rule.interval), **said, **texts, **bounds}
-
-
-def _rule(found: Mapping[str, Any]) -> Rule:
-    given = {key: value for key, value in found.items() if value is not None}
-    given = {**dict.fromkeys(_OPTIONAL, ""), **given}
-    return value_notation.read_rule([str(given[key]) for key in COLUMNS])
 
 
 def _arrow(start: str, end: str, data: Mapping[str, Any]) -> _Arrow:

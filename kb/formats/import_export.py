@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import BinaryIO, cast
 
 from ...ontology.vocabulary import split
-from ..bulk.exporter import MAX_SORTED, ProgressCounter, scan_rules, statements, write_statements
+from ..bulk.exporter import MAX_SORTED, Progress, ProgressCounter, scan_rules, statements
 from ..bulk.importer import import_rules, import_statements, merge
 from ..bulk.nquads_reader import StatementGroup, Statements, read_groups, read_quads
 from ..bulk.reconciliation import ImportSummary
@@ -22,8 +22,10 @@ from ..rdf.rule_mapping import BELIEFS, RULE_NODE
 from ..rule import Rule
 from ..stores.base import Store
 from ..validation import MAX_SHACL, findings, raise_findings, stage, stage_rules
-from .file_streams import CheckedStream, Progress, open_input, open_output
+from .file_streams import CheckedStream, open_input, open_output
 from .registry import FORMATS, RULE_FORMATS, FileFormat, format_of
+from .rule_yaml import read_sheet, write_sheet
+from .value_notation import read_table, write_table
 
 MAX_STAGED = MAX_SORTED  # statements; a file of more must be in order
 
@@ -45,29 +47,34 @@ def export_file(
     """
     name = format_of(str(file), format, "turtle").name
     with open_output(str(file)) as stream:
-        return write_base(base, stream, format=name, rules_only=rules_only, progress=progress)
+        return write_base(base.store, stream, format=name, rules_only=rules_only, progress=progress)
 
 
 def write_base(
-    base: KnowledgeBase,
+    store: Store,
     stream: BinaryIO,
     *,
     format: str,
     rules_only: bool = False,
     progress: Progress | None = None,
 ) -> int:
-    """Write the rules or the whole base into a stream; as `export_file`."""
-    store, only = base.store, rules_only or not FORMATS[format].whole
-    if format not in {*RULE_FORMATS, "turtle12"}:
-        return write_statements(store, stream, format, progress, rules_only=only)
-    counter = ProgressCounter(progress)
-    if format in RULE_FORMATS:
-        _write_rules(counter.counted(scan_rules(store)), stream, format)
-    else:
-        from ..stores.rdf_text import quad_from_engine
+    """Write the rules or the whole base of a store into a stream; as `export_file`.
 
-        quads = map(quad_from_engine, counter.counted(statements(store, rules_only=only)))
-        stream.writelines(line.encode() for line in write_annotated(quads))
+    OSError if the stream cannot be written to; StoreError if the store cannot be read.
+    """
+    from ..stores.rdf_text import quad_from_engine, write_rdf_to
+
+    counter, only = ProgressCounter(progress), rules_only or not FORMATS[format].whole
+    with store.writing():  # so that all of it is of one moment
+        if format in RULE_FORMATS:
+            _write_rules(counter.counted(scan_rules(store)), stream, format)
+            return counter.total
+        quads = counter.counted(statements(store, rules_only=only))
+        if format == "turtle12":
+            lines = write_annotated(map(quad_from_engine, quads))
+            stream.writelines(line.encode() for line in lines)
+        else:
+            write_rdf_to(quads, stream, format=format)
     return counter.total
 
 
@@ -102,19 +109,13 @@ def read_file(file: str | Path, *, format: str | None = None) -> Store:
 
 def read_rules(source: CheckedStream, chosen: FileFormat) -> Iterator[Rule]:
     """The rules of a file that holds rules only."""
-    match chosen.name:
-        case "csv":
-            from .value_notation import read_table
+    if chosen.name == "csv":
+        return read_table(source.lines(), source=source.name)
+    if chosen.name == "sheet":
+        return read_sheet("".join(source.lines()), source=source.name)
+    from .graphml import read_graphml
 
-            yield from read_table(source.lines(), source=source.name)
-        case "graphml":
-            from .graphml import read_graphml
-
-            yield from read_graphml(source.readall(), source=source.name)
-        case _:
-            from .rule_yaml import read_sheet
-
-            yield from read_sheet("".join(source.lines()), source=source.name)
+    return read_graphml(source.readall(), source=source.name)
 
 
 def read_statements(source: CheckedStream, chosen: FileFormat) -> Iterator[Statements]:
@@ -172,9 +173,6 @@ def _write_rules(rules: Iterable[Rule], stream: BinaryIO, name: str) -> None:
 
         stream.write(write_graphml(rules))
         return
-    from .rule_yaml import write_sheet
-    from .value_notation import write_table
-
     text = io.TextIOWrapper(stream, encoding="utf-8", newline="")
     try:
         (write_table if name == "csv" else write_sheet)(text, rules)

@@ -23,10 +23,11 @@ from . import value_notation
 _MAX_LINE = 2**20  # characters of an entry
 _ARGUMENTS = {USED_FOR: "affordance", GRASP_OBJECT: "part", KIND_OF: "kind_of"}  # functor -> key
 _CONCLUSIONS = (*_ARGUMENTS.values(), "functor", *NORMS)
-_KEYS = (
-    *("object", "properties", "features", "context", "contexts", "material"),
-    *(*_CONCLUSIONS, "argument", "interval", "speaker", "status", "time"),
-)
+# Key of atoms -> the kind of those that are written without one.
+_FEATURES = {"object": "object", "features": "object", "properties": "property"}
+_CONTEXTS = {**dict.fromkeys(("context", "contexts", *NORMS), "action"), "material": "material"}
+_SOURCE = ("speaker", "status", "time")
+_KEYS = (*_FEATURES, *_CONTEXTS, *_CONCLUSIONS, "argument", "interval", *_SOURCE)
 
 
 def read_sheet(text: str, *, source: str) -> Iterator[Rule]:
@@ -51,9 +52,9 @@ def _rule(entry: YamlNode, speaker: str) -> Rule:
     found = entry.entries(required=["interval"], optional=_KEYS)
     try:
         functor, argument = _conclusion(entry, found)
-        said = [_optional(found, key) for key in ("speaker", "status", "time")]
+        said = [_optional(found, key) for key in _SOURCE]
         source = value_notation.read_source(said[0] or speaker, *said[1:])
-        features, contexts = _features(found), _contexts(found)
+        features, contexts = _atoms(found, _FEATURES), _atoms(found, _CONTEXTS)
         return Rule(features, contexts, functor, argument, _interval(found["interval"]), **source)
     except DataError:
         raise
@@ -61,21 +62,10 @@ def _rule(entry: YamlNode, speaker: str) -> Rule:
         raise entry.fail(str(error)) from error
 
 
-def _features(found: Mapping[str, YamlNode]) -> frozenset[Atom]:
-    seen = _atoms(found.get("object"), "object") | _atoms(found.get("features"), "object")
-    return seen | _atoms(found.get("properties"), "property")
-
-
-def _contexts(found: Mapping[str, YamlNode]) -> frozenset[Atom]:
-    keys = ("context", "contexts", *NORMS)
-    acting = frozenset[Atom]().union(*(_atoms(found.get(key), "action") for key in keys))
-    return acting | _atoms(found.get("material"), "material")
-
-
-def _atoms(field: YamlNode | None, kind: str) -> frozenset[Atom]:
-    if field is None:
-        return frozenset()
-    return frozenset().union(*(_placed(one, kind) for one in field.listed()))
+def _atoms(found: Mapping[str, YamlNode], kinds: Mapping[str, str]) -> frozenset[Atom]:
+    given = ((found[key], kind) for key, kind in kinds.items() if key in found)
+    placed = (_placed(one, kind) for field, kind in given for one in field.listed())
+    return frozenset[Atom]().union(*placed)
 
 
 def _placed(field: YamlNode, kind: str) -> frozenset[Atom]:

@@ -18,8 +18,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hilt.kb.bulk import exporter
-from hilt.kb.bulk.exporter import scan_rules, write_statements
+from hilt.kb.bulk.exporter import scan_rules
 from hilt.kb.bulk.nquads_reader import read_groups, read_quads
+from hilt.kb.formats.import_export import write_base
 from hilt.kb.rdf import rule_mapping
 from hilt.kb.rdf.rule_mapping import BELIEFS
 from hilt.kb.rdf.terms import Literal, Quad, Term, as_sparql
@@ -80,7 +81,7 @@ def written(
     """The statements that are read from an export, spelled out, and how many it counts."""
     stream = io.BytesIO()
     with filled(kind, quads) as store:
-        count = write_statements(store, stream, form, None, rules_only=rules_only)
+        count = write_base(store, stream, format=form, rules_only=rules_only)
     stream.seek(0)
     found = read_quads(read_groups(stream, format=form, source="x", default=BELIEFS))
     return spelled(quad for quad in found if isinstance(quad, Quad)), count
@@ -115,7 +116,7 @@ def test_turtle_abbreviates_datatypes(kind: str):
     quad = Quad(iri("object", "knife"), term("x"), TIME, BELIEFS)
 
     with filled(kind, [quad]) as store:
-        write_statements(store, stream, "turtle", None, rules_only=False)
+        write_base(store, stream, format="turtle")
 
     assert b'"2026-11-21T09:00:00Z"^^xsd:dateTime' in stream.getvalue()
 
@@ -192,7 +193,7 @@ def test_progress_is_reported(monkeypatch: pytest.MonkeyPatch):
 
     some = [quad for rule in (BLADE, CUTTING) for quad in rule_mapping.rule_quads(rule)]
     with filled("memory", some) as store:
-        count = write_statements(store, io.BytesIO(), "nquads", heard.append, rules_only=False)
+        count = write_base(store, io.BytesIO(), format="nquads", progress=heard.append)
 
     assert heard[-1] == count == len(set(some))
 
@@ -208,4 +209,4 @@ def test_full_disk_is_blamed_on_the_file():
         filled("large folder", list(rule_mapping.rule_quads(BLADE))) as store,
         pytest.raises(OSError, match="No space left on device"),
     ):
-        write_statements(store, Full(), "nquads", None, rules_only=False)
+        write_base(store, Full(), format="nquads")

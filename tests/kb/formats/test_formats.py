@@ -14,7 +14,6 @@ from hypothesis import strategies as st
 from rdflib import Graph
 
 from hilt.kb.bulk import exporter, importer
-from hilt.kb.bulk.exporter import write_statements
 from hilt.kb.formats import import_export
 from hilt.kb.formats.file_streams import CheckedStream
 from hilt.kb.formats.graphml import graph_of, rules_of_graph
@@ -80,7 +79,7 @@ def test_rules_come_back_from_every_format(name: str, some: list[Rule]):
     base, again = fresh(), fresh()
     teach(base, *some)
     target = io.BytesIO()
-    import_export.write_base(base, target, format=name)
+    import_export.write_base(base.store, target, format=name)
 
     import_text(again, target.getvalue(), format=name, source=f"x.{name}")
 
@@ -141,7 +140,7 @@ def test_full_disk_is_blamed_on_the_file(tmp_path: Path):
         Path("/dev/full").open("wb", buffering=0) as full,
         pytest.raises(OSError, match="space"),
     ):
-        write_statements(base.store, full, "nquads", None, rules_only=False)
+        import_export.write_base(base.store, full, format="nquads")
 
 
 @given(st.lists(rules, max_size=4, unique_by=lambda rule: rule.id))

@@ -48,7 +48,7 @@ def fresh() -> KnowledgeBase:
 def written(base: KnowledgeBase, format: str) -> bytes:
     """The export of a base."""
     stream = io.BytesIO()
-    write_base(base, stream, format=format)
+    write_base(base.store, stream, format=format)
     return stream.getvalue()
 
 
