@@ -67,17 +67,15 @@ def _restore_folder(source: Path, target: Path, *, replace: bool) -> None:
         shutil.copytree(source, place)
         check(place)
         _sync(place)
-        _check_free(target, replace=replace)
+        with closing(open_folder(target)) as owner:  # then closed: it goes on compacting files
+            if any(owner.quads()) and not replace:
+                raise StoreError(_OCCUPIED.format(target))
         with _locked(target):
-            _exchange(place, target)
-
-
-def _check_free(target: Path, *, replace: bool) -> None:
-    owner = open_folder(target)
-    holds_base = any(owner.quads())
-    owner.close()  # it would go on compacting files under this name
-    if holds_base and not replace:
-        raise StoreError(_OCCUPIED.format(target))
+            old = replaced_place(target)
+            target.rename(old)
+            place.rename(target)
+            sync(target.parent)
+            shutil.rmtree(old)
 
 
 @contextmanager
@@ -93,14 +91,6 @@ def _locked(folder: Path) -> Generator[None]:
         except OSError as error:
             raise InUseError(str(folder)) from error
         yield
-
-
-def _exchange(place: Path, target: Path) -> None:
-    old = replaced_place(target)
-    target.rename(old)
-    place.rename(target)
-    sync(target.parent)
-    shutil.rmtree(old)
 
 
 def _restore_endpoint(source: Path, location: str, *, replace: bool) -> None:

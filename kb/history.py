@@ -45,7 +45,7 @@ def rules_property(predicate: Iri) -> FieldProperty:
 
 def utterance_property(predicate: Iri, default: object = REQUIRED) -> FieldProperty:
     """How the number of an utterance is stored."""
-    return FieldProperty(predicate, Iri, utterance_iri, utterance_number, default)
+    return FieldProperty(predicate, Iri, utterance_iri, lambda node: int(local_name(node)), default)
 
 
 @dataclass(frozen=True)
@@ -141,11 +141,6 @@ def trust_bounds(node: Iri, trust: Interval, graph: Iri) -> Iterator[Quad]:
 def read_utterance(properties: Iterable[tuple[Iri, Term]]) -> Utterance:
     """The utterance with a node's properties; ValidationError if one is missing or malformed."""
     return _UTTERANCES.read(group_properties(properties))
-
-
-def utterance_number(node: Iri) -> int:
-    """The number of an utterance, from its node."""
-    return int(local_name(node))
 
 
 _UTTERANCES = RecordMapping(Utterance, "An utterance", term("Utterance"), HISTORY)

@@ -194,10 +194,6 @@ def _speaker(_: ReadableStore, node: Iri, properties: Properties) -> Iterable[Qu
     return trust_quads(name, Interval(*cast("list[float]", bounds)).rounded())
 
 
-def _said(_: ReadableStore, node: Iri, __: Properties) -> Iterable[Quad]:
-    return speaker_quads(split(node)[1], history.HISTORY)
-
-
 def _learned(mapping: LearnedMapping[object]) -> _Reader:
     told = {mapping.fields[name].predicate: mapping.fields[name] for name in TOLD}
 
@@ -214,7 +210,7 @@ def _learned(mapping: LearnedMapping[object]) -> _Reader:
             if key in told and isinstance(value, told[key].kind):
                 told[key].decode(value)
                 yield Quad(node, key, value, mapping.graph)
-        for value in statuses or [rule_mapping.status_iri("active")]:
+        for value in statuses or [term("active")]:
             if value in _STATUSES:
                 yield Quad(node, STATUS, value, mapping.graph)
 
@@ -229,12 +225,14 @@ def _episode(store: ReadableStore, node: Iri, _: Properties) -> Iterator[Quad]:
 
 
 _Reader: TypeAlias = Callable[[ReadableStore, Iri, Properties], Iterable[Quad]]
-_STATUSES = {rule_mapping.status_iri(status) for status in ("active", "retracted")}
+_STATUSES = {term(status) for status in ("active", "retracted")}
 _READERS: dict[tuple[Iri, str], _Reader] = {
     (BELIEFS, "rule"): _rule,
     (BELIEFS, "speaker"): _speaker,
     (history.HISTORY, "utterance"): _utterance,
-    (history.HISTORY, "speaker"): _said,
+    (history.HISTORY, "speaker"): lambda _, node, __: speaker_quads(
+        split(node)[1], history.HISTORY
+    ),
     (LEXICON, "word"): _learned(cast("LearnedMapping[object]", WORDS)),
     (LEXICON, "phrase"): _learned(cast("LearnedMapping[object]", PHRASES)),
     (ACTIONS, "taught"): _learned(cast("LearnedMapping[object]", TAUGHT_ACTIONS)),

@@ -21,7 +21,7 @@ from ..ontology.vocabulary import Iri, external, iri, term
 from .history import SPEAKER, TEXT, utterance_property
 from .rdf.domain import node_statements
 from .rdf.record_mapping import FieldProperty, Record, RecordMapping, group_properties
-from .rdf.rule_mapping import DERIVED_FROM, LABEL, STATUS, TYPE, atom_from_iri, atom_iri, status_iri
+from .rdf.rule_mapping import ACTIVE, DERIVED_FROM, LABEL, STATUS, TYPE, atom_from_iri, atom_iri
 from .rdf.terms import Quad
 from .rule import Atom, Status
 from .stores.base import Store, described_nodes
@@ -55,7 +55,7 @@ class LearnedMapping(RecordMapping[Record]):
         """The statements about a record, which has the number of its utterance."""
         node = self.node(record)
         yield from self.quads(node, record)
-        yield Quad(node, STATUS, status_iri(status), self.graph)
+        yield Quad(node, STATUS, term(status), self.graph)
         yield from self.besides(record)
 
     def stored_quads(self, store: Store, record: Record) -> Iterator[Quad]:
@@ -64,7 +64,7 @@ class LearnedMapping(RecordMapping[Record]):
 
     def active(self, store: Store) -> list[Record]:
         """The records of a store that were not retracted, sorted."""
-        wanted = {(TYPE, self.type), (STATUS, status_iri("active"))}
+        wanted = {(TYPE, self.type), ACTIVE}
         found = (some for _, some in described_nodes(store, self.graph) if wanted.issubset(some))
         # One value of each, because what was learned again, or merged, has several utterances.
         known = [self.read(group_properties(dict(one).items())) for one in found]

@@ -77,7 +77,7 @@ class RuleReader:
             (rule_mapping.PART, _optional_iri("part", part)),
             (rule_mapping.CONTEXT, _optional_iri("action", context)),
             (rule_mapping.ATTRIBUTED_TO, iri("speaker", speaker) if speaker else None),
-            (rule_mapping.STATUS, rule_mapping.status_iri(status) if status else None),
+            (rule_mapping.STATUS, term(status) if status else None),
         ]
         found = self._with_properties([(key, value) for key, value in wanted if value is not None])
         return sorted(self.read_rules(found), key=lambda rule: (rule.utterance or 0, rule.id))
@@ -90,7 +90,7 @@ class RuleReader:
         Only these are read, so that it is quick on a large base.
         """
         by = [(rule_mapping.ATTRIBUTED_TO, iri("speaker", speaker))] if speaker else []
-        nodes = self.nodes_with([*by, (rule_mapping.STATUS, rule_mapping.status_iri("active"))])
+        nodes = self.nodes_with([*by, rule_mapping.ACTIVE])
         some = ((node, self.properties(node)) for node in nsmallest(most, nodes))
         rules = sorted(self.read_rules(some), key=lambda rule: (rule.utterance or 0, rule.id))
         return len(nodes), rules
@@ -108,7 +108,7 @@ class RuleReader:
                 *((rule_mapping.FEATURE, atom_iri(atom)) for atom in sorted(rule.features)),
                 *((rule_mapping.CONTEXT, atom_iri(atom)) for atom in sorted(rule.contexts)),
                 (rule_mapping.ATTRIBUTED_TO, iri("speaker", rule.speaker)),
-                (rule_mapping.STATUS, rule_mapping.status_iri("active")),
+                rule_mapping.ACTIVE,
             ]
             found = self.read_rules(self._with_properties(wanted))
         premises = (rule.features, rule.contexts)

@@ -199,8 +199,7 @@ def rule_changes(
 
 def compare_bases(before: RuleReader, after: RuleReader) -> BaseDifference:
     """The difference between what two bases hold now, whatever their histories."""
-    active = [(rule_mapping.STATUS, rule_mapping.status_iri("active"))]
-    left, right = before.nodes_with(active), after.nodes_with(active)
+    left, right = (base.nodes_with([rule_mapping.ACTIVE]) for base in (before, after))
     removed, added = _rules_at(before, left - right), _rules_at(after, right - left)
     # Rules that the other base has with another status.
     altered = [AlteredRule(rule, other) for rule in removed for other in _known(after, rule)]
@@ -209,8 +208,10 @@ def compare_bases(before: RuleReader, after: RuleReader) -> BaseDifference:
     words_removed = _words_only_in(before, after)
     words_added = _words_only_in(after, before)
     removed, added = _without(removed, altered), _without(added, altered)
-    trust = tuple(_altered_trust(before, after))
-    return BaseDifference(removed, added, tuple(altered), trust, words_removed, words_added)
+    names = sorted({*before.speakers(), *after.speakers()})
+    trust = ((name, before.trust(name), after.trust(name)) for name in names)
+    other_trust = tuple(one for one in trust if one[1] != one[2])
+    return BaseDifference(removed, added, tuple(altered), other_trust, words_removed, words_added)
 
 
 def find_rule(base: RuleReader, name: str) -> Rule:
@@ -333,15 +334,6 @@ def _without(rules: Iterable[Rule], altered: list[AlteredRule]) -> tuple[Rule, .
 def _words_only_in(base: RuleReader, other: RuleReader) -> tuple[LearnedWord, ...]:
     known = {(word.atom, word.speaker) for word in other.words()}
     return tuple(word for word in base.words() if (word.atom, word.speaker) not in known)
-
-
-def _altered_trust(
-    before: RuleReader, after: RuleReader
-) -> Iterator[tuple[str, Interval | None, Interval | None]]:
-    for speaker in sorted({*before.speakers(), *after.speakers()}):
-        one, other = before.trust(speaker), after.trust(speaker)
-        if one != other:
-            yield speaker, one, other
 
 
 def _bounds(interval: Interval | None) -> list[float] | None:

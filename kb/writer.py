@@ -16,7 +16,7 @@ from . import learned
 from .episodes import EPISODES, FORGOTTEN_BY, trial_nodes
 from .history import HISTORY, SEQUENCE, Utterance, trust_bounds, utterance_iri, utterance_quads
 from .interval import Interval
-from .learned import LearnedMapping, LearnedPhrase, LearnedWord, TaughtAction
+from .learned import TAUGHT_ACTIONS, LearnedMapping, LearnedPhrase, LearnedWord, TaughtAction
 from .rdf import rule_mapping
 from .rdf.record_mapping import Record
 from .rdf.rule_mapping import BELIEFS
@@ -80,13 +80,8 @@ class RuleWriter(RuleReader):
         teller = source or speaker
         asserted = {rule.id: rule for rule in (replace(one, speaker=teller) for one in rules)}
         gone = set(retracts) - set(asserted)
-        utterance = Utterance(
-            0,
-            text,
-            predicate,
-            speaker,
-            to_milliseconds(time or self.clock()),
-            kind,
+        utterance = replace(
+            self._said(text, predicate, speaker, kind, time),
             answer=answer,
             asserts=tuple(sorted(asserted)),
             retracts=tuple(sorted(gone)),
@@ -100,12 +95,10 @@ class RuleWriter(RuleReader):
             for word in words:
                 change.insert += learned.WORDS.learned_quads(replace(word, utterance=number))
             for action in actions:
-                for known in learned.TAUGHT_ACTIONS.active(self.store):
+                for known in TAUGHT_ACTIONS.active(self.store):
                     if known.name == action.name:
-                        self._end_learned(change, learned.TAUGHT_ACTIONS, known)
-                change.insert += learned.TAUGHT_ACTIONS.learned_quads(
-                    replace(action, utterance=number)
-                )
+                        self._end_learned(change, TAUGHT_ACTIONS, known)
+                change.insert += TAUGHT_ACTIONS.learned_quads(replace(action, utterance=number))
             return self._write(utterance, list(asserted.values()), change)
 
     def record(
@@ -227,8 +220,11 @@ class RuleWriter(RuleReader):
         """The number of the last utterance of this process; of all, if it has written none."""
         return self._own or self.sequence
 
-    def _said(self, text: str, predicate: str, speaker: str, kind: str) -> Utterance:
-        return Utterance(0, text, predicate, speaker, to_milliseconds(self.clock()), kind)
+    def _said(
+        self, text: str, predicate: str, speaker: str, kind: str, time: datetime | None = None
+    ) -> Utterance:
+        when = to_milliseconds(time or self.clock())
+        return Utterance(0, text, predicate, speaker, when, kind)
 
     def _write(
         self, utterance: Utterance, rules: Sequence[Rule], change: _Change | None = None
@@ -273,12 +269,13 @@ class RuleWriter(RuleReader):
             change.delete += sorted(gone_edges, key=str)
 
     def _asserted(self, ended: Rule, gone: set[str], new: Sequence[Rule]) -> set[Quad]:
-        active = (rule_mapping.STATUS, rule_mapping.status_iri("active"))
         found = {quad for rule in new for quad in rule_mapping.edges(rule)}
         for edge in rule_mapping.plain_edges(ended):
             end = cast(Iri, edge.object)
             concludes = (rule_mapping.argument_property(split(end)[0]), end)
-            nodes = self.nodes_with([(rule_mapping.FEATURE, edge.subject), concludes, active])
+            nodes = self.nodes_with(
+                [(rule_mapping.FEATURE, edge.subject), concludes, rule_mapping.ACTIVE]
+            )
             left = (node for node in nodes if rule_mapping.rule_id(node) not in gone)
             for rule in self.read_rules((node, self.properties(node)) for node in left):
                 found.update(rule_mapping.edges(rule))

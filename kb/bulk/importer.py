@@ -22,7 +22,7 @@ from typing import BinaryIO, cast
 
 from ...ontology.errors import DataError, ValidationError
 from ...ontology.garbage_collection import paused_garbage_collection
-from ...ontology.vocabulary import NAMED_KINDS, PREFIXES, Iri, is_ontology, shortened, split
+from ...ontology.vocabulary import NAMED_KINDS, PREFIXES, Iri, is_ontology, shortened, split, term
 from .. import validation
 from ..history import ASSERTS, HISTORY, SEQUENCE, Utterance, import_utterance, utterance_iri
 from ..invariants import check_invariants
@@ -201,7 +201,7 @@ class _Import:
             number = _number(rule.id)
             if number in there:
                 self.known += 1
-                if there[number] != rule_mapping.status_iri(rule.status):
+                if there[number] != term(rule.status):
                     self.kept += [rule][: MAX_LISTED - len(self.kept)]
                 continue
             if number in self.new:

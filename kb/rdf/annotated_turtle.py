@@ -97,7 +97,8 @@ def _completed(found: Properties, edges: Sequence[AnnotatedEdge]) -> Iterator[tu
     there = {key for key, _ in found}
     first = edges[0]
     functor = _FUNCTORS.get(first.predicate)
-    argument, kind = _argument(first.object)
+    kind = split(first.object)[0] if isinstance(first.object, Iri) else ""
+    argument = rule_mapping.argument_property(kind)
     known = {
         (USED_FOR, rule_mapping.AFFORDANCE): "FunctionalRule",
         (GRASP_OBJECT, rule_mapping.PART): "ActionRule",
@@ -108,21 +109,15 @@ def _completed(found: Properties, edges: Sequence[AnnotatedEdge]) -> Iterator[tu
         rule_mapping.TYPE: [term(known.get((functor or "", argument), "Rule"))],
         rule_mapping.FEATURE: [edge.subject for edge in edges],
         rule_mapping.FUNCTOR: [term(functor)] if functor else [],
-        rule_mapping.STATUS: [rule_mapping.status_iri("active")],
+        rule_mapping.STATUS: [term("active")],
         rule_mapping.ATTRIBUTED_TO: [iri("speaker", DEFAULT_SPEAKER)],
     }
     for key, values in defaults.items():
         yield from ((key, value) for value in values if key not in there)
 
 
-def _argument(value: Term) -> tuple[Iri, str]:
-    kind = split(value)[0] if isinstance(value, Iri) else ""
-    return rule_mapping.argument_property(kind), kind
-
-
 def _edges(node: Iri, found: Properties) -> list[Quad]:
-    active = (rule_mapping.STATUS, rule_mapping.status_iri("active"))
-    is_active = split(node)[0] == "rule" and active in found
+    is_active = split(node)[0] == "rule" and rule_mapping.ACTIVE in found
     return rule_mapping.plain_edges(rule_mapping.read_rule(found)) if is_active else []
 
 

@@ -33,6 +33,7 @@ DERIVED_FROM = external("prov:wasDerivedFrom")
 ATTRIBUTED_TO = external("prov:wasAttributedTo")
 GENERATED_AT = external("prov:generatedAtTime")
 RULE, FEATURE, CONTEXT, STATUS = (term(n) for n in ("rule", "feature", "context", "status"))
+ACTIVE = (STATUS, term("active"))  # the property of a rule that counts
 FUNCTOR, LOWER, UPPER = (term(n) for n in ("functor", "lower", "upper"))
 PART, AFFORDANCE, ARGUMENT = (term(n) for n in ("part", "affordance", "argument"))
 
@@ -85,11 +86,6 @@ def atom_from_iri(node: Iri) -> Atom:
     if kind not in ATOM_KINDS:
         raise ValidationError([f"<{node}> is no object, part, property, action, place or role."])
     return Atom(kind, name)
-
-
-def status_iri(status: Status) -> Iri:
-    """The IRI of a status."""
-    return term(status)
 
 
 def rule_quads(rule: Rule) -> Iterator[Quad]:
@@ -203,7 +199,7 @@ def _properties(rule: Rule) -> Iterator[Property]:
         yield argument_property(rule.argument.kind), atom_iri(rule.argument)
     yield LOWER, _decimal(rule.interval.lower)
     yield UPPER, _decimal(rule.interval.upper)
-    yield STATUS, status_iri(rule.status)
+    yield STATUS, term(rule.status)
     yield ATTRIBUTED_TO, iri("speaker", rule.speaker)
     if rule.utterance is not None:
         yield DERIVED_FROM, iri("utterance", str(rule.utterance))

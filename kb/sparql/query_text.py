@@ -131,7 +131,8 @@ def syntax_message(message: str, text: str) -> str:
     line, column = int(match["line"]), int(match["column"])
     lines = text.splitlines() or [""]
     said = lines[line - 1] if line <= len(lines) else ""
-    column = _word_start(said, column)
+    inside = (t for t in tokens(said) if t.start() < column - 1 < t.end())
+    column = next((t.start() + 1 for t in inside if t.lastgroup in {"word", "pname"}), column)
     there = said[column - 1 :].strip()
     found = f'found "{there[:30]}"' if there else "the query ends too early"
     return f"The query is wrong at line {line}, column {column}: {found}."
@@ -153,11 +154,6 @@ def errors_as_typed(typed: str, sent: str) -> Generator[None]:
         before = typed[:place]
         line, column = before.count("\n") + 1, place - before.rfind("\n")
         raise QueryError(syntax_message(f"error at {line}:{column}: ", typed)) from error
-
-
-def _word_start(line: str, column: int) -> int:
-    inside = (t for t in tokens(line) if t.start() < column - 1 < t.end())
-    return next((t.start() + 1 for t in inside if t.lastgroup in {"word", "pname"}), column)
 
 
 def join_updates(update: str, another: str) -> str:
@@ -190,8 +186,7 @@ def refuse_external_access(text: str) -> None:
     for version in {text, _CODE_POINT.sub(_decoded, text)}:
         said = (token.group().lstrip("<").lower()[:60] for token in tokens(version))
         function = next((one for one in said if one.startswith(VIRTUOSO_FUNCTIONS)), None)
-        found = _forbidden_word(version) or function
-        if found:
+        if found := next(_forbidden_words(version), function):
             raise QueryError(
                 f"{found} is refused: a query reads this knowledge base and nothing else. "
                 "Import the data first."
@@ -259,13 +254,11 @@ def _undeclared_prefixes(text: str) -> list[str]:
     return [prefix for prefix in dict.fromkeys(used) if prefix not in declared]
 
 
-def _forbidden_word(text: str) -> str | None:
+def _forbidden_words(text: str) -> Iterator[str]:
     capitals = text.upper()
     suspects = [word for word in EXTERNAL_ACCESS if word in capitals]
-    return next(_forbidden_words(text, suspects), None) if suspects else None
-
-
-def _forbidden_words(text: str, suspects: list[str]) -> Iterator[str]:
+    if not suspects:
+        return
     brackets, before = list[str](), ""
     found = list(tokens(text))
     after = [token.group() for token in found[1:]] + [""]

@@ -56,7 +56,8 @@ class UpdateOperation:
     def insertion(self, template: str, rows: Sequence[Sequence[Term | None]]) -> str:
         """The update that inserts the statements of a template, given the rows of `query`."""
         names = " ".join(f"?{name}" for name in self.variables)
-        values = "\n".join(f"({' '.join(map(_value, row))})" for row in rows)
+        cells = (["UNDEF" if one is None else as_sparql(one) for one in row] for row in rows)
+        values = "\n".join(f"({' '.join(row)})" for row in cells)
         within = f"WITH {self.graph} " if self.graph else ""
         where = f"WHERE {{ VALUES ({names}) {{ {values} }} }}"
         return f"{self.prologue}\n{within}INSERT {template}\n{where}"
@@ -173,7 +174,3 @@ def _with(head: str) -> str:
 def _from(head: str) -> str:
     words = [token.group() for token in tokens(head)][:-1]
     return " ".join("FROM" if word.upper() == "USING" else word for word in words)
-
-
-def _value(value: Term | None) -> str:
-    return "UNDEF" if value is None else as_sparql(value)

@@ -31,7 +31,7 @@ MAX_LOGGED_CHANGES = 1_000  # after which the tables are written and the log beg
 # Elsewhere fdatasync does not promise what it does on Linux, so the engine's flush is used.
 _CAN_SYNC_LOG = sys.platform == "linux"
 _TRIES, _PAUSE_S = 100, 0.02
-_IMMUTABLE_SUFFIXES = {".sst"}
+_TABLE = ".sst"  # the suffix of the files that never change
 _NOT_COPIED = {"LOCK", "LOG", SNAPSHOTS, MARK}  # the mark is copied first
 _TRANSIENT = ("LOG.", "bulk-")  # earlier engine reports, and what is being loaded
 
@@ -188,14 +188,10 @@ def _state(folder: Path) -> dict[str, int]:
 
 
 def _copy_file(source: Path, target: Path) -> None:
-    if source.suffix in _IMMUTABLE_SUFFIXES:
-        try:
+    if source.suffix == _TABLE:
+        with contextlib.suppress(OSError):  # another file system, or one without links
             os.link(source, target)
             return
-        except FileNotFoundError:
-            raise
-        except OSError:  # another file system, or one without links
-            pass
     shutil.copyfile(source, target)
 
 

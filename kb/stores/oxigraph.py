@@ -83,16 +83,19 @@ class OxigraphStore:
             return self._worker.request(limits, source=snapshot.path, query=query)
 
     def _evaluate(self, query: str) -> results.QueryResult:
-        found = self._run(query)
-        if isinstance(found, engine.QueryBoolean):
-            return results.BooleanResult(bool(found))
-        with translated_errors(self.location):
+        with timed(__name__, "query %s", query), translated_errors(self.location, query):
+            # As a union, pyoxigraph ignores the graphs that a query itself chooses (FROM).
+            is_union = "from" not in query.lower() or "FROM" not in keywords(query)
+            found = self._engine().query(
+                query, prefixes=_PREFIXES, use_default_graph_as_union=is_union
+            )
+            if isinstance(found, engine.QueryBoolean):
+                return results.BooleanResult(bool(found))
             if isinstance(found, engine.QueryTriples):
                 parts = (tuple(map(from_engine, triple)) for triple in found)
                 return results.ConstructResult(results.STATEMENT, tuple(parts))
-            solutions = cast(engine.QuerySolutions, found)
-            names = tuple(variable.value for variable in solutions.variables)
-            rows = (tuple(None if t is None else from_engine(t) for t in row) for row in solutions)
+            names = tuple(variable.value for variable in found.variables)
+            rows = (tuple(None if t is None else from_engine(t) for t in row) for row in found)
             return results.SelectResult(names, tuple(rows))
 
     def quads(
@@ -227,14 +230,6 @@ class OxigraphStore:
         store.flush()
         if self._log:
             self._log.reset(last_utterance(self))
-
-    def _run(self, query: str) -> object:
-        with timed(__name__, "query %s", query), translated_errors(self.location, query):
-            # As a union, pyoxigraph ignores the graphs that a query itself chooses (FROM).
-            is_union = "from" not in query.lower() or "FROM" not in keywords(query)
-            return self._engine().query(
-                query, prefixes=_PREFIXES, use_default_graph_as_union=is_union
-            )
 
     def _engine(self) -> engine.Store:
         if self._inner is None:

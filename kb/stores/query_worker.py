@@ -9,11 +9,11 @@ answered with the statements that it leaves in an empty store.
 import contextlib
 import pickle
 import sys
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
 from ...ontology.errors import QueryError, StoreError
-from ..rdf.terms import Quad
 from .oxigraph import OxigraphStore, open_memory, open_snapshot
 
 MAX_SHARE = 4  # an answer takes several times its size there; it may have 1/4 of the memory
@@ -21,11 +21,10 @@ MAX_SHARE = 4  # an answer takes several times its size there; it may have 1/4 o
 
 def serve() -> None:
     """Answer the requests on stdin until there are no more."""
-    answer = _QueryAnswers()
     with contextlib.suppress(EOFError):
         while True:
             request = pickle.load(sys.stdin.buffer)  # noqa: S301 - of the process that asked
-            sys.stdout.buffer.write(_answer_or_error(answer, request))
+            sys.stdout.buffer.write(_answer_or_error(request))
             sys.stdout.buffer.flush()
 
 
@@ -34,36 +33,34 @@ def _limit_memory(megabytes: int) -> None:
         import resource
     except ImportError:  # Windows; there only time is limited
         return
-    most = _address_space() + megabytes * 1_000_000
+    taken = 1_000_000_000  # where the system does not say how much it is
+    with contextlib.suppress(OSError, ValueError, IndexError):
+        pages = Path("/proc/self/statm").read_text(encoding="ascii").split()[0]
+        taken = int(pages) * resource.getpagesize()
+    most = taken + megabytes * 1_000_000
     with contextlib.suppress(ValueError, OSError):
         resource.setrlimit(resource.RLIMIT_AS, (most, resource.getrlimit(resource.RLIMIT_AS)[1]))
 
 
-class _QueryAnswers:
-    def __init__(self) -> None:
-        self._opened = Path()
-        self._store: OxigraphStore | None = None
-
-    def __call__(self, request: dict[str, Any]) -> object:
-        if "update" in request:
-            _limit_memory(request["megabytes"])
-            return _outcome(request["update"])
-        if self._store is None or request["source"] != self._opened:
-            source = self._opened = request["source"]
-            self._store = open_snapshot(source)
-            _limit_memory(request["megabytes"])
-        return self._store.run(request["query"])
+@lru_cache(maxsize=1)
+def _opened(source: Path, megabytes: int) -> OxigraphStore:
+    store = open_snapshot(source)
+    _limit_memory(megabytes)
+    return store
 
 
-def _outcome(update: str) -> list[Quad]:
+def _answer(request: dict[str, Any]) -> object:
+    if "update" not in request:
+        return _opened(request["source"], request["megabytes"]).run(request["query"])
+    _limit_memory(request["megabytes"])
     store = open_memory()
-    store.update(update)
+    store.update(request["update"])
     return list(store.quads())
 
 
-def _answer_or_error(answer: _QueryAnswers, request: dict[str, Any]) -> bytes:
+def _answer_or_error(request: dict[str, Any]) -> bytes:
     try:
-        body = pickle.dumps(answer(request))
+        body = pickle.dumps(_answer(request))
         if len(body) > request["megabytes"] * 1_000_000 // MAX_SHARE:
             raise MemoryError
         return body
@@ -72,16 +69,6 @@ def _answer_or_error(answer: _QueryAnswers, request: dict[str, Any]) -> bytes:
     except (QueryError, StoreError) as error:  # as the class itself, which is made of its message
         kind = QueryError if isinstance(error, QueryError) else StoreError
         return pickle.dumps(kind(str(error)))
-
-
-def _address_space() -> int:
-    try:
-        pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0])
-    except (OSError, ValueError, IndexError):
-        return 1_000_000_000
-    import resource
-
-    return pages * resource.getpagesize()
 
 
 if __name__ == "__main__":

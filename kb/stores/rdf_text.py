@@ -18,13 +18,7 @@ from ...ontology.vocabulary import PREFIXES, Iri, shortened
 from ..rdf.annotated_turtle import AnnotatedEdge, ReifyingTriple
 from ..rdf.rule_mapping import KEYS, TYPE
 from ..rdf.terms import LANGUAGE_TEXT, STRING, Quad, Term, lexical, literal
-from ..sparql.results import (
-    RDF_12_UNSUPPORTED,
-    BooleanResult,
-    ConstructResult,
-    QueryResult,
-    SelectResult,
-)
+from ..sparql.results import RDF_12_UNSUPPORTED, BooleanResult, ConstructResult, QueryResult
 from .base import EmbeddedStore, EngineQuad, Store, batched
 from .errors import syntax_error, translated_errors
 
@@ -226,6 +220,10 @@ def _order(quad: engine.Quad) -> tuple[str, bool, str, str]:
 
 
 def _by_engine(found: QueryResult, name: str) -> str:
+    if isinstance(found, BooleanResult) and name != "XML":
+        raise QueryError(
+            f"{name} is for rows; the result of an ASK query is a boolean. Use json or xml."
+        )
     formats = engine.QueryResultsFormat
     read = engine.parse_query_results(json.dumps(found.as_json()), formats.JSON)
     return cast(bytes, read.serialize(format=getattr(formats, name))).decode()
@@ -239,16 +237,8 @@ def _turtle(found: QueryResult) -> str:
 
 RESULT_FORMATS: Mapping[str, Callable[[QueryResult], str]] = {
     "json": lambda found: json.dumps(found.as_json(), ensure_ascii=False) + "\n",
-    "csv": lambda found: _by_engine(_rows(found, "CSV"), "CSV"),
-    "tsv": lambda found: _by_engine(_rows(found, "TSV"), "TSV"),
+    "csv": lambda found: _by_engine(found, "CSV"),
+    "tsv": lambda found: _by_engine(found, "TSV"),
     "xml": lambda found: _NOT_IN_XML.sub("\ufffd", _by_engine(found, "XML")),
     "turtle": _turtle,
 }
-
-
-def _rows(found: QueryResult, name: str) -> SelectResult:
-    if isinstance(found, BooleanResult):
-        raise QueryError(
-            f"{name} is for rows; the result of an ASK query is a boolean. Use json or xml."
-        )
-    return found

@@ -58,7 +58,7 @@ class RemoteStore:
         self._transport = transport
         self._address = transport.address
         self._lock = threading.RLock()
-        self._lease = WriteLease(self.location, self._claims, self._write, self._write_all)
+        self._lease = WriteLease(self.location, self.select, self._write, self._write_all)
         self._graphs = {iri("graph", name) for name in GRAPH_NAMES}
         self._dataset = dict[str, Sequence[str]]()
         self._server = ""
@@ -231,9 +231,6 @@ class RemoteStore:
         address = self._address.query
         with query_text.errors_as_typed(query, sent):
             return self._transport.post(address, form=fields, accept=accept, limits=limits)
-
-    def _claims(self, query: str) -> SelectResult:
-        return read_solutions(self._read(query, ROWS, CALL).body)
 
     def _write(self, update: str, *, may_repeat: bool = True, limits: QueryLimits = CALL) -> None:
         self._check_open()

@@ -44,7 +44,7 @@ KEYS = st.sampled_from(
 )
 VALUES: st.SearchStrategy[Term] = st.one_of(
     NODES,
-    st.sampled_from([*rule_mapping.CLASSES.values(), rule_mapping.status_iri("active")]),
+    st.sampled_from([*rule_mapping.CLASSES.values(), term("active")]),
     st.text(st.characters(codec="utf-8", exclude_characters="\0"), max_size=5),
     *(st.booleans(), st.integers(-9, 9), st.just(TIME), st.sampled_from([0.5, 1e30])),
     st.decimals(0, 1, places=2).map(Decimal.normalize),
