@@ -144,6 +144,10 @@ class NodeRules:
         self.action = node.rpartition("/")[2]
         self._rules_at = rules_at
         self._selected: dict[str, Sequence[Rule]] = {}
+        self._held = frozenset((*self.contexts, *self.given))
+        material = goal.target.material
+        self._material = taxonomy.names_above("object", material)
+        self._order = Specificity(taxonomy, self.contexts, has_material=material is not None)
 
     @cached_property
     def contexts(self) -> tuple[Atom, ...]:
@@ -236,7 +240,7 @@ class NodeRules:
                 evidence.pop(origin, None)
             return all(each.lower + each.upper > 1 + EPSILON for each in evidence.values())
 
-        overriding = self._specificity.overriding_rules(fitting, is_affirmed, is_asked=is_asked)
+        overriding = self._order.overriding_rules(fitting, is_affirmed, is_asked=is_asked)
         pairs = list(zip(fitting, overriding, strict=True))
         return ObjectRules(
             tuple(rule for rule, by in pairs if not by),
@@ -256,19 +260,6 @@ class NodeRules:
                 origin = self.given[atom][1]
                 found[origin] = self.goal.contexts[origin]
         return found
-
-    @cached_property
-    def _specificity(self) -> Specificity:
-        has_material = self.goal.target.material is not None
-        return Specificity(self.taxonomy, self.contexts, has_material=has_material)
-
-    @cached_property
-    def _held(self) -> frozenset[Atom]:
-        return frozenset((*self.contexts, *self.given))
-
-    @cached_property
-    def _material(self) -> frozenset[str]:
-        return self.taxonomy.names_above("object", self.goal.target.material)
 
     def _holds(self, rule: Rule) -> bool:
         contexts = (atom for atom in rule.contexts if atom.kind != "material")

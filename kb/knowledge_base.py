@@ -32,7 +32,7 @@ from .rule import DEFAULT_SPEAKER
 from .sparql import query_text
 from .sparql.named_queries import named_query
 from .sparql.results import QueryLimits, QueryResult, SelectResult
-from .stores.base import EmbeddedStore, ReadableStore, Store, batched, described_nodes
+from .stores.base import EmbeddedStore, ReadableStore, Store, batched, described_nodes, is_first
 from .stores.opening import open_store
 from .writer import RuleWriter, to_milliseconds, trust_quads
 
@@ -261,7 +261,7 @@ def migrate(
         )
     for number in range(found, to):
         renumber = query_text.delete_insert([version_quad(number)], [version_quad(number + 1)])
-        store.update(query_text.join_updates(steps[number], renumber))
+        store.update(f"{steps[number]} ;\n{renumber}")
 
 
 def version_quad(number: int) -> Quad:
@@ -278,7 +278,8 @@ def derive(store: Store) -> None:
     """Make the derived graph of a base anew; the caller holds the write lock."""
     store.apply(delete=list(store.quads(BASE_NODE, DERIVATION, None, BASE_GRAPH)))
     store.update(f"CLEAR SILENT GRAPH {as_sparql(DERIVED)}")
-    found = batched(_first_ones(derived_quads(store)), _BATCH)
+    seen = set[object]()
+    found = batched((q for q in derived_quads(store) if is_first(q, seen, _MAX_SEEN)), _BATCH)
     if isinstance(store, EmbeddedStore):
         store.load("".join(map(_line, some)).encode() for some in found)
     else:
@@ -306,16 +307,6 @@ _SOURCES: Mapping[Iri, tuple[str, Callable[[Iri, Properties], Iterable[Quad]]]] 
     HISTORY: ("utterance", lambda _, found: utterance_quads(read_utterance(found))),
     EPISODES: ("", observation_quads),
 }
-
-
-def _first_ones(quads: Iterable[Quad]) -> Iterator[Quad]:
-    seen: set[Quad] = set()
-    for quad in quads:
-        if quad not in seen:
-            if len(seen) >= _MAX_SEEN:
-                seen.clear()
-            seen.add(quad)
-            yield quad
 
 
 def _line(quad: Quad) -> str:

@@ -142,8 +142,14 @@ class _Import:
         )
 
     def read_rules(self, statements: Iterable[Statements]) -> Iterator[Rule]:
-        for item in statements:
-            group = _checked(item, self.source)
+        for group in statements:
+            if isinstance(group, ReifyingTriple):
+                raise DataError(
+                    "annotated edges (RDF 1.2) are read from small files only; take N-Quads or "
+                    "CSV.",
+                    source=self.source,
+                )
+            validation.check_graph(group.graph, source=self.source)
             if group.graph == DERIVED:
                 continue  # it follows again from what is imported
             if group.node.startswith(_RULES) and not is_ontology(group.graph):
@@ -265,16 +271,6 @@ class _Import:
         for some in batched(numbers, PER_UTTERANCE):
             start, end = end + 1, end + len(some)
             yield some, f", rules {start} to {end}" if len(numbers) > len(some) else ""
-
-
-def _checked(group: StatementGroup | ReifyingTriple, source: str) -> StatementGroup:
-    if isinstance(group, ReifyingTriple):
-        raise DataError(
-            "annotated edges (RDF 1.2) are read from small files only; take N-Quads or CSV.",
-            source=source,
-        )
-    validation.check_graph(group.graph, source=source)
-    return group
 
 
 def _read_rule(node: Iri, properties: Properties) -> Rule:

@@ -38,15 +38,10 @@ _VARIED = re.compile(  # lines that are many, and differ in an individual or a s
 
 def remember(known: dict[Any, Any], key: object, value: Any) -> Any:
     """Put a value into a dictionary of bounded size, and return it."""
-    make_room(known)
-    known[key] = value
-    return value
-
-
-def make_room(known: dict[Any, Any] | set[Any]) -> None:
-    """Empty a dictionary or set that has become too large."""
     if len(known) >= MAX_KNOWN:
         known.clear()
+    known[key] = value
+    return value
 
 
 class StatementGroup(NamedTuple):

@@ -16,7 +16,8 @@ from ..rdf import rule_mapping
 from ..rdf.rule_mapping import ANY, BELIEFS, DERIVED, FEATURE, GENERATED_AT, LOWER, OWN, UPPER
 from ..rdf.terms import DECIMAL, Quad, Term, as_sparql
 from ..rule import Atom, Rule, Status
-from .nquads_reader import MAX_KNOWN, make_room
+from ..stores.base import is_first
+from .nquads_reader import MAX_KNOWN
 
 _MAX_HELD = 2**20  # characters that are passed on at once
 _RULES, _UTTERANCES = PREFIXES["rule"], PREFIXES["utterance"]
@@ -86,12 +87,13 @@ class NQuadsWriter:
             lines += f"{node}{_TIME}{self._name(rule.time)}{_END}"
         if rule.status == "active":
             lines += f"{shared.node}{_RULE}{node}{_DERIVED_END}"
-            if shared.edges and asserts:
-                is_first = _is_first((rule.features, shared.edges), self._edges)
-                lines += _edge_lines(rule, shared, features) if is_first else ""
+            edges = (rule.features, shared.edges)
+            if asserts and shared.edges and is_first(edges, self._edges, MAX_KNOWN):
+                lines += _edge_lines(rule, shared, features)
         relation = _relation_lines(rule, shared) if asserts else ""
         named = (relation, features.labels, shared.labels)
-        self._write(lines + "".join([some for some in named if _is_first(some, self._labelled)]))
+        new = [some for some in named if is_first(some, self._labelled, MAX_KNOWN)]
+        self._write(lines + "".join(new))
 
     def write_property(self, numbers: Iterable[int], key: Iri, value: Term) -> None:
         """Write a property that rules have in common, given the numbers of the rules."""
@@ -121,14 +123,6 @@ class NQuadsWriter:
     def _write(self, text: str) -> None:
         self._held.append(text)
         self._size += len(text)
-
-
-def _is_first(thing: object, known: set[object]) -> bool:
-    if thing in known:
-        return False
-    make_room(known)
-    known.add(thing)
-    return True
 
 
 def _edge_lines(rule: Rule, shared: SharedLines, features: FeatureLines) -> str:

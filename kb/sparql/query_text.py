@@ -156,16 +156,6 @@ def errors_as_typed(typed: str, sent: str) -> Generator[None]:
         raise QueryError(syntax_message(f"error at {line}:{column}: ", typed)) from error
 
 
-def join_updates(update: str, another: str) -> str:
-    """An update, which may not be empty, followed by another one that declares no prefixes."""
-    found = [*tokens(update)]
-    while found and found[-1].group() == ";":
-        found.pop()
-    if not found:
-        raise QueryError("The update is empty.")
-    return f"{update[: found[-1].end()]} ;\n{another}"
-
-
 def insert_data(quads: Sequence[Quad]) -> str:
     """The update that inserts statements."""
     return f"INSERT DATA {{ {_blocks(quads)} }}"

@@ -128,6 +128,16 @@ def last_utterance(store: ReadableStore) -> int:
     return max((cast(int, quad.object) for quad in numbers), default=0)
 
 
+def is_first(thing: object, known: set[object], most: int) -> bool:
+    """Whether a set, which is emptied when it has so many things, has not this one; adds it."""
+    if thing in known:
+        return False
+    if len(known) >= most:
+        known.clear()
+    known.add(thing)
+    return True
+
+
 def batched(things: Iterable[T], size: int) -> Iterator[list[T]]:
     """Iterate over lists of so many things; the last may be shorter."""
     rest = iter(things)
