@@ -142,16 +142,11 @@ class Affordances:
         for applied in here.binding(seen, shown).by_argument():
             proof = self._conclude(applied.rules, here, seen, shown)
             argument = applied.rules[0].argument
-            known = self._experience_with(argument, here, seen)
+            counts = NO_TRIALS
+            if here.action == GRASP_OBJECT and argument is not None:
+                counts = self.outcomes(seen.object, argument.name, acting_for(here.node))
+            known = counts if counts.outcomes else None
             yield decision.candidate(seen, argument, [proof], applied, experience=known)
-
-    def _experience_with(
-        self, argument: Atom | None, here: NodeRules, seen: Observation
-    ) -> OutcomeCounts | None:
-        if here.action != GRASP_OBJECT or argument is None:
-            return None
-        counts = self.outcomes(seen.object, argument.name, acting_for(here.node))
-        return counts if counts.outcomes else None
 
     def _absent_candidates(
         self, here: NodeRules, observations: Sequence[Observation], decision: DecisionRule

@@ -82,15 +82,20 @@ class NQuadsWriter:
                 f'{_UPPER}"{rule.interval.upper:.{DIGITS}f}{_BOUND_END}',
             )
         )
-        asserts = rule.asserts
+        asserts, relation = rule.asserts, ""
+        is_single = len(rule.features) == 1  # several are conditions of each other's edges
         if rule.time:
             lines += f"{node}{_TIME}{self._name(rule.time)}{_END}"
         if rule.status == "active":
             lines += f"{shared.node}{_RULE}{node}{_DERIVED_END}"
             edges = (rule.features, shared.edges)
             if asserts and shared.edges and is_first(edges, self._edges, MAX_KNOWN):
-                lines += _edge_lines(rule, shared, features)
-        relation = _relation_lines(rule, shared) if asserts else ""
+                if is_single:
+                    lines += "".join([features.nodes[0] + edge for edge in shared.edges])
+                else:
+                    lines += _lines(rule_mapping.edges(rule))
+        if asserts:
+            relation = shared.relation if is_single else _lines(rule_mapping.relation_quads(rule))
         named = (relation, features.labels, shared.labels)
         new = [some for some in named if is_first(some, self._labelled, MAX_KNOWN)]
         self._write(lines + "".join(new))
@@ -123,17 +128,6 @@ class NQuadsWriter:
     def _write(self, text: str) -> None:
         self._held.append(text)
         self._size += len(text)
-
-
-def _edge_lines(rule: Rule, shared: SharedLines, features: FeatureLines) -> str:
-    if len(features.nodes) != 1:  # they are among the conditions of each other's edges
-        return _lines(rule_mapping.edges(rule))
-    return "".join([features.nodes[0] + edge for edge in shared.edges])
-
-
-def _relation_lines(rule: Rule, shared: SharedLines) -> str:
-    one = len(rule.features) == 1
-    return shared.relation if one else _lines(rule_mapping.relation_quads(rule))
 
 
 def _shared_lines(

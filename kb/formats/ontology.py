@@ -67,17 +67,11 @@ def import_ontology(
     new = set(_named(_read(file, format, graph), graph))
     if new:
         new.add(Quad(graph, TYPE, external("owl:Ontology"), graph))
-    return _replace(base, graph, new, file, dry_run=dry_run)
-
-
-def _replace(
-    base: KnowledgeBase, graph: Iri, new: set[Quad], source: str, *, dry_run: bool
-) -> OntologySummary:
     with base.store.writing():
         old = set(base.store.quads(None, None, None, graph))
         if new != old and not dry_run:
             time = to_milliseconds(base.clock())
-            said = import_utterance(source, base.sequence + 1, time, some=f" as {prefixed(graph)}")
+            said = import_utterance(file, base.sequence + 1, time, some=f" as {prefixed(graph)}")
             base.write(said, [], insert=new - old, delete=old - new)
     return OntologySummary(graph, len(new), len(new - old), len(old - new))
 

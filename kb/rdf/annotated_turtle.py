@@ -48,7 +48,16 @@ def expand_annotations(statements: Iterable[Quad | ReifyingTriple], *, source: s
 
     DataError if a blank node is not the annotation of a rule, or something else is annotated.
     """
-    plain, edges = _split_edges(statements, source)
+    plain: list[Quad] = []
+    edges: dict[Iri, list[AnnotatedEdge]] = {}
+    for one in statements:
+        if isinstance(one, Quad):
+            plain.append(one)
+        elif one.predicate != REIFIES or (one.graph not in (None, BELIEFS)):
+            problem = "A statement about a statement (RDF 1.2) is read as a rule only."
+            raise DataError(problem, source=source)
+        else:
+            edges.setdefault(one.subject, []).append(one.edge)
     about: dict[Iri, Properties] = defaultdict(list)
     for quad in plain:
         if quad.subject in edges:
@@ -74,22 +83,6 @@ def write_annotated(quads: Iterable[Quad]) -> Iterator[str]:
             yield from _annotation(node, found, edges)
         elif plain := [one for one in found if one[0] not in rule_mapping.PLAIN_EDGES]:
             yield f"{_short(node)} {_pairs(plain)} .\n"
-
-
-def _split_edges(
-    statements: Iterable[Quad | ReifyingTriple], source: str
-) -> tuple[list[Quad], dict[Iri, list[AnnotatedEdge]]]:
-    plain: list[Quad] = []
-    edges: dict[Iri, list[AnnotatedEdge]] = {}
-    for one in statements:
-        if isinstance(one, Quad):
-            plain.append(one)
-        elif one.predicate != REIFIES or (one.graph not in (None, BELIEFS)):
-            problem = "A statement about a statement (RDF 1.2) is read as a rule only."
-            raise DataError(problem, source=source)
-        else:
-            edges.setdefault(one.subject, []).append(one.edge)
-    return plain, edges
 
 
 def _completed(found: Properties, edges: Sequence[AnnotatedEdge]) -> Iterator[tuple[Iri, Term]]:

@@ -20,7 +20,7 @@ import time
 from collections.abc import Callable, Generator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field
-from urllib.parse import SplitResult, unquote, urldefrag, urljoin, urlsplit, urlunsplit
+from urllib.parse import unquote, urldefrag, urljoin, urlsplit, urlunsplit
 
 import httpx
 
@@ -72,7 +72,16 @@ def parse_address(location: str, environment: Mapping[str, str] | None = None) -
     """
     known = os.environ if environment is None else environment
     bare, fragment = urldefrag(location)
-    parts = _split(bare)
+    try:
+        parts = urlsplit(bare)
+        is_valid = parts.scheme in {"http", "https"} and parts.hostname and parts.port != 0
+    except ValueError:
+        parts, is_valid = urlsplit(""), False
+    if not is_valid:
+        # Not shown: it may hold a password all the same.
+        raise StoreError(
+            "The address of the endpoint is not valid: expected http(s)://host:port/path."
+        )
     query = urlunsplit((parts.scheme, parts.netloc.rpartition("@")[2], parts.path, parts.query, ""))
     beside = query.removesuffix("query") + "update" if parts.path.endswith("/query") else query
     update, _, graphs = (one.strip() for one in fragment.partition(","))
@@ -85,20 +94,6 @@ def parse_address(location: str, environment: Mapping[str, str] | None = None) -
         unquote(parts.password or "") or known.get(PASSWORD, ""),
         known.get(TOKEN, ""),
     )
-
-
-def _split(location: str) -> SplitResult:
-    try:
-        parts = urlsplit(location)
-        valid = parts.scheme in {"http", "https"} and bool(parts.hostname) and parts.port != 0
-    except ValueError:
-        parts, valid = urlsplit(""), False
-    if not valid:
-        # Not shown: it may hold a password all the same.
-        raise StoreError(
-            "The address of the endpoint is not valid: expected http(s)://host:port/path."
-        )
-    return parts
 
 
 @dataclass(frozen=True)

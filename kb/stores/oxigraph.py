@@ -285,26 +285,21 @@ def open_folder(folder: Path, *, read_only: bool = False) -> OxigraphStore:
         is_there = directory.is_base(folder)
         if read_only and not is_there:
             raise StoreError(f'There is no knowledge base "{folder}" to read.')
-        return _open_snapshot_of(folder) if read_only else _open_owned(folder)
+        if read_only:
+            snapshot = directory.take_snapshot(folder)
+            number = check_files(snapshot.path, str(folder))
+            inner = engine.Store.read_only(str(snapshot.path))
+            store = OxigraphStore(inner, str(folder), read_only=True, snapshot=snapshot)
+        else:
+            folder.mkdir(parents=True, exist_ok=True)
+            directory.remove_what_dead_processes_left(folder)
+            number = check_files(folder, str(folder))
+            inner = engine.Store(str(folder))
+            directory.remove_leftovers(folder)
+            store = OxigraphStore(inner, str(folder), read_only=False, folder=folder)
+        return store.checked(number)
     except (OSError, RuntimeError) as error:  # a damaged folder raises RuntimeError
         raise open_error(folder, error) from error
-
-
-def _open_snapshot_of(folder: Path) -> OxigraphStore:
-    snapshot = directory.take_snapshot(folder)
-    number = check_files(snapshot.path, str(folder))
-    inner = engine.Store.read_only(str(snapshot.path))
-    store = OxigraphStore(inner, str(folder), read_only=True, snapshot=snapshot)
-    return store.checked(number)
-
-
-def _open_owned(folder: Path) -> OxigraphStore:
-    folder.mkdir(parents=True, exist_ok=True)
-    directory.remove_what_dead_processes_left(folder)
-    number = check_files(folder, str(folder))
-    inner = engine.Store(str(folder))
-    directory.remove_leftovers(folder)
-    return OxigraphStore(inner, str(folder), read_only=False, folder=folder).checked(number)
 
 
 def open_snapshot(snapshot: Path) -> OxigraphStore:

@@ -59,7 +59,11 @@ class WorkerProcess:
         except (EOFError, BrokenPipeError, pickle.UnpicklingError):
             code, was_stopped = process.wait(), time.monotonic() >= end
             self.close()
-            raise _exit_error(code, limits, was_stopped=was_stopped) from None
+            if was_stopped:
+                raise limits.time_error() from None
+            if code == -signal.SIGSEGV:  # pyoxigraph's parser recurses for each bracket
+                raise QueryError("The query is nested too deeply, and was stopped.") from None
+            raise limits.memory_error() from None
         except BaseException:
             self.close()
             raise
@@ -78,11 +82,3 @@ class WorkerProcess:
                 stderr=subprocess.DEVNULL,
             )
         return self._process
-
-
-def _exit_error(code: int, limits: QueryLimits, *, was_stopped: bool) -> QueryError:
-    if was_stopped:
-        return limits.time_error()
-    if code == -signal.SIGSEGV:  # pyoxigraph's parser recurses for each bracket
-        return QueryError("The query is nested too deeply, and was stopped.")
-    return limits.memory_error()
