@@ -28,7 +28,7 @@ from .knowledge_base import KnowledgeBase
 from .rdf import rule_mapping
 from .rdf.domain import DOMAIN
 from .rdf.rule_mapping import BELIEFS, DERIVED
-from .rdf.terms import BASE_GRAPH, Properties, Quad, Term
+from .rdf.terms import BASE_GRAPH, Quad, Term
 from .rule import DEFAULT_SPEAKER, Rule
 from .sparql.query_text import refuse_external_access
 from .sparql.results import QueryLimits, SelectResult
@@ -261,7 +261,7 @@ class _Plan:
             self.delete += before - after
 
 
-class _ChangedStore:
+class _ChangedStore(ReadableStore):
     """What a store holds with a difference applied, as far as the laws read it."""
 
     def __init__(self, store: Store, change: Difference) -> None:
@@ -282,10 +282,6 @@ class _ChangedStore:
         for quad in (quad for each in subjects for quad in self.inserted[each]):
             if all(part in (None, there) for part, there in zip(wanted, quad, strict=True)):
                 yield quad
-
-    def properties(self, subject: Iri, graph: Iri) -> Properties:
-        """The properties of a node."""
-        return [(quad.predicate, quad.object) for quad in self.quads(subject, graph=graph)]
 
 
 def _by_subject(quads: Iterable[Quad]) -> dict[Iri, list[Quad]]:

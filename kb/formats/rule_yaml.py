@@ -13,7 +13,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from functools import lru_cache
 from typing import Any, TextIO
 
-from ...ontology.errors import DataError, HiltError
+from ...ontology.errors import IntervalError, ValidationError
 from ...ontology.yaml_reader import YamlNode, parse_yaml
 from ..interval import Interval
 from ..rdf.terms import write_time
@@ -56,9 +56,7 @@ def _rule(entry: YamlNode, speaker: str) -> Rule:
         source = value_notation.read_source(said[0] or speaker, *said[1:])
         features, contexts = _atoms(found, _FEATURES), _atoms(found, _CONTEXTS)
         return Rule(features, contexts, functor, argument, _interval(found["interval"]), **source)
-    except DataError:
-        raise
-    except HiltError as error:
+    except (IntervalError, ValidationError) as error:
         raise entry.fail(str(error)) from error
 
 
@@ -71,9 +69,7 @@ def _atoms(found: Mapping[str, YamlNode], kinds: Mapping[str, str]) -> frozenset
 def _placed(field: YamlNode, kind: str) -> frozenset[Atom]:
     try:
         return value_notation.read_atoms([field.text()], kind)
-    except DataError:
-        raise
-    except HiltError as error:
+    except ValidationError as error:
         raise field.fail(str(error)) from error
 
 

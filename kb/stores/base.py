@@ -41,7 +41,7 @@ class ReadableStore(Protocol):
 
     def properties(self, subject: Iri, graph: Iri) -> Properties:
         """The properties of a node in a graph, as (predicate, object)."""
-        ...
+        return [(quad.predicate, quad.object) for quad in self.quads(subject, graph=graph)]
 
 
 class Store(ReadableStore, Protocol):

@@ -32,7 +32,7 @@ from ..sparql.results import (
     read_boolean,
     read_solutions,
 )
-from .base import batched
+from .base import ReadableStore, batched
 from .http import EndpointConfig, EndpointResponse, EndpointTransport, parse_address
 from .write_lease import CHANGES, IS_DECIDED, REPLACES, WriteLease, prepared
 
@@ -47,7 +47,7 @@ _ONTOLOGIES = "SELECT ?graph { GRAPH ?graph { ?graph a owl:Ontology } }"
 VIRTUOSO, VIRTUOSO_UPDATES = "Virtuoso", "sparql-auth"
 
 
-class RemoteStore:
+class RemoteStore(ReadableStore):
     """A store behind an endpoint; `hilt.kb.stores.base.Store` documents its methods."""
 
     has_cheap_patterns = False
@@ -116,10 +116,6 @@ class RemoteStore:
         for row in self.select(f"SELECT ?{' ?'.join(names)} WHERE {where}"):
             found = wanted | dict(zip(names, row, strict=True))
             yield Quad(*found.values())  # type: ignore[arg-type]
-
-    def properties(self, subject: Iri, graph: Iri) -> list[tuple[Iri, Term]]:
-        """The properties of a node."""
-        return [(quad.predicate, quad.object) for quad in self.quads(subject, graph=graph)]
 
     def apply(self, *, insert: Iterable[Quad] = (), delete: Iterable[Quad] = ()) -> None:
         """Delete, then insert; prepared in parts where it is too large for one operation."""
