@@ -147,7 +147,13 @@ def _trial(store: Store, operations: int) -> Generator[Store]:
 def _effect(
     store: Store, worker: WorkerProcess, operation: UpdateOperation, limits: QueryLimits
 ) -> tuple[set[Quad], set[Quad]]:
-    rows = _solutions(store, operation, limits)
+    rows: Sequence[Sequence[Term | None]] = [(None,)]
+    if operation.where:
+        found = cast(SelectResult, store.run(operation.query(MAX_CHANGED + 1), limits))
+        rows = found.rows
+        _check_size(len(rows))
+        for row in rows:
+            invariants.refuse_blank_nodes(row)
     delete, insert = (
         set[Quad](worker.request(limits, update=operation.insertion(template, rows)))
         if template and rows
@@ -158,18 +164,6 @@ def _effect(
     _check_places(delete | insert)
     there = {quad for quad in delete | insert if any(store.quads(*quad))}
     return (delete & there) - insert, insert - there
-
-
-def _solutions(
-    store: Store, operation: UpdateOperation, limits: QueryLimits
-) -> Sequence[Sequence[Term | None]]:
-    if not operation.where:
-        return [(None,)]
-    found = cast(SelectResult, store.run(operation.query(MAX_CHANGED + 1), limits))
-    _check_size(len(found))
-    for row in found:
-        invariants.refuse_blank_nodes(row)
-    return found.rows
 
 
 def _check_size(changed: int) -> None:

@@ -114,8 +114,8 @@ class RuleWriter(RuleReader):
     ) -> Utterance:
         """Add an utterance that changes no rule, as a command; arguments as for `Utterance`."""
         said = self._said(text, predicate, speaker, kind)
-        with self.store.writing():
-            return self._write(replace(said, accepted=accepted, answer=answer, heard=heard), [])
+        said = replace(said, accepted=accepted, answer=answer, heard=heard)
+        return self.write(said, [], insert=(), delete=())
 
     def retract(
         self, rule_id: str, text: str, predicate: str, speaker: str, *, answer: str = ""
@@ -226,12 +226,9 @@ class RuleWriter(RuleReader):
         when = to_milliseconds(time or self.clock())
         return Utterance(0, text, predicate, speaker, when, kind)
 
-    def _write(
-        self, utterance: Utterance, rules: Sequence[Rule], change: _Change | None = None
-    ) -> Utterance:
+    def _write(self, utterance: Utterance, rules: Sequence[Rule], change: _Change) -> Utterance:
         last = self.sequence
         numbered = replace(utterance, sequence=last + 1, time=self._time_after(last, utterance))
-        change = change or _Change()
         change.replace(
             [Quad(BASE_NODE, SEQUENCE, last, BASE_GRAPH)] if last else [],
             [Quad(BASE_NODE, SEQUENCE, last + 1, BASE_GRAPH)],

@@ -48,6 +48,7 @@ _OTHER_FILL = "#eeeeee"
 _STYLES: dict[str, Any] = {
     "supports": "-", "needs another feature": (0, (6, 3)), "speaks against": (0, (1.5, 2)),
 }  # fmt: skip
+_Point = tuple[float, float]
 
 
 class _Arrow(NamedTuple):
@@ -153,14 +154,10 @@ def draw_graph(graph: MultiDiGraph[str], form: str) -> bytes:
         for node, box in boxes.items():
             _draw_box(axes, box, node)
         for arrow in arrows:
-            _draw_arrow(
-                axes,
-                arrow,
-                _port(boxes[arrow.start], starts[arrow.start], arrow),
-                _port(boxes[arrow.end], ends[arrow.end], arrow),
-                x=(boxes[arrow.start].x1, boxes[arrow.end].x0),
-                colour=colours[arrow.context],
-            )
+            start, end = boxes[arrow.start], boxes[arrow.end]
+            tail = start.x1, _port(start, starts[arrow.start], arrow)
+            head = end.x0, _port(end, ends[arrow.end], arrow)
+            _draw_arrow(axes, arrow, tail, head, colours[arrow.context])
         if arrows:
             _draw_legend(axes, colours, kinds)
         stream = io.BytesIO()
@@ -264,16 +261,15 @@ def _draw_box(axes: Axes, box: Bbox, node: str) -> None:
     )  # fmt: skip
 
 
-def _draw_arrow(
-    axes: Axes, arrow: _Arrow, start: float, end: float, *, x: tuple[float, float], colour: str
-) -> None:
+def _draw_arrow(axes: Axes, arrow: _Arrow, tail: _Point, head: _Point, colour: str) -> None:
     from matplotlib.patches import FancyArrowPatch
     from matplotlib.path import Path
 
-    bend = x[0] + _LETTER * len(arrow.label) + 6
-    reach = max(abs(x[1] - bend) / 2, _CURVE / 3)
+    (left, start), (right, end) = tail, head
+    bend = left + _LETTER * len(arrow.label) + 6
+    reach = max(abs(right - bend) / 2, _CURVE / 3)
     path = Path(
-        [(x[0], start), (bend, start), (bend + reach, start), (x[1] - reach, end), (x[1], end)],
+        [tail, (bend, start), (bend + reach, start), (right - reach, end), head],
         [Path.MOVETO, Path.LINETO, Path.CURVE4, Path.CURVE4, Path.CURVE4],
     )
     axes.add_patch(
@@ -284,7 +280,7 @@ def _draw_arrow(
         )
     )  # fmt: skip
     axes.text(
-        x[0] + 4, start + 2, arrow.label, va="bottom", fontsize=8, color=colour, parse_math=False
+        left + 4, start + 2, arrow.label, va="bottom", fontsize=8, color=colour, parse_math=False
     )
 
 

@@ -221,14 +221,12 @@ class _RowReader:
                 raise ValidationError(
                     [f"expected {self._count} cells, one for each column, found {len(row)}."]
                 )
-            return self._read(self._in_order((*row, "")))
+            cells = self._in_order((*row, ""))
+            features, *shared, lower, upper, speaker, status, time = cells
+            known = self._known.get(key := (*shared, speaker, status, time))
+            if known is None:
+                return remember(self._known, key, read_rule(cells))
+            seen = split_atoms(features.strip(), FEATURE_KIND)
+            return known.restated(seen, read_interval(lower, upper).rounded(), time=known.time)
         except HiltError as error:
             raise DataError(str(error), source=self._source, line=line) from error
-
-    def _read(self, cells: Sequence[str]) -> Rule:
-        features, *shared, lower, upper, speaker, status, time = cells
-        known = self._known.get(key := (*shared, speaker, status, time))
-        if known is None:
-            return remember(self._known, key, read_rule(cells))
-        seen = split_atoms(features.strip(), FEATURE_KIND)
-        return known.restated(seen, read_interval(lower, upper).rounded(), time=known.time)
