@@ -51,11 +51,6 @@ class StatementGroup(NamedTuple):
     graph: Iri
     pairs: Properties
 
-    def quads(self) -> Iterator[Quad]:
-        """Iterate over the statements."""
-        node, graph, pairs = self
-        return (Quad(node, key, value, graph) for key, value in pairs)
-
 
 def read_groups(
     stream: BinaryIO, *, format: str, source: str, default: Iri
@@ -80,7 +75,10 @@ def read_groups(
 def read_quads(items: Iterable[Statements]) -> Iterator[Quad | ReifyingTriple]:
     """Iterate over the statements of items."""
     for item in items:
-        yield from item.quads() if isinstance(item, StatementGroup) else (item,)
+        if isinstance(item, ReifyingTriple):
+            yield item
+        else:
+            yield from (Quad(item.node, key, value, item.graph) for key, value in item.pairs)
 
 
 class LineReader:

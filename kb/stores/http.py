@@ -174,10 +174,11 @@ class EndpointTransport:
         request = self._client.build_request(
             "POST", url, data=form, content=content, headers=headers, timeout=timeout
         )
+        asked = form.get("query") or form.get("update") if form else "statements"
         for attempt in range(TRIES):
             is_last = attempt == TRIES - 1
             try:
-                with timed(__name__, "request %s %s", url, _asked(form)):
+                with timed(__name__, "request %s %s", url, asked):
                     status, response, wait = self._once(request, limits)
             except httpx.TransportError as error:
                 self._raise_unless_retried(error, is_last, may_repeat, limits)
@@ -248,10 +249,6 @@ class EndpointTransport:
 def _reason(error: Exception) -> str:
     text = re.sub(r"^\[Errno -?\d+\] ", "", str(error)).strip().rstrip(".")
     return (text[:1].lower() + text[1:] if text else type(error).__name__) + "."
-
-
-def _asked(form: Form | None) -> object:
-    return form.get("query") or form.get("update") if form else "statements"
 
 
 def _first_line(body: bytes) -> str:
