@@ -151,10 +151,18 @@ def test_problog_on_the_same_rules(benchmark: Any):
 
 @pytest.mark.peer
 def test_one_node_is_faster_than_problog_by_the_bar(affordances: Affordances):
-    """Both are measured in one run, so that the speed of the machine cancels out."""
+    """Both are measured in turn, so that the speed of the machine cancels out.
+
+    The shortest times count, since what else the machine does can only add to them.
+    """
     other = problog_decision()
 
-    ratio = processor_time(other, 20) / processor_time(lambda: decide(affordances), 500)
+    rounds = [
+        (processor_time(other, 4), processor_time(lambda: decide(affordances), 100))
+        for _ in range(8)
+    ]
+    theirs, ours = map(min, zip(*rounds, strict=True))
+    ratio = theirs / ours
 
     print(f"\nProbLog takes {ratio:.0f} times as long")
     assert ratio >= TIMES_PROBLOG
