@@ -133,8 +133,9 @@ def motion_failed(report: MotionReport, object_name: str, part: str | None) -> A
     """Return the answer to a motion that failed."""
     if report.reason not in _MOTION:  # a failure of the robot's own
         return failed(report.reason.replace("_", " "), object_name, report.reason)
-    key = _MOTION[report.reason][0 if part else 1] + ("_by" if report.barred_by else "")
-    slots = {"object": object_name, "part": part, "objects": report.barred_by}
+    barred_by = report.barred_by if report.reason == "blocked" else ()
+    key = _MOTION[report.reason][0 if part else 1] + ("_by" if barred_by else "")
+    slots = {"object": object_name, "part": part, "objects": barred_by}
     known = {name: slot for name, slot in slots.items() if slot}
     return AnswerContent(key, known, "failed", report.reason)
 
