@@ -126,9 +126,15 @@ def grasp(
     from ...sim.poses import inverse, translation
 
     arrays = read_cloud(cloud, base_from_camera)
-    given: dict[str, Any] = {"part": part, "others": other or (), "table": table}
     with spinner("Planning grasps"):
-        plan = grasps_on_cloud(**arrays, **given, robot=config.robot, seed=config.seed)
+        plan = grasps_on_cloud(
+            **arrays,
+            part=part,
+            others=other or (),
+            table=table,
+            robot=config.robot,
+            seed=config.seed,
+        )
     at = arrays.get("base_from_camera")
     turn = translation(0, 0, 0) if at is None or frame == "base" else inverse(at)
     placed = [((turn @ g.world_from_grip).round(6) + 0.0).tolist() for g in plan.grasps[:top]]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Collection, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, TypedDict
 
 import numpy as np
 
@@ -74,7 +74,15 @@ def grasps_on_cloud(
     return RankedGrasps(best, dict((+rejected).most_common()))
 
 
-def read_cloud(path: str | Path, pose: str | Path | None = None) -> dict[str, Any]:
+class CloudArrays(TypedDict, total=False):
+    """What a file says of a cloud: always its points, maybe their labels and the camera's pose."""
+
+    points: Array
+    labels: list[str]
+    base_from_camera: Array
+
+
+def read_cloud(path: str | Path, pose: str | Path | None = None) -> CloudArrays:
     """Read what `grasps_on_cloud` takes from an .npz file with these arrays, or from a .ply file.
 
     Labels are text, or numbers with an array of `names`; in a .ply file they are the property
@@ -85,8 +93,11 @@ def read_cloud(path: str | Path, pose: str | Path | None = None) -> dict[str, An
         found = _read_ply(path) if path.suffix.lower() == ".ply" else dict(np.load(path))
         if pose is not None:
             found["base_from_camera"] = np.loadtxt(pose).reshape(4, 4)
-        numbers = found.keys() & {"points", "base_from_camera"}
-        arrays: dict[str, Any] = {key: found[key].astype(float) for key in numbers}
+        arrays = CloudArrays()
+        if "points" in found:
+            arrays["points"] = found["points"].astype(float)
+        if "base_from_camera" in found:
+            arrays["base_from_camera"] = found["base_from_camera"].astype(float)
     except Exception as error:  # readers have errors of their own for each way to be broken
         problem = str(error).rstrip(".")
         raise DataError(f"cannot be read as .npz or .ply: {problem}.", source=str(path)) from error
@@ -94,8 +105,8 @@ def read_cloud(path: str | Path, pose: str | Path | None = None) -> dict[str, An
         raise DataError(f'has no "points". It has: {", ".join(found)}.', source=str(path))
     if "labels" in found:
         names = dict(enumerate(np.ravel(found.get("names", ())).tolist()))
-        values, index = np.unique(np.ravel(found["labels"]), return_inverse=True)
-        arrays["labels"] = np.array([str(names.get(each, each)) for each in values.tolist()])[index]
+        labels = np.ravel(found["labels"]).tolist()
+        arrays["labels"] = [str(names.get(each, each)) for each in labels]
     return arrays
 
 
