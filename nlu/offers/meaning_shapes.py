@@ -40,7 +40,7 @@ _ROLES_OF_KEYS: Mapping[str, tuple[str, ...]] = {
     "part": ("part",),
     **dict.fromkeys(("affordance", "usedFor", "notUsedFor"), ("affordance",)),
     **dict.fromkeys(("goal", "context"), ("act",)),
-    **dict.fromkeys(("recipient", "speaker"), ("person",)),
+    **dict.fromkeys(("recipient", "speaker", "source"), ("person",)),
     "props": ("property",),
 }
 _NAMING = frozenset(key for key, roles in _ROLES_OF_KEYS.items() if roles != ("act",))
