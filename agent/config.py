@@ -227,7 +227,8 @@ def open_base(
     location = location or str(default_location())
     with timed(__name__, "open the knowledge base %s", location):
         base = KnowledgeBase.open(location)
-        base.load_domain((kinds or household()).objects, actions or actions_with(None))
+        known = kinds or household()
+        base.load_domain(known.objects, actions or actions_with(None), known.classes, known.people)
     return base
 
 

@@ -169,14 +169,16 @@ class KnowledgeBase(RuleWriter, AbstractContextManager["KnowledgeBase"]):
         objects: ObjectTypes,
         actions: Actions,
         classes: Mapping[str, str | None] | None = None,
+        people: Mapping[str, str] | None = None,
     ) -> bool:
         """Write the household domain and return True, unless it is there already.
 
-        `classes` gives the class above each class of objects, or None.
+        `classes` gives the class above each class of objects, or None, and `people` the kind of
+        people above each kind of people.
         """
         from .rdf.domain import DOMAIN, DOMAIN_HASH, content_hash, domain_quads
 
-        new = domain_quads(objects, actions, classes)
+        new = domain_quads(objects, actions, classes, people)
         mark = Quad(BASE_NODE, DOMAIN_HASH, content_hash(new), BASE_GRAPH)
         before = list(self.store.quads(BASE_NODE, DOMAIN_HASH, None, BASE_GRAPH))
         if before == [mark]:

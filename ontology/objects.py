@@ -141,8 +141,8 @@ ObjectTypes: TypeAlias = "Mapping[str, ObjectType]"  # by name
 class Household:
     """The contents of a file of objects.
 
-    These are objects and materials by name, the superclass of each class or None, and the meanings
-    of roles and properties.
+    These are objects and materials by name, the superclass of each class or None, the meanings of
+    roles and properties, and the kind of people above each kind of people.
     """
 
     objects: Mapping[str, ObjectType]
@@ -150,6 +150,7 @@ class Household:
     roles: Mapping[str, str]
     properties: Mapping[str, str]
     materials: Mapping[str, Material]
+    people: Mapping[str, str]
 
 
 def load_objects(path: Path | None = None) -> dict[str, ObjectType]:
@@ -169,9 +170,10 @@ def load_household(path: Path | None = None, *, added_to: Household | None = Non
 def read_household(spec: YamlNode, *, added_to: Household | None = None) -> Household:
     """Return the household defined in a part of a file, as `load_household` does for a file."""
     words = {"classes", "roles", "properties", "materials"}
-    known = added_to or Household({}, {}, {}, {}, {})
-    top = spec.entries(required={"objects"} if added_to else {"objects", *words}, optional=words)
-    given = {word: top[word].entries() if word in top else {} for word in words}
+    known = added_to or Household({}, {}, {}, {}, {}, {})
+    required = {"objects"} if added_to else {"objects", *words}
+    top = spec.entries(required=required, optional=words | {"people"})
+    given = {word: top[word].entries() if word in top else {} for word in (*words, "people")}
     materials = {name: _read_material(name, spec) for name, spec in given["materials"].items()}
     names = {*given["classes"], *known.classes}
     classes = {
@@ -184,6 +186,7 @@ def read_household(spec: YamlNode, *, added_to: Household | None = None) -> Hous
         {**known.roles, **{word: meaning.text() for word, meaning in given["roles"].items()}},
         {**known.properties, **{word: each.text() for word, each in given["properties"].items()}},
         {**known.materials, **materials},
+        {**known.people, **{name: above.text() for name, above in given["people"].items()}},
     )
     fields = top["objects"].entries()
     reader = _ObjectReader(declared, fields.keys())
@@ -191,6 +194,9 @@ def read_household(spec: YamlNode, *, added_to: Household | None = None) -> Hous
     household = replace(declared, objects={**known.objects, **objects})
     above = {**household.classes, **{name: k.is_a for name, k in household.objects.items()}}
     _check_acyclic(above, {**given["classes"], **fields})
+    _check_acyclic(
+        {**dict.fromkeys(household.people.values()), **household.people}, given["people"]
+    )
     return household
 
 

@@ -29,11 +29,19 @@ MASS, SUBCLASS_OF = term("mass"), external("rdfs:subClassOf")
 
 
 def domain_quads(
-    objects: ObjectTypes, actions: Actions, classes: Mapping[str, str | None] | None = None
+    objects: ObjectTypes,
+    actions: Actions,
+    classes: Mapping[str, str | None] | None = None,
+    people: Mapping[str, str] | None = None,
 ) -> list[Quad]:
     """The statements of the domain graph, sorted; arguments as for `KnowledgeBase.load_domain`."""
     kinds = {name: kind.is_a for name, kind in objects.items()} | dict(classes or {})
-    found = {*_class_statements(kinds), *_object_statements(objects), *_action_statements(actions)}
+    found = {
+        *_class_statements("object", kinds),
+        *_class_statements("role", people or {}),
+        *_object_statements(objects),
+        *_action_statements(actions),
+    }
     quads = (Quad(subject, predicate, value, DOMAIN) for subject, predicate, value in found)
     return sorted(quads, key=_written)
 
@@ -43,12 +51,14 @@ def content_hash(quads: Iterable[Quad]) -> str:
     return hashlib.sha256("\n".join(sorted(map(_written, quads))).encode()).hexdigest()
 
 
-def _class_statements(kinds: Mapping[str, str | None]) -> Iterator[tuple[Iri, Iri, Term]]:
-    for name, above in kinds.items():
-        yield from _named(Atom("object", name))
+def _class_statements(
+    kind: str, names: Mapping[str, str] | Mapping[str, str | None]
+) -> Iterator[tuple[Iri, Iri, Term]]:
+    for name, above in names.items():
+        yield from _named(Atom(kind, name))
         if above:
-            yield from _named(Atom("object", above))
-            yield from _is_a(Atom("object", name), Atom("object", above))
+            yield from _named(Atom(kind, above))
+            yield from _is_a(Atom(kind, name), Atom(kind, above))
 
 
 def _object_statements(objects: ObjectTypes) -> Iterator[tuple[Iri, Iri, Term]]:
