@@ -79,35 +79,23 @@ class Loop:
 
 @dataclass(frozen=True)
 class Precondition:
-    """A precondition of an action tree.
+    """A precondition of an action tree."""
 
-    Attributes:
-        kind: "sees", the object is in view; "holds", it is in the hand; or "is", it has a property.
-        parameter: the argument it is about, or "=object".
-        property: the property that "is" asks for.
-        negated: whether it must not be so.
-    """
-
+    #: "sees", the object is in view; "holds", it is in the hand; or "is", it has a property
     kind: str
-    parameter: str
-    property: str | None = None
-    negated: bool = False
+    parameter: str  #: the argument it is about, or "=object"
+    property: str | None = None  #: the property that "is" asks for
+    negated: bool = False  #: whether it must not be so
 
 
 @dataclass(frozen=True)
 class FailureBranch:
-    """What to do after a failure: at most one of the last three attributes, or the tree fails.
+    """What to do after a failure: at most one of the last three attributes, or the tree fails."""
 
-    Attributes:
-        after: the failures it handles, some of `Actions.failures` or "any".
-        next: the parameter for which the next best candidate is tried.
-        again: how often the steps are repeated.
-        steps: other steps; a tree that contains this one goes on when they succeed.
-    """
-
-    after: frozenset[str]
-    next: str | None = None
-    again: int = 0
+    after: frozenset[str]  #: the failures it handles, some of `Actions.failures` or "any"
+    next: str | None = None  #: the parameter for which the next best candidate is tried
+    again: int = 0  #: how often the steps are repeated
+    #: other steps; a tree that contains this one goes on when they succeed
     steps: tuple[Step | Loop, ...] = ()
 
     @property
@@ -122,25 +110,18 @@ class FailureBranch:
 
 @dataclass(frozen=True)
 class ActionTree:
-    """The steps that achieve one kind of goal, and their preconditions.
+    """The steps that achieve one kind of goal, and their preconditions."""
 
-    Attributes:
-        name: the predicate of the goal.
-        parameters: the arguments of the predicate, in order.
-        defaults: parameter -> its value when it is not given; "speaker" is who asked.
-        steps: executed in preorder.
-        otherwise: branches for failures; the first that handles a failure is taken.
-        is_a: the more general action whose rules it inherits.
-        objects: parameter -> the kind of object that it was taught for; None if it is of a file.
-    """
-
-    name: str
-    parameters: tuple[str, ...]
+    name: str  #: the predicate of the goal
+    parameters: tuple[str, ...]  #: the arguments of the predicate, in order
+    #: parameter -> its value when it is not given; "speaker" is who asked
     defaults: Mapping[str, str | ArgumentByAffordance]
-    steps: tuple[Step | Loop, ...]
+    steps: tuple[Step | Loop, ...]  #: executed in preorder
     requires: tuple[Precondition, ...] = ()
+    #: branches for failures; the first that handles a failure is taken
     otherwise: tuple[FailureBranch, ...] = ()
-    is_a: str | None = None
+    is_a: str | None = None  #: the more general action whose rules it inherits
+    #: parameter -> the kind of object that it was taught for; None if it is of a file
     objects: Mapping[str, str] | None = None
 
     @property

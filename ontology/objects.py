@@ -39,23 +39,15 @@ class Material:
 
 @dataclass(frozen=True)
 class PartType:
-    """One named part ("handle", "blade") of an object.
-
-    Attributes:
-        role: its function in the object: "grip", "edge", "container", ...
-        properties: its perceptible properties: "sharp", "long", ...
-        colour: the colour of its solids that have none of their own.
-        mass: its mass [kg].
-        shape: its solids, in the frame of the object.
-    """
+    """One named part ("handle", "blade") of an object."""
 
     name: str
-    role: str
-    properties: frozenset[str]
+    role: str  #: its function in the object: "grip", "edge", "container", ...
+    properties: frozenset[str]  #: its perceptible properties: "sharp", "long", ...
     material: Material
-    colour: Colour
-    mass: float
-    shape: tuple[PlacedSolid, ...]
+    colour: Colour  #: the colour of its solids that have none of their own
+    mass: float  #: its mass [kg]
+    shape: tuple[PlacedSolid, ...]  #: its solids, in the frame of the object
 
 
 @dataclass(frozen=True)
@@ -73,34 +65,19 @@ class RestingPose:
 
 @dataclass(frozen=True)
 class Fixture:
-    """How an object is fixed in another one, as a nail in its block.
+    """How an object is fixed in another one, as a nail in its block."""
 
-    Attributes:
-        support: the type of the object in which it is fixed.
-        at: where it enters the support, in the frame of the support [m]; its direction is its -z.
-        depth: its initial depth in the support [m].
-        deepest: the depth to which it can be driven [m].
-        resistance: the force with which the support holds it, in both directions [N].
-    """
-
-    support: str
+    support: str  #: the type of the object in which it is fixed
+    #: where it enters the support, in the frame of the support [m]; its direction is its -z
     at: Point3
-    depth: float
-    deepest: float
-    resistance: float
+    depth: float  #: its initial depth in the support [m]
+    deepest: float  #: the depth to which it can be driven [m]
+    resistance: float  #: the force with which the support holds it, in both directions [N]
 
 
 @dataclass(frozen=True)
 class ObjectType:
     """A kind of object.
-
-    Attributes:
-        is_a: its superclass, an object or one of the file's classes; None for a root.
-        properties: the perceptible properties of the whole object.
-        graspable: whether it can be picked up; False for fixtures.
-        parts: its parts by name, in the order of the file.
-        rests: how it can lie or stand; at least one is usual.
-        mount: how it is fixed in another object, if it is not placed loose; None for most.
 
     >>> knife = load_objects()["knife"]
     >>> list(knife.parts), knife.part("blade").role
@@ -108,11 +85,13 @@ class ObjectType:
     """
 
     name: str
-    is_a: str | None
-    properties: frozenset[str]
-    graspable: bool
+    is_a: str | None  #: its superclass, an object or one of the file's classes; None for a root
+    properties: frozenset[str]  #: the perceptible properties of the whole object
+    graspable: bool  #: whether it can be picked up; False for fixtures
+    #: its parts by name, in the order of the file
     parts: Mapping[str, PartType] = field(hash=False)
-    rests: tuple[RestingPose, ...]
+    rests: tuple[RestingPose, ...]  #: how it can lie or stand; at least one is usual
+    #: how it is fixed in another object, if it is not placed loose; None for most
     mount: Fixture | None = None
 
     @cached_property

@@ -80,22 +80,15 @@ Form = Box | Lathe | Extrusion | Sweep | MeshFile
 
 @dataclass(frozen=True)
 class PlacedSolid:
-    """One form placed in the frame of the object.
-
-    Attributes:
-        at: origin of its frame [m].
-        turn: roll, pitch, yaw of its frame [rad], about the fixed x, y and z axes in this order.
-        colour: its own colour; None for that of the part.
-        visible: whether cameras see it.
-        collides: whether it can be touched, by fingers or the table.
-    """
+    """One form placed in the frame of the object."""
 
     form: Form
-    at: Point3
+    at: Point3  #: origin of its frame [m]
+    #: roll, pitch, yaw of its frame [rad], about the fixed x, y and z axes in this order
     turn: Point3
-    colour: Colour | None
-    visible: bool
-    collides: bool
+    colour: Colour | None  #: its own colour; None for that of the part
+    visible: bool  #: whether cameras see it
+    collides: bool  #: whether it can be touched, by fingers or the table
 
 
 def read_solid(field: YamlNode) -> PlacedSolid:

@@ -26,22 +26,16 @@ _CLOSING = frozenset({"SequenceEndEvent", "MappingEndEvent"})
 
 @dataclass(frozen=True)
 class YamlNode:
-    """A value of a YAML file with its position.
+    """A value of a YAML file with its position."""
 
-    Attributes:
-        value: the plain value: `str`, `int`, `float`, `bool`, `None`, or for a list and a mapping
-            a tuple of `YamlNode` and a dict from key to `YamlNode`.
-        source: the file it was read from.
-        line, column: 1-based, of its first character.
-        text_line: the line itself, for the caret below it.
-        keys: the keys of a mapping, in the order of the file.
-    """
-
+    #: the plain value: `str`, `int`, `float`, `bool`, `None`, or for a list and a mapping a tuple
+    #: of `YamlNode` and a dict from key to `YamlNode`
     value: Any
-    source: str
-    line: int
-    column: int
-    text_line: str = dataclasses.field(default="", compare=False, repr=False)
+    source: str  #: the file it was read from
+    line: int  #: of its first character, 1-based
+    column: int  #: the same
+    text_line: str = dataclasses.field(default="", compare=False, repr=False)  #: for the caret
+    #: the keys of a mapping, in the order of the file
     keys: tuple[YamlNode, ...] = dataclasses.field(default=(), compare=False, repr=False)
 
     def fail(self, problem: str) -> DataError:

@@ -28,21 +28,13 @@ class PointLabel(IntEnum):
 
 @dataclass(frozen=True)
 class LabelledPointCloud:
-    """The points that grasps of a part of an object are planned on.
+    """The points that grasps of a part of an object are planned on."""
 
-    Attributes:
-        points: points (n, 3) in the world [m].
-        labels: `PointLabel` of each point (n,); the part to be grasped is `TARGET`.
-        table: height of the table [m].
-        centre_of_mass: estimated centre of mass of the object (3,), in the world [m].
-        mass: mass of the object [kg].
-    """
-
-    points: Array
-    labels: np.ndarray
-    table: float
-    centre_of_mass: Array
-    mass: float
+    points: Array  #: points (n, 3) in the world [m]
+    labels: np.ndarray  #: `PointLabel` of each point (n,); the part to be grasped is `TARGET`
+    table: float  #: height of the table [m]
+    centre_of_mass: Array  #: estimated centre of mass of the object (3,), in the world [m]
+    mass: float  #: mass of the object [kg]
 
     @property
     def target(self) -> Array:
@@ -74,19 +66,12 @@ class LabelledPointCloud:
 
 @dataclass(frozen=True, eq=False)
 class GraspContext:
-    """An object that is to be grasped, and what surrounds it.
+    """An object that is to be grasped, and what surrounds it."""
 
-    Attributes:
-        percept: the object as it is seen.
-        kind: type of the object, which gives the masses of its parts.
-        part: name of the part to grasp; None for any.
-        neighbours: points (n, 3) on all other objects, in the world [m].
-    """
-
-    percept: Percept
-    kind: ObjectType
-    part: str | None
-    neighbours: Array
+    percept: Percept  #: the object as it is seen
+    kind: ObjectType  #: type of the object, which gives the masses of its parts
+    part: str | None  #: name of the part to grasp; None for any
+    neighbours: Array  #: points (n, 3) on all other objects, in the world [m]
 
     @property
     def allowed_parts(self) -> tuple[str, ...]:

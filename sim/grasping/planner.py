@@ -52,16 +52,11 @@ _REASONS = {"too_wide": "too_wide", "part": "blocked", "neighbour": "blocked", "
 
 @dataclass(frozen=True)
 class RankedGrasps:
-    """The grasps of a part, best first, and why other candidates were rejected.
-
-    Attributes:
-        rejected: number of rejected poses for each reason.
-        examples: some rejected poses, for display.
-    """
+    """The grasps of a part, best first, and why other candidates were rejected."""
 
     grasps: tuple[Grasp, ...]
-    rejected: Mapping[str, int]
-    examples: tuple[Grasp, ...] = ()
+    rejected: Mapping[str, int]  #: number of rejected poses for each reason
+    examples: tuple[Grasp, ...] = ()  #: some rejected poses, for display
 
     @property
     def reason(self) -> str:

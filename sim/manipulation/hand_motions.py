@@ -52,31 +52,19 @@ OFFSETS = (0.0, -0.06, 0.06, -0.12)  # [m] from the meeting point towards the re
 
 @dataclass(frozen=True)
 class HeldObject:
-    """The object in the hand.
+    """The object in the hand."""
 
-    Attributes:
-        context: the object and its surroundings as seen before the grasp.
-        planner: of paths among these surroundings.
-        path: the path to the grasp.
-        world_from_start: pose (4, 4) of the object before the grasp.
-        hand_from_object: pose (4, 4) of the object in the hand when the fingers had closed.
-        points: point cloud of the object (n, 3) in the hand frame [m].
-        torque: largest torque of gravity about the line between the fingers [N m].
-        others: points of the other parts (n, 3) in the hand frame [m].
-        free: vector (3,) from the grip to their middle, in the hand frame; zero without any [m].
-        is_offered: whether it was brought to the receiver last.
-    """
-
-    context: GraspContext
-    planner: PathPlanner
-    path: GraspPath
-    world_from_start: Array
-    hand_from_object: Array
-    points: Array
-    torque: float
-    others: Array
+    context: GraspContext  #: the object and its surroundings as seen before the grasp
+    planner: PathPlanner  #: of paths among these surroundings
+    path: GraspPath  #: the path to the grasp
+    world_from_start: Array  #: pose (4, 4) of the object before the grasp
+    hand_from_object: Array  #: pose (4, 4) of the object in the hand when the fingers had closed
+    points: Array  #: point cloud of the object (n, 3) in the hand frame [m]
+    torque: float  #: largest torque of gravity about the line between the fingers [N m]
+    others: Array  #: points of the other parts (n, 3) in the hand frame [m]
+    #: vector (3,) from the grip to their middle, in the hand frame; zero without any [m]
     free: Array
-    is_offered: bool = False
+    is_offered: bool = False  #: whether it was brought to the receiver last
 
     @property
     def name(self) -> str:

@@ -34,18 +34,13 @@ _SOURCES = ("mesh_files.py", "meshes.py", "object_models.py", "solids.py", "urdf
 
 @dataclass(frozen=True)
 class ObjectModel:
-    """An object type as the simulator knows it.
-
-    Attributes:
-        urdf: its URDF file, with the meshes beside it.
-        corners: corners (n, 3) of the collision pieces of each part, in the object's frame [m].
-        silhouette: mean area that it shows to a camera above the table [m^2].
-    """
+    """An object type as the simulator knows it."""
 
     kind: ObjectType
-    urdf: Path
+    urdf: Path  #: its URDF file, with the meshes beside it
+    #: corners (n, 3) of the collision pieces of each part, in the object's frame [m]
     corners: Mapping[str, Array]
-    silhouette: float
+    silhouette: float  #: mean area that it shows to a camera above the table [m^2]
 
     @property
     def mounted(self) -> Path:

@@ -31,15 +31,10 @@ STAVE_TOLERANCE = 0.06  # the same for the staves of a thin wall: 0.1 mm on 2 mm
 
 @dataclass(frozen=True)
 class SolidGeometry:
-    """The geometry of one solid in the frame of its object.
+    """The geometry of one solid in the frame of its object."""
 
-    Attributes:
-        visual: the surface that cameras see; None when it is invisible.
-        collision: corners (n, 3) of each of the convex pieces that collide [m].
-    """
-
-    visual: trimesh.Trimesh | None
-    collision: tuple[Array, ...]
+    visual: trimesh.Trimesh | None  #: the surface that cameras see; None when it is invisible
+    collision: tuple[Array, ...]  #: corners (n, 3) of each of the convex pieces that collide [m]
 
 
 def build_solid(solid: forms.PlacedSolid) -> SolidGeometry:

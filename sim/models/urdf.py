@@ -98,20 +98,13 @@ def _numbers(values: Sequence[float] | Array) -> str:
 
 @dataclass(frozen=True)
 class HandFile:
-    """A hand from another file.
-
-    Attributes:
-        link: link in that file that is attached, with all links below it.
-        carrier: link of the arm that carries the hand.
-        at: position x, y, z on the carrier [m].
-        turn: roll, pitch and yaw on the carrier [rad].
-    """
+    """A hand from another file."""
 
     urdf: Path
-    link: str
-    carrier: str
-    at: tuple[float, float, float]
-    turn: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    link: str  #: link in that file that is attached, with all links below it
+    carrier: str  #: link of the arm that carries the hand
+    at: tuple[float, float, float]  #: position x, y, z on the carrier [m]
+    turn: tuple[float, float, float] = (0.0, 0.0, 0.0)  #: roll, pitch and yaw on the carrier [rad]
 
 
 def robot_file(name: str, urdf: Path, *, attachment: HandFile | None = None) -> Path:

@@ -30,43 +30,26 @@ ERROR_SCALE = 0.3  # [m], an error of this size is a distant target
 
 @dataclass(frozen=True)
 class IkSolutions:
-    """Solutions of inverse kinematics for m targets.
+    """Solutions of inverse kinematics for m targets."""
 
-    Attributes:
-        joints: the best postures (m, k) within the limits [rad]; (m, t, k) for paths.
-        found: whether each posture reaches its target within the tolerances (m,), bool.
-    """
-
-    joints: Array
-    found: np.ndarray
+    joints: Array  #: the best postures (m, k) within the limits [rad]; (m, t, k) for paths
+    found: np.ndarray  #: whether each posture reaches its target within the tolerances (m,), bool
 
 
 @dataclass(frozen=True, eq=False)
 class KinematicChain:
-    """The n joints from a robot's base to its tip, of which k move, as in the URDF.
+    """The n joints from a robot's base to its tip, of which k move, as in the URDF."""
 
-    Attributes:
-        links: names of the links behind the joints.
-        names: names of the joints that move.
-        moves: whether each joint moves (n,).
-        turns: 1 for each revolute joint, 0 for each prismatic one (k, 1).
-        parent_from_joint: pose of each joint on the link before it (n, 4, 4).
-        axes: unit axes of the joints that move, in their own frames (k, 3).
-        low, high: limits (k,) [rad] or [m].
-        speed: highest speeds (k,) [rad/s] or [m/s].
-        acceleration: highest accelerations (k,) [rad/s^2] or [m/s^2].
-    """
-
-    links: tuple[str, ...]
-    names: tuple[str, ...]
-    moves: np.ndarray
-    turns: Array
-    parent_from_joint: Array
-    axes: Array
-    low: Array
-    high: Array
-    speed: Array
-    acceleration: Array
+    links: tuple[str, ...]  #: names of the links behind the joints
+    names: tuple[str, ...]  #: names of the joints that move
+    moves: np.ndarray  #: whether each joint moves (n,)
+    turns: Array  #: 1 for each revolute joint, 0 for each prismatic one (k, 1)
+    parent_from_joint: Array  #: pose of each joint on the link before it (n, 4, 4)
+    axes: Array  #: unit axes of the joints that move, in their own frames (k, 3)
+    low: Array  #: lower limits (k,) [rad] or [m]
+    high: Array  #: upper limits
+    speed: Array  #: highest speeds (k,) [rad/s] or [m/s]
+    acceleration: Array  #: highest accelerations (k,) [rad/s^2] or [m/s^2]
 
     @cached_property
     def _terms(self) -> tuple[Array, Array, Array, Array]:

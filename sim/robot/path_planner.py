@@ -38,52 +38,32 @@ TILTS_DEG = ((25.0, 8, 6), (50.0, 8, 6), (75.0, 12, 6))  # tilt, headings, rolls
 
 @dataclass(frozen=True)
 class Grasp:
-    """A pose of the gripper from which it closes on a part.
+    """A pose of the gripper from which it closes on a part."""
 
-    Attributes:
-        world_from_grip: pose (4, 4) of the grip frame when the fingers close.
-        width: width of the part between the pads [m].
-        opening: opening of the gripper before it closes [m].
-        score: score of the grasp, at most 1; higher is better.
-    """
-
-    world_from_grip: Array
-    width: float
-    opening: float
-    score: float
+    world_from_grip: Array  #: pose (4, 4) of the grip frame when the fingers close
+    width: float  #: width of the part between the pads [m]
+    opening: float  #: opening of the gripper before it closes [m]
+    score: float  #: score of the grasp, at most 1; higher is better
 
 
 @dataclass(frozen=True)
 class GraspPath:
-    """A path to a grasp, and the lift after it, as postures (n, k) [rad].
+    """A path to a grasp, and the lift after it, as postures (n, k) [rad]."""
 
-    Attributes:
-        grasp: the grasp at the end; its pose may be turned by half a turn about the approach.
-        transit: path from the current posture to the pose before the grasp.
-        approach: path from there to the grasp.
-        lift: path from the grasp upwards.
-    """
-
-    grasp: Grasp
-    transit: Array
-    approach: Array
-    lift: Array
+    grasp: Grasp  #: the grasp at the end; its pose may be turned by half a turn about the approach
+    transit: Array  #: path from the current posture to the pose before the grasp
+    approach: Array  #: path from there to the grasp
+    lift: Array  #: path from the grasp upwards
 
 
 @dataclass(frozen=True)
 class PathPlanner:
-    """Plans paths that start where a robot is now.
-
-    Attributes:
-        scene: points (n, 3) on everything on the table, in the world [m].
-        obstacles: points (n, 3) of the scene without the object that is to be grasped [m].
-        table: height of the table [m].
-    """
+    """Plans paths that start where a robot is now."""
 
     robot: Robot
-    scene: Array
-    obstacles: Array
-    table: float = 0.0
+    scene: Array  #: points (n, 3) on everything on the table, in the world [m]
+    obstacles: Array  #: points (n, 3) of the scene without the object that is to be grasped [m]
+    table: float = 0.0  #: height of the table [m]
 
     def grasp_paths(self, grasps: Sequence[Grasp], *, lift: float) -> Iterator[GraspPath]:
         """Paths to those grasps that can be reached and lifted by `lift` [m], in order."""

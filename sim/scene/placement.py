@@ -30,17 +30,11 @@ _ALLOWED = shapely.box(*np.transpose(LIMITS).ravel()) & shapely.Point(0, 0).buff
 
 @dataclass(frozen=True)
 class DropPose:
-    """The pose at which one object of a scene is dropped.
+    """The pose at which one object of a scene is dropped."""
 
-    Attributes:
-        placement: the placement, with all that the scene left open filled in.
-        world_from_object: pose (4, 4) of the object.
-        footprint: the area that it covers on the table, a convex polygon [m].
-    """
-
-    placement: Placement
-    world_from_object: Array
-    footprint: Geometry
+    placement: Placement  #: the placement, with all that the scene left open filled in
+    world_from_object: Array  #: pose (4, 4) of the object
+    footprint: Geometry  #: the area that it covers on the table, a convex polygon [m]
 
 
 def place_objects(scene: Scene, models: Mapping[str, ObjectModel]) -> tuple[DropPose, ...]:

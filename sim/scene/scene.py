@@ -46,38 +46,23 @@ CLUTTER = {"low": (2, 0.06), "medium": (4, 0.035), "high": (7, GAP)}
 
 @dataclass(frozen=True)
 class Placement:
-    """One object of a scene; the seed decides where its position, yaw or rest is None.
+    """One object of a scene; the seed decides where its position, yaw or rest is None."""
 
-    Attributes:
-        name: name of this object: "knife", "knife 2", ...
-        object: name of its type.
-        at: x and y of its frame on the table [m].
-        yaw: rotation about the vertical [rad].
-        rest: name of the orientation in which it lies or stands.
-        within: name of the object that it stands in, as a nail in its block.
-    """
-
-    name: str
-    object: str
-    at: tuple[float, float] | None = None
-    yaw: float | None = None
-    rest: str | None = None
-    within: str | None = None
+    name: str  #: name of this object: "knife", "knife 2", ...
+    object: str  #: name of its type
+    at: tuple[float, float] | None = None  #: x and y of its frame on the table [m]
+    yaw: float | None = None  #: rotation about the vertical [rad]
+    rest: str | None = None  #: name of the orientation in which it lies or stands
+    within: str | None = None  #: name of the object that it stands in, as a nail in its block
 
 
 @dataclass(frozen=True)
 class Scene:
-    """A description of what is on the table.
+    """A description of what is on the table."""
 
-    Attributes:
-        placements: the objects, each with a name of its own.
-        seed: seed from which everything left open is drawn.
-        gap: smallest distance between two objects [m].
-    """
-
-    placements: tuple[Placement, ...]
-    seed: int
-    gap: float = GAP
+    placements: tuple[Placement, ...]  #: the objects, each with a name of its own
+    seed: int  #: seed from which everything left open is drawn
+    gap: float = GAP  #: smallest distance between two objects [m]
 
     @property
     def types(self) -> tuple[str, ...]:

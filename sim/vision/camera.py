@@ -33,24 +33,15 @@ VISION_LIGHT = Lighting(ambient=0.6, diffuse=0.4, specular=0.05, shadow=False)
 
 @dataclass(frozen=True)
 class Camera:
-    """One camera.
+    """One camera."""
 
-    Attributes:
-        name: name, unique among the cameras of a scene.
-        eye: position x, y, z of the camera [m].
-        target: point x, y, z that it looks at [m].
-        field: vertical angle of view [rad].
-        width, height: of the image [pixels].
-        calibration: focal lengths fx and fy, and column cx and row cy of the optical axis [pixels],
-            which go before the field; empty for a field with the axis in the middle.
-    """
-
-    name: str
-    eye: tuple[float, float, float]
-    target: tuple[float, float, float]
-    field: float = radians(46)
-    width: int = 640
-    height: int = 480
+    name: str  #: name, unique among the cameras of a scene
+    eye: tuple[float, float, float]  #: position x, y, z of the camera [m]
+    target: tuple[float, float, float]  #: point x, y, z that it looks at [m]
+    field: float = radians(46)  #: vertical angle of view [rad]
+    width: int = 640  #: of the image [pixels]
+    height: int = 480  #: the same
+    #: `intrinsics` that go before the field; empty for a field with the axis in the middle
     calibration: tuple[float, ...] = ()
 
     @cached_property
@@ -104,20 +95,13 @@ class Camera:
 
 @dataclass(frozen=True)
 class CameraImage:
-    """An image of one camera.
-
-    Attributes:
-        colour: red, green and blue of each pixel (height, width, 3), in 0..255.
-        depth: depth along the camera's z axis (height, width) [m].
-        labels: label of what each pixel shows (height, width).
-        names: body and link of each label, without that of empty pixels.
-    """
+    """An image of one camera."""
 
     camera: Camera
-    colour: NDArray[np.uint8]
-    depth: NDArray[np.float32]
-    labels: NDArray[np.int32]
-    names: Mapping[int, tuple[str, str]]
+    colour: NDArray[np.uint8]  #: red, green and blue of each pixel (height, width, 3), in 0..255
+    depth: NDArray[np.float32]  #: depth along the camera's z axis (height, width) [m]
+    labels: NDArray[np.int32]  #: label of what each pixel shows (height, width)
+    names: Mapping[int, tuple[str, str]]  #: body and link of each label but that of empty pixels
 
     def mask(self, body: str, link: str | None = None) -> NDArray[np.bool_]:
         """The pixels that show a body, or one of its links (height, width)."""

@@ -49,22 +49,15 @@ _T = TypeVar("_T", "Classifier", "NoveltyDetector")
 
 @dataclass(frozen=True, eq=False)
 class Classifier:
-    """A trained network.
+    """A trained network."""
 
-    Attributes:
-        mean, deviation: of the inputs (d,).
-        hidden, hidden_bias: weights (d, h) and biases (h,) of the hidden layer.
-        output, output_bias: weights (h, c) and biases (c,) of the output layer.
-        temperature: by which the logits are divided.
-    """
-
-    mean: Array
-    deviation: Array
-    hidden: Array
-    hidden_bias: Array
-    output: Array
-    output_bias: Array
-    temperature: Array | float = 1.0
+    mean: Array  #: of the inputs (d,)
+    deviation: Array  #: standard deviation of the inputs (d,)
+    hidden: Array  #: weights of the hidden layer (d, h)
+    hidden_bias: Array  #: (h,)
+    output: Array  #: weights of the output layer (h, c)
+    output_bias: Array  #: (c,)
+    temperature: Array | float = 1.0  #: by which the logits are divided
 
     def standardised(self, inputs: Array) -> Array:
         """Inputs (n, d) in standard deviations from their means, clipped."""
@@ -84,20 +77,12 @@ class Classifier:
 
 @dataclass(frozen=True, eq=False)
 class NoveltyDetector:
-    """Examples of each class, to tell known inputs from novel ones.
+    """Examples of each class, to tell known inputs from novel ones."""
 
-    Attributes:
-        deviation: standard deviation of each input within the classes (d,); the unit of distances.
-        examples: some members of all classes (m, d).
-        classes: class of each example (m,).
-        limit: for each class, the distance to the nearest example up to which an input is known
-            (c,).
-    """
-
-    deviation: Array
-    examples: Array
-    classes: Array
-    limit: Array
+    deviation: Array  #: of each input within the classes (d,); the unit of distances
+    examples: Array  #: some members of all classes (m, d)
+    classes: Array  #: class of each example (m,)
+    limit: Array  #: distance to the nearest example of each class up to which inputs are known (c,)
 
     def novelty(self, row: Array, kind: int) -> float:
         """The root mean square distance of an input (d,) from a class; the limit is 1."""
@@ -118,19 +103,13 @@ def read_arrays(kind: type[_T], arrays: Mapping[str, NDArray[np.float32]], prefi
 
 @dataclass(frozen=True, eq=False)
 class Recogniser:
-    """Recognises the objects and parts that segments show.
+    """Recognises the objects and parts that segments show."""
 
-    Attributes:
-        kinds, objects: the types, as in the outputs of the classifier of segments; others are last.
-        parts, points: (type, part), in the order of the outputs of the classifier of their points.
-        novelty: tells segments unlike any known object.
-    """
-
-    kinds: tuple[str, ...]
-    parts: tuple[tuple[str, str], ...]
-    objects: Classifier
-    points: Classifier
-    novelty: NoveltyDetector
+    kinds: tuple[str, ...]  #: the types, as in the outputs of `objects`; others are last
+    parts: tuple[tuple[str, str], ...]  #: (type, part), in the order of the outputs of `points`
+    objects: Classifier  #: of segments
+    points: Classifier  #: of their points
+    novelty: NoveltyDetector  #: tells segments unlike any known object
 
     @classmethod
     def load(cls, path: Path) -> Recogniser:

@@ -41,21 +41,15 @@ PATCH, HOLES = 4, 0.002  # [pixels], size of a hole; their share where nothing s
 class NoiseLevels:
     """The amounts of perception noise.
 
-    Attributes:
-        missed: probability that an object is not detected.
-        confused: probability that an object is detected as another type.
-        confidence: largest share of its confidence that a percept loses, in [0, 1].
-        depth_m: standard deviation of each pixel's depth [m].
-        camera: errors of a stereo depth camera; 1 for those of a RealSense D435, at most 2.
-
     >>> NoiseLevels.parse("missed=0.1,confused=0.05", seed=7)
     NoiseLevels(missed=0.1, confused=0.05, confidence=0.0, depth_m=0.0, camera=0.0, seed=7)
     """
 
-    missed: float = 0.0
-    confused: float = 0.0
-    confidence: float = 0.0
-    depth_m: float = 0.0
+    missed: float = 0.0  #: probability that an object is not detected
+    confused: float = 0.0  #: probability that an object is detected as another type
+    confidence: float = 0.0  #: largest share of its confidence that a percept loses, in [0, 1]
+    depth_m: float = 0.0  #: standard deviation of each pixel's depth [m]
+    #: errors of a stereo depth camera; 1 for those of a RealSense D435, at most 2
     camera: float = 0.0
     seed: int = 0
 
