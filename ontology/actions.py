@@ -42,30 +42,22 @@ class ArgumentByAffordance:
 
 @dataclass(frozen=True)
 class DescribedObject:
-    """An argument given by a description: "the red mug", "something used for cutting".
+    """An argument given by a description: "the red mug", "something used for cutting"."""
 
-    Its kind is `object`, None for any, and it has all the properties. It must have the affordance
-    `used_for`, which is wanted for the material, and must not have `not_used_for`.
-    """
-
-    object: str | None = None
-    used_for: str | None = None
-    not_used_for: str | None = None
-    properties: frozenset[str] = frozenset()
-    material: str | None = None
+    object: str | None = None  #: its kind; None for any
+    used_for: str | None = None  #: the affordance that it must have
+    not_used_for: str | None = None  #: the affordance that it must not have
+    properties: frozenset[str] = frozenset()  #: all of which it has
+    material: str | None = None  #: for which the affordance is wanted
 
 
 @dataclass(frozen=True)
 class Step:
-    """A step of an action tree: a primitive or a tree.
-
-    `arguments` maps each parameter of that action to an argument of the tree above, "=word" or a
-    description. `part` is that by which the step holds its object; None leaves it to the rules.
-    """
+    """A step of an action tree: a primitive or a tree."""
 
     action: str
-    arguments: Mapping[str, str | DescribedObject]
-    part: str | None = None
+    arguments: Mapping[str, str | DescribedObject]  #: parameter -> argument of the tree, or "=word"
+    part: str | None = None  #: by which the step holds its object; None leaves it to the rules
 
 
 @dataclass(frozen=True)
@@ -189,10 +181,7 @@ def iterate_steps(steps: tuple[Step | Loop, ...]) -> Iterator[Step]:
 
 
 def load_actions(path: Path = ACTIONS_FILE, *, added_to: Actions | None = None) -> Actions:
-    """Read and check the action trees of a file, which may use those of `added_to` and add to them.
-
-    DataError if the file is invalid; gives the position and what was expected.
-    """
+    """Read the action trees of a file, which may use and add to others; `DataError` if invalid."""
     known = added_to or Actions({})
     top = read_yaml(path).entries(required=["trees"], optional=["primitives", "failures"])
     added = top["primitives"].entries() if "primitives" in top else {}

@@ -26,15 +26,11 @@ _WORDS = re.compile(r"[^\W_]+(?:[-' ][^\W_]+)*")
 
 @dataclass(frozen=True)
 class Material:
-    """The material of a part.
-
-    `friction` is the lateral friction coefficient; that of a contact is the product of both.
-    `shine` is the brightness of its highlights, in [0, 1].
-    """
+    """The material of a part."""
 
     name: str
-    friction: float
-    shine: float
+    friction: float  #: coefficient of sliding; that of a contact is the product of both
+    shine: float  #: brightness of its highlights, in [0, 1]
 
 
 @dataclass(frozen=True)
@@ -52,15 +48,11 @@ class PartType:
 
 @dataclass(frozen=True)
 class RestingPose:
-    """A way in which an object can lie or stand on a table ("upright", "flat", "upside down").
-
-    `turn` is roll, pitch, yaw of its frame before any turn about the vertical [rad]. Random scenes
-    use the `usual` ones; the others are used only when requested.
-    """
+    """A way in which an object can lie or stand on a table ("upright", "flat", "upside down")."""
 
     name: str
-    turn: Point3
-    usual: bool
+    turn: Point3  #: roll, pitch, yaw of its frame, before any turn about the vertical [rad]
+    usual: bool  #: whether random scenes use it; the others are used only when requested
 
 
 @dataclass(frozen=True)
@@ -118,16 +110,12 @@ ObjectTypes: TypeAlias = "Mapping[str, ObjectType]"  # by name
 
 @dataclass(frozen=True)
 class Household:
-    """The contents of a file of objects.
-
-    These are objects and materials by name, the superclass of each class or None, and the meanings
-    of roles and properties.
-    """
+    """The contents of a file of objects."""
 
     objects: Mapping[str, ObjectType]
-    classes: Mapping[str, str | None]
-    roles: Mapping[str, str]
-    properties: Mapping[str, str]
+    classes: Mapping[str, str | None]  #: class -> its superclass
+    roles: Mapping[str, str]  #: role -> its meaning
+    properties: Mapping[str, str]  #: property -> its meaning
     materials: Mapping[str, Material]
 
 
@@ -137,10 +125,9 @@ def load_objects(path: Path | None = None) -> dict[str, ObjectType]:
 
 
 def load_household(path: Path | None = None, *, added_to: Household | None = None) -> Household:
-    """Return the contents of a file of objects: types, classes, roles and properties.
+    """Return the contents of a file of objects, by default that of Hilt, and of `added_to`.
 
-    The file, by default that of Hilt, may use the words of the household that it is `added_to`; the
-    result contains both. A DataError gives the position of a mistake, and what was expected.
+    The file may use those words. A `DataError` has the position of a mistake and what was expected.
     """
     return read_household(read_yaml(path or OBJECTS_FILE), added_to=added_to)
 

@@ -64,14 +64,11 @@ class Sweep:
 
 @dataclass(frozen=True)
 class MeshFile:
-    """A surface in a file (OBJ, STL, PLY), which collides as convex pieces.
-
-    Of it are kept one or more convex regions, each of which lies on the side n x > d of each of its
-    planes (n, d), where n x is in [m].
-    """
+    """A surface in a file (OBJ, STL, PLY), which collides as convex pieces."""
 
     path: Path
     scale: float
+    #: convex regions to keep: each is where n x > d [m] for all of its planes (n, d)
     regions: tuple[tuple[tuple[float, ...], ...], ...] = ((),)
 
 
@@ -92,10 +89,7 @@ class PlacedSolid:
 
 
 def read_solid(field: YamlNode) -> PlacedSolid:
-    """Return a solid, read from a form and optionally at, turn_deg, colour and only.
-
-    `DataError` where a key is missing or unknown, or a value is out of range.
-    """
+    """Return a solid, read from its form, place and look; `DataError` where a value is wrong."""
     keys = field.entries(optional={*_READERS, "at", "turn_deg", "colour", "only"})
     forms = [key for key in keys if key in _READERS]
     if len(forms) != 1:

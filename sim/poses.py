@@ -84,10 +84,7 @@ def angle_between(rotation_a: Array, rotation_b: Array) -> Array:
 
 
 def interpolate(pose_a: Array, pose_b: Array, fractions: ArrayLike) -> Array:
-    """Return poses (n, 4, 4) on the straight way from a to b, at fractions (n,) in [0, 1].
-
-    Rotations are on the shortest way too (slerp).
-    """
+    """Return poses (n, 4, 4) straight from a to b (turns: slerp), at fractions (n,) in [0, 1]."""
     fractions = np.asarray(fractions, float)
     (rotation_a, start), (rotation_b, end) = ((p[:3, :3], p[:3, 3]) for p in (pose_a, pose_b))
     vector = rotation_vector(rotation_a.T @ rotation_b)

@@ -189,10 +189,7 @@ def _centre(near: HandPointPairs, gripper: Gripper) -> tuple[Array, Array]:
 
 
 def _contact_profiles(near: HandPointPairs, width: Array, gripper: Gripper) -> Array:
-    """The outermost points that each pad meets (c, 2, CELLS_X, CELLS_Z) [m].
-
-    Heights count outwards from the middle; empty cells have -inf.
-    """
+    """How far out each pad meets points (c, 2, CELLS_X, CELLS_Z) [m]; -inf in empty cells."""
     inside = np.abs(near.y) <= (width / 2 + ROUNDING)[near.hand]
     band = near.between_pads(gripper) & inside
     x, y, z = (each[band] for each in (near.x, near.y, near.z))
@@ -309,9 +306,6 @@ def hits_table(
 
 
 def gravity_lever(world_from_grip: Array, arm: Array) -> Array:
-    """The lever (c,) of gravity about the line between the pads [m].
-
-    `arm` (c, 3) leads from the grips (c, 4, 4) to the centre of mass [m].
-    """
+    """The lever (c,) of gravity about the line between the pads, by arms (c, 3) to the mass [m]."""
     # Gravity turns along arm x down; the share along the closing direction turns the object.
     return np.abs(np.cross(arm, world_from_grip[:, :3, 1])[:, 2])

@@ -155,10 +155,7 @@ class HandMotion:
         return poses.inverse(self.robot.world_from_hand) @ self.robot.engine.bodies.pose(name)
 
     def loss_check(self, name: str) -> Callable[[], bool]:
-        """A function for each step that returns whether an object is lost.
-
-        Contacts may be missing in one check.
-        """
+        """A function for each step: whether an object is lost. One check may miss contacts."""
         step = missing = 0
 
         def is_lost() -> bool:

@@ -63,10 +63,7 @@ class Striking(PickAndPlace):
         return self._act("raise", lambda held: self._struck("raise", held, self._raise))
 
     def lower(self) -> MotionReport:
-        """Strike once; the report says how deep the target is in.
-
-        Driving the target in completely is a success even if the grip is lost.
-        """
+        """Strike once; driving the target in completely is a success even if the grip is lost."""
         return self._act("lower", self._lower)
 
     def _move_above(self, held: HeldObject, percept: Percept) -> MotionReport:
@@ -186,15 +183,11 @@ class Striking(PickAndPlace):
 
 @dataclass(frozen=True)
 class StrikePose:
-    """An orientation of the hand in which a face of the held object strikes.
+    """An orientation of the hand in which a face of the held object strikes."""
 
-    The rotation (3, 3) is that of `world_from_grip` at the blow; the point (3,) of the face that
-    meets the target is in the grip frame [m]; a higher score is better.
-    """
-
-    rotation: Array
-    point: Array
-    score: float
+    rotation: Array  #: that of `world_from_grip` at the blow (3, 3)
+    point: Array  #: of the face, which meets the target (3,), in the grip frame [m]
+    score: float  #: higher is better
 
     def world_from_grip(self, target: Array) -> Array:
         """The grip (4, 4) with the face at a point (3,) of the world [m]."""
@@ -202,10 +195,7 @@ class StrikePose:
 
 
 def find_strike_poses(held: Array, hand: Array) -> list[StrikePose]:
-    """Return poses to strike with an object (n, 3) in a hand (m, 3), best first.
-
-    The points of both are in the grip frame [m].
-    """
+    """Return poses to strike, best first, for points (n, 3), (m, 3) in the grip frame [m]."""
     cloud = held[voxel_downsample(held, POINT_CELL)]
     found = (_strike_pose(rotation, cloud, hand) for rotation in hand_orientations(TILTS_DEG))
     good = [strike for strike in found if strike is not None]

@@ -126,10 +126,7 @@ def save_picture(picture: Picture, path: Path) -> None:
 
 
 def add_caption(picture: Picture, text: str, *, lines: int = 0) -> Picture:
-    """Return the picture with a text below it.
-
-    The text is broken at line ends and where too long; there is room for `lines`, or all with 0.
-    """
+    """Return the picture with a text below it, broken, with room for `lines`, or all with 0."""
     height, width = picture.shape[:2]
     size = caption_size(picture)
     broken = wrap_caption(picture, text)
@@ -166,10 +163,7 @@ def wrap_caption(picture: Picture, text: str) -> list[str]:
 
 
 def draw_grasps(picture: Picture, camera: Camera, grasps: Mapping[Pen, Iterable[Grasp]]) -> Picture:
-    """Return a picture that a camera took with grasps drawn into it.
-
-    Those of each pen (`REJECTED`, `ACCEPTED`, `CHOSEN`) are drawn over those before it.
-    """
+    """Return a picture that a camera took with grasps drawn into it, one pen over the other."""
     size = max(1, round(picture.shape[0] / 360))
     overlay, draw = _overlay(picture)
     for pen, grasp in ((pen, grasp) for pen, some in grasps.items() for grasp in some):

@@ -123,10 +123,7 @@ class WorldRecorder:
 
 
 def strip(pictures: Sequence[Picture], always: Sequence[int] = ()) -> Picture:
-    """Return one picture of some pictures of one size, evenly spaced in time, row by row.
-
-    Those with the indices in `always` are among them, as far as there is room.
-    """
+    """Return some pictures of one size in rows, evenly spaced in time, with those in `always`."""
     most = min(len(pictures), STRIP_COLUMNS * STRIP_ROWS)
     must = sorted(always)[:most]
     others = [index for index in range(len(pictures)) if index not in must]

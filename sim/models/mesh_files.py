@@ -52,10 +52,7 @@ def read_mesh(form: MeshFile) -> Trimesh:
 
 
 def convex_pieces(form: MeshFile) -> list[Array]:
-    """Return the corners (n, 3) of convex pieces of a mesh file, with openings closed [m].
-
-    `DataError` for a file that is no mesh, or a body in it that is flat.
-    """
+    """Return corners (n, 3) of convex pieces of a mesh file [m]; `DataError` where it is flat."""
     bodies = read_mesh(form).split(only_watertight=False)
     for number, body in enumerate(bodies, start=1):
         if _thickness(body.vertices) < MIN_THICKNESS:

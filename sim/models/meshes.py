@@ -72,10 +72,7 @@ def shaded_obj(mesh: Trimesh) -> str:
 
 
 def merge(pieces: Sequence[Array], *, tolerance: float) -> list[Array]:
-    """Return pieces (n, 3), merged where their common hull adds at most a share of their volume.
-
-    The pieces do not overlap; `tolerance` is the share of the volume that merging may add in all.
-    """
+    """Return pieces (n, 3), merged where that adds at most a share `tolerance` of their volume."""
     merged: list[tuple[Array, float]] = []
     waiting = [(piece, float(ConvexHull(piece).volume)) for piece in reversed(pieces)]
     while waiting:
@@ -106,10 +103,7 @@ def shrink(points: Array, distance: float) -> Array:
 
 
 def mass_properties(pieces: Sequence[Array], mass: float) -> tuple[Array, Array]:
-    """Return the centre of mass (3,) [m] and the inertia about it (3, 3) [kg m^2].
-
-    The convex pieces (n, 3) have one density, and this mass [kg] together.
-    """
+    """Return centre of mass (3,) [m] and inertia (3, 3) [kg m^2] of pieces of one density."""
     triangles = np.concatenate([convex_hull(piece).triangles for piece in pieces])
     unit: Any = trimesh.triangles.mass_properties(triangles)  # of density 1
     return unit.center_mass, unit.inertia * (mass / unit.volume)

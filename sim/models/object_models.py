@@ -54,10 +54,7 @@ class ObjectModel:
 
 
 def object_model(kind: ObjectType, *, cache: Path | None = None) -> ObjectModel:
-    """Return the model of an object type, built when it is not in the cache (a folder) yet.
-
-    `DataError` for a mesh file that cannot be used, `SimulationError` where the cache cannot be.
-    """
+    """Return the model of an object type, from the cache (a folder), or built; errors as there."""
     stem = re.sub(r"[^A-Za-z0-9]+", "_", kind.name)  # a user's name need not be a file name
     folder = (cache or cache_folder()) / "objects" / f"{stem}-{_key(kind)}"
     cached(folder, lambda draft: write_model(kind, draft))

@@ -35,10 +35,7 @@ def write_urdf(name: str, elements: Sequence[str], path: Path) -> None:
 def part_link(
     part: PartType, collision: str, visuals: Sequence[str], *, centre: Array, inertia: Array
 ) -> str:
-    """Return the link of one part, with the file of its collision mesh and its visual elements.
-
-    The centre of mass (3,) is in [m], the inertia about it (3, 3) in [kg m^2].
-    """
+    """Return the link of a part, with its centre of mass (3,) [m] and inertia (3, 3) [kg m^2]."""
     lines = [
         f"  <link name={quoteattr(part.name)}>",
         f"    <contact><lateral_friction value='{part.material.friction:g}'/></contact>",

@@ -87,10 +87,7 @@ class KinematicChain:
         return np.swapaxes(np.concatenate([linear, self.turns * axes], axis=-1), 1, 2)
 
     def solve(self, base_from_tip: Array, starts: Array) -> IkSolutions:
-        """Solve inverse kinematics for targets (m, 4, 4) from start postures (s, k).
-
-        Of several solutions the one closest to the first start is returned.
-        """
+        """Solve for targets (m, 4, 4) from postures (s, k): what is nearest to the first."""
         m, s = len(base_from_tip), len(starts)
         targets = np.repeat(base_from_tip, s, axis=0)
         joints = np.clip(np.tile(starts, (m, 1)), self.low, self.high)
@@ -117,10 +114,9 @@ class KinematicChain:
         return error
 
     def track(self, base_from_tip: Array, starts: Array) -> IkSolutions:
-        """Solve along m paths of t poses (m, t, 4, 4), each pose from the solution before.
+        """Solve along m paths of t poses (m, t, 4, 4), from `starts` (m, k) [rad], pose after pose.
 
-        The paths begin at the postures `starts` (m, k) [rad]. A path is found when all its poses
-        are, without a jump.
+        A path is found when all its poses are, without a jump.
         """
         joints, path = starts.copy(), []
         found = np.ones(len(starts), dtype=bool)

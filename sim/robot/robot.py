@@ -295,10 +295,7 @@ def _rounded(positions: Array, start: Array, half: int) -> Array:
 
 
 def resample(positions: Array, spacing: float) -> Array:
-    """Those of the positions (t, k) that a joint is `spacing` [rad] apart from the one before.
-
-    Spacings are rounded up to a step; the first and the last position are kept.
-    """
+    """Those of the positions (t, k) that a joint is `spacing` [rad] apart, and both ends."""
     turned = np.append(0.0, np.cumsum(np.abs(np.diff(positions, axis=0)).max(axis=1)))
     chosen = np.searchsorted(turned, np.arange(0.0, turned[-1], spacing))
     return positions[[*chosen, -1]]

@@ -38,10 +38,7 @@ class DropPose:
 
 
 def place_objects(scene: Scene, models: Mapping[str, ObjectModel]) -> tuple[DropPose, ...]:
-    """Return a spot for every object of a scene, in its order, with the models of all its types.
-
-    `SimulationError` where there is no room for all, or two given positions overlap.
-    """
+    """Return a spot for every object of a scene; `SimulationError` without room for all."""
     rng = np.random.default_rng(scene.seed)
     loose = [placement for placement in scene.placements if placement.within is None]
     spots = _place_loose(loose, models, scene.gap, rng)

@@ -71,10 +71,7 @@ class Scene:
 
 
 def parse_scene(spec: str, *, seed: int, objects: Mapping[str, ObjectType]) -> Scene:
-    """Return the scene that `--scene` names; what it leaves open is drawn from the seed.
-
-    UnknownNameError for an unknown object; DataError says what was expected in the text or file.
-    """
+    """Return the scene that `--scene` names; `UnknownNameError` or `DataError` if it is wrong."""
     if not 0 <= seed <= MAX_SEED:
         raise DataError(f"expected 0 to {MAX_SEED}, found {seed}.", source="--seed")
     kind, colon, rest = spec.partition(":")

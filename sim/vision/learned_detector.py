@@ -148,10 +148,7 @@ class Recogniser:
     def assign_parts(
         self, segment: Segment, kind: str, candidates: Sequence[tuple[str, str]]
     ) -> np.ndarray:
-        """Return the part of each point of a segment, as an index (n,) of the candidates.
-
-        The candidates are the (type, part) that can be in a segment of that type.
-        """
+        """Return the part of each point, as an index (n,) of the `candidates` (type, part)."""
         logits = self.points.logits(point_inputs(segment, self.kinds.index(kind), len(self.kinds)))
         columns = [self.parts.index(pair) for pair in candidates]
         return np.argmax(_voxel_means(segment.points, logits[:, columns]), axis=1)
@@ -199,10 +196,7 @@ class LearnedDetector(ObjectDetector):
             )
 
     def detect(self, images: Sequence[CameraImage]) -> Iterator[Percept]:
-        """Return the objects that images of one moment seem to show, most confident first.
-
-        Where several have the same nearest object of the world, their names get numbers.
-        """
+        """Return the objects that the images seem to show; alike ones get numbered names."""
         segments = segment_images(images, noise=self.noise.depth_error)
         percepts = [percept for segment in segments for percept in self._percepts(segment)]
         percepts.sort(key=lambda percept: -percept.confidence)

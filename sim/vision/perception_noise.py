@@ -67,10 +67,7 @@ class NoiseLevels:
 
     @classmethod
     def parse(cls, text: str, *, seed: int = 0) -> NoiseLevels:
-        """Read the text of `--noise`, such as "missed=0.1,confused=0.05"; empty for no noise.
-
-        A wrong name or number in it is a `DataError`.
-        """
+        """Read `--noise`, such as "missed=0.1,confused=0.05"; `DataError` where it is wrong."""
         values: dict[str, float] = {}
         for item in filter(None, (piece.strip() for piece in text.split(","))):
             name, _, number = item.partition("=")
@@ -141,10 +138,7 @@ def relabelled(percept: Percept, kind: ObjectType) -> Percept:
 def with_depth_noise(
     image: CameraImage, noise: NoiseLevels, step: int, shine: Mapping[int, float]
 ) -> CameraImage:
-    """Return an image with the depth noise of a time step; depths that are lost are NaN.
-
-    `shine`, in [0, 1], is that of the surfaces with these labels.
-    """
+    """Return an image with the noise of a step, NaN where lost; `shine` of labels is in [0, 1]."""
     if not noise.depth_error:
         return image
     random = noise.generator(image.camera.name, step)
