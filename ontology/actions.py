@@ -189,17 +189,17 @@ def load_actions(path: Path = ACTIONS_FILE, *, added_to: Actions | None = None) 
     specs = top["trees"].entries()
     failures = known.failures.union(top["failures"].texts() if "failures" in top else ())
     signatures = {**primitives, **{name: each.parameters for name, each in known.trees.items()}}
-    signatures |= {name: _parameters(spec) for name, spec in specs.items()}
+    keys = {
+        name: spec.entries(required={"parameters", "steps"}, optional=_TREE_KEYS)
+        for name, spec in specs.items()
+    }
+    signatures |= {name: each["parameters"].texts() for name, each in keys.items()}
     trees = dict(known.trees)
-    for name, spec in specs.items():
-        trees[name] = _TreeReader(name, spec.entries(), signatures, failures).read()
+    for name, each in keys.items():
+        trees[name] = _TreeReader(name, each, signatures, failures).read()
     for name, spec in specs.items():
         _reject_cycles(name, spec, Actions(primitives, trees))
     return Actions(primitives, trees, failures)
-
-
-def _parameters(spec: YamlNode) -> tuple[str, ...]:
-    return spec.entries(required={"parameters", "steps"}, optional=_TREE_KEYS)["parameters"].texts()
 
 
 @dataclass(frozen=True)
@@ -244,17 +244,13 @@ class _TreeReader:
         if len(given) != 1:
             found = " and ".join(given) or "none"
             raise item.fail(f"expected one of {', '.join(_BRANCHES)}, found {found}.")
+        after, is_any = keys["after"], keys["after"].value == ANY_FAILURE
         return FailureBranch(
-            self._failures(keys["after"]),
+            frozenset([ANY_FAILURE] if is_any else after.texts(choices=self.failures)),
             self._parameter(keys["next"]) if "next" in keys else None,
             keys["again"].integer(low=1, high=MAX_AGAIN) if "again" in keys else 0,
             self._steps(keys["steps"]) if "steps" in keys else (),
         )
-
-    def _failures(self, field: YamlNode) -> frozenset[str]:
-        if field.value == ANY_FAILURE:
-            return frozenset({ANY_FAILURE})
-        return frozenset(field.texts(choices=self.failures))
 
     def _steps(self, field: YamlNode) -> tuple[Step | Loop, ...]:
         return tuple(self._step(item) for item in field.items())

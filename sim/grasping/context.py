@@ -48,20 +48,15 @@ class LabelledPointCloud:
         """
         low, high = self.target.min(axis=0) - reach, self.target.max(axis=0) + reach
         near = np.all((self.points >= low) & (self.points <= high), axis=1)
-        index = np.concatenate(
-            [
-                self._spread(np.flatnonzero(near & (self.labels == label)), cell, limit)
-                for label in PointLabel
-            ]
-        )
+        kept: list[np.ndarray] = []
+        for label in PointLabel:
+            group, side = np.flatnonzero(near & (self.labels == label)), cell
+            kept.append(group[voxel_downsample(self.points[group], side)])
+            while len(kept[-1]) > limit:
+                side *= max(MIN_GROWTH, float(np.sqrt(len(kept[-1]) / limit)))
+                kept[-1] = group[voxel_downsample(self.points[group], side)]
+        index = np.concatenate(kept)
         return replace(self, points=self.points[index], labels=self.labels[index])
-
-    def _spread(self, group: np.ndarray, cell: float, limit: int) -> np.ndarray:
-        kept = group[voxel_downsample(self.points[group], cell)]
-        while len(kept) > limit:
-            cell *= max(MIN_GROWTH, float(np.sqrt(len(kept) / limit)))
-            kept = group[voxel_downsample(self.points[group], cell)]
-        return kept
 
 
 @dataclass(frozen=True, eq=False)

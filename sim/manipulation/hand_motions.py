@@ -119,7 +119,7 @@ class HandMotion:
 
     def _let_loose(self, planner: PathPlanner, opening: float) -> None:
         self.robot.open(opening)
-        self.robot.wait(RELEASE_TIME)
+        self.robot.advance(round(RELEASE_TIME / TIME_STEP))
         back = self.robot.world_from_grip @ poses.translation(0, 0, -RETREAT)
         self._follow_if(planner.plan_straight(back), APPROACH_PACE)
 
@@ -297,30 +297,22 @@ class HandMotion:
                 yield from reached[np.argsort(held.planner.travel_time(reached), kind="stable")]
 
     def point_at(self, cloud: Array, planner: PathPlanner) -> str:
-        """Point at a cloud (n, 3) without touching it; return the reason of failure, or "".
-
-        It points with closed fingers, or with the hand of a robot without gripper.
-        """
+        """Point at the middle of a cloud (n, 3), touching nothing; return why it failed, or ""."""
         if self.robot.kind.gripper:
             self.robot.open(0.0)
-        spheres = self.robot.body_spheres(0.0)
-        for goal in self._pointing_postures(cloud, planner):
-            path = planner.plan_transit(goal, spheres, planner.scene, gap=POINTING_GAP / 2)
-            if path is not None:
-                free = self.robot.follow(path, pace=TRANSIT_PACE, stop=self.robot.is_touching)
-                return "" if free else "bumped"
-        return "unreachable"
-
-    def _pointing_postures(self, cloud: Array, planner: PathPlanner) -> Iterator[Array]:
-        """Postures in which the hand points at the middle of a cloud (n, 3)."""
-        middle = cloud.mean(axis=0)
+        middle, spheres = cloud.mean(axis=0), self.robot.body_spheres(0.0)
         rotations = hand_orientations(POINTING_TILTS_DEG)
         along = rotations[..., 2]
         # The nearest point of the cloud along the approach direction keeps its distance.
         depth = np.min((cloud - middle) @ along.T, axis=0) - POINTING_GAP
         at = middle + (depth - self.robot.tip)[:, None] * along
         answer = planner.inverse_kinematics(poses.pose(rotations, at))
-        yield from answer.joints[answer.found]
+        for goal in answer.joints[answer.found]:
+            path = planner.plan_transit(goal, spheres, planner.scene, gap=POINTING_GAP / 2)
+            if path is not None:
+                free = self.robot.follow(path, pace=TRANSIT_PACE, stop=self.robot.is_touching)
+                return "" if free else "bumped"
+        return "unreachable"
 
     def _follow_if(self, path: Array | None, pace: float) -> None:
         if path is not None:

@@ -132,6 +132,8 @@ class PickAndPlace:
     def _report(self, action: str, reason: str, *, held_s: float = 0.0) -> MotionReport:
         held = self.in_hand
         slip_m, slip_rad = self._motion.slip(held) if held else (0.0, 0.0)
+        others = {name: at for name, at in self._before.items() if name not in self._wanted}
+        moves = {n: np.linalg.norm((self.world.pose(n) - at)[:3, 3]) for n, at in others.items()}
         return MotionReport(
             action,
             ok=not reason,
@@ -146,7 +148,7 @@ class PickAndPlace:
             slip_rad=slip_rad,
             moved=self._put_aside,
             barred_by=self._barred_by if reason == "blocked" else (),
-            bumped=self._bumped(),
+            bumped=tuple(name for name, move in moves.items() if move > BUMP),
         )
 
     def _take(self, percept: Percept, part: str | None) -> MotionReport:
@@ -351,11 +353,3 @@ class PickAndPlace:
         facing_rad, clearance_m = self._motion.offered(held)
         offered = replace(report, at=at, facing_rad=facing_rad, clearance_m=clearance_m)
         return offered if report.ok else report
-
-    def _bumped(self) -> tuple[str, ...]:
-        return tuple(
-            name
-            for name, before in self._before.items()
-            if name not in self._wanted
-            and np.linalg.norm((self.world.pose(name) - before)[:3, 3]) > BUMP
-        )

@@ -15,6 +15,7 @@ import numpy as np
 import shapely
 
 from .. import poses
+from ..physics.engine import TIME_STEP
 from ..poses import Array
 from ..robot.path_planner import hand_orientations
 from ..robot.robot import NAME
@@ -108,7 +109,9 @@ class Striking(PickAndPlace):
             for strike in self._strike_poses(held)
             if poses.angle_between(strike.rotation, now) < SAME_FACE
         ]
-        goals = [strike.world_from_grip(start) for strike in [*same_face, self._present_pose(held)]]
+        points = self._points_in_grip(held)
+        as_now = StrikePose(now, points[np.argmin((points @ now.T)[:, 2])], 0.0)
+        goals = [strike.world_from_grip(start) for strike in [*same_face, as_now]]
         paths = ((goal, held.planner.plan_straight(goal)) for goal in goals)
         straight = [(goal, path) for goal, path in paths if path is not None]
         best = (path for goal, path in straight if self._can_strike(held, path[-1], goal))
@@ -132,7 +135,7 @@ class Striking(PickAndPlace):
             return "unreachable"
         self.robot.follow(path, pace=BLOW_PACE, stop=self._hit_check(held.name))
         reason = "" if self.robot.finger_contacts().holds(held.name) else "dropped"
-        self.robot.wait(AFTER_BLOW)
+        self.robot.advance(round(AFTER_BLOW / TIME_STEP))
         return reason
 
     def _strike_poses(self, held: HeldObject) -> list[StrikePose]:
@@ -143,11 +146,6 @@ class Striking(PickAndPlace):
         grip_from_hand = poses.inverse(self.robot.hand_from_grip)
         hand = poses.transform(grip_from_hand, points)
         return find_strike_poses(self._points_in_grip(held), hand)
-
-    def _present_pose(self, held: HeldObject) -> StrikePose:
-        rotation = self.robot.world_from_grip[:3, :3]
-        points = self._points_in_grip(held)
-        return StrikePose(rotation, points[np.argmin((points @ rotation.T)[:, 2])], 0.0)
 
     def _points_in_grip(self, held: HeldObject) -> Array:
         """The points (n, 3) of the object as it was seen, in the grip frame now [m]."""

@@ -55,24 +55,21 @@ class ObjectModel:
 
 def object_model(kind: ObjectType, *, cache: Path | None = None) -> ObjectModel:
     """Return the model of an object type, from the cache (a folder), or built; errors as there."""
+    here = Path(__file__).parent
+    forms = [solid.form for part in kind.parts.values() for solid in part.shape]
+    files = [form.path for form in forms if isinstance(form, MeshFile)]
+    # Only what the files depend on: a set, as of properties, reads differently in each process.
+    parts = [(p.name, p.material, p.colour, p.mass, p.shape) for p in kind.parts.values()]
+    what = repr((kind.name, parts, kind.rests, kind.mount))
+    read = (path.read_bytes() for path in (*(here / name for name in _SOURCES), *files))
     stem = re.sub(r"[^A-Za-z0-9]+", "_", kind.name)  # a user's name need not be a file name
-    folder = (cache or cache_folder()) / "objects" / f"{stem}-{_key(kind)}"
+    name = f"{stem}-{content_key(what.encode(), *read)}"
+    folder = (cache or cache_folder()) / "objects" / name
     cached(folder, lambda draft: write_model(kind, draft))
     with np.load(folder / _NUMBERS_FILE) as kept:
         corners = {name: kept[f"part{i}"] for i, name in enumerate(kind.parts)}
         silhouette = float(kept["silhouette"])
     return ObjectModel(kind, folder / _URDF_FILE, corners, silhouette)
-
-
-def _key(kind: ObjectType) -> str:
-    here = Path(__file__).parent
-    forms = [solid.form for part in kind.parts.values() for solid in part.shape]
-    files = [form.path for form in forms if isinstance(form, MeshFile)]
-    sources = [here / name for name in _SOURCES]
-    # Only what the files depend on: a set, as of properties, reads differently in each process.
-    parts = [(p.name, p.material, p.colour, p.mass, p.shape) for p in kind.parts.values()]
-    what = repr((kind.name, parts, kind.rests, kind.mount))
-    return content_key(what.encode(), *(path.read_bytes() for path in (*sources, *files)))
 
 
 def write_model(kind: ObjectType, folder: Path) -> None:

@@ -151,16 +151,11 @@ def _plate_rings(plate: forms.Extrusion, steps: int) -> list[Array]:
     rim = _curve(corners, steps, closed=True) if plate.smooth else corners
     half, levels = rim[:, 2], [(rim, -rim[:, 2]), (rim, rim[:, 2])]
     if plate.bevel:
-        face, side = _inset(rim, plate.bevel), half - plate.bevel
+        ahead = np.roll(rim[:, :2], -1, axis=0) - rim[:, :2]
+        face = rim[:, :2] + plate.bevel * _mitres(ahead, range(-1, len(rim) - 1))
+        side = half - plate.bevel
         levels = [(face, -half), (rim, -side), (rim, side), (face, half)]
     return [np.column_stack([outline[:, :2], height]) for outline, height in levels]
-
-
-def _inset(rim: Array, distance: float) -> Array:
-    """Return the rim moved inwards by `distance` [m] along the mitres of its corners."""
-    ahead = np.roll(rim[:, :2], -1, axis=0) - rim[:, :2]
-    mitre = _mitres(ahead, range(-1, len(rim) - 1))
-    return np.column_stack([rim[:, :2] + distance * mitre, rim[:, 2]])
 
 
 def _mitres(ahead: Array, neighbours: Sequence[int]) -> Array:

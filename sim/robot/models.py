@@ -156,10 +156,10 @@ def _read_robot(name: str, field: YamlNode) -> RobotType:
 
 
 def _read_attachment(field: YamlNode) -> HandFile:
-    entries = field.entries(required=("urdf", "link", "carrier", "at"), optional=("turn_deg",))
-    turn = read_turn(entries["turn_deg"]) if "turn_deg" in entries else (0.0, 0.0, 0.0)
-    link, carrier = entries["link"].text(), entries["carrier"].text()
-    return HandFile(_find_urdf(entries["urdf"]), link, carrier, read_point(entries["at"]), turn)
+    keys = field.entries(required=("urdf", "link", "carrier", "at"), optional=("turn_deg",))
+    turn = read_turn(keys["turn_deg"]) if "turn_deg" in keys else (0.0, 0.0, 0.0)
+    link, carrier = keys["link"].text(), keys["carrier"].text()
+    return HandFile(_find_urdf(keys["urdf"]), link, carrier, read_point(keys["at"]), turn)
 
 
 def _find_urdf(field: YamlNode) -> Path:

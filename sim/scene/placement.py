@@ -13,7 +13,6 @@ import shapely
 from shapely import Geometry
 
 from ...ontology.errors import SimulationError
-from ...ontology.objects import Fixture
 from .. import poses
 from ..models.object_models import ObjectModel
 from ..poses import Array
@@ -45,7 +44,12 @@ def place_objects(scene: Scene, models: Mapping[str, ObjectModel]) -> tuple[Drop
     for placement in scene.placements:
         mount = models[placement.object].kind.mount
         if placement.within is not None and mount is not None:
-            spots[placement.name] = _mount(placement, mount, spots[placement.within])
+            support = spots[placement.within]
+            at, yaw = support.placement.at, support.placement.yaw
+            filled = replace(placement, at=at, yaw=yaw, rest="mounted")
+            x, y, z = mount.at
+            pose = support.world_from_object @ poses.translation(x, y, z - mount.depth)
+            spots[placement.name] = DropPose(filled, pose, support.footprint)
     return tuple(spots[placement.name] for placement in scene.placements)
 
 
@@ -67,14 +71,6 @@ def _place_loose(
         else:
             return spots
     raise SimulationError(f"There is no room on the table for {len(pieces)} objects.")
-
-
-def _mount(placement: Placement, mount: Fixture, support: DropPose) -> DropPose:
-    x, y, z = mount.at
-    support_from_object = poses.translation(x, y, z - mount.depth)
-    at, yaw = support.placement.at, support.placement.yaw
-    filled = replace(placement, at=at, yaw=yaw, rest="mounted")
-    return DropPose(filled, support.world_from_object @ support_from_object, support.footprint)
 
 
 def _lay(placement: Placement, model: ObjectModel, rng: np.random.Generator) -> DropPose:

@@ -142,9 +142,13 @@ def _read_scene(spec: str, seed: int, objects: Mapping[str, ObjectType]) -> Scen
     if len(items) > MAX_OBJECTS:
         raise keys["objects"].fail(f"expected at most {MAX_OBJECTS} objects, found {len(items)}.")
     placements = [_read_placement(item, objects) for item in items]
+    seen: set[str] = set(RESERVED)
+    for placement, item in zip(placements, items, strict=True):
+        if placement.name in seen and placement.name != placement.object:
+            raise item.fail(f'the name "{placement.name}" is taken.')
+        seen.add(placement.name)
     if "seed" in keys:
         seed = keys["seed"].integer(low=0, high=MAX_SEED)
-    _check_names(placements, items)
     gap = GAP
     if "clutter" in keys:
         more, gap = CLUTTER[keys["clutter"].text(choices=CLUTTER)]
@@ -181,14 +185,6 @@ def _read_placement(item: YamlNode, objects: Mapping[str, ObjectType]) -> Placem
         radians(keys["yaw_deg"].number(low=-360, high=360)) if "yaw_deg" in keys else None,
         keys["rest"].text(choices=rests) if "rest" in keys else None,
     )
-
-
-def _check_names(placements: Sequence[Placement], items: Sequence[YamlNode]) -> None:
-    seen: set[str] = set()
-    for placement, item in zip(placements, items, strict=True):
-        if placement.name in {*seen, *RESERVED} and placement.name != placement.object:
-            raise item.fail(f'the name "{placement.name}" is taken.')
-        seen.add(placement.name)
 
 
 def numbered(names: Iterable[str], *, taken: Iterable[str] = ()) -> Iterator[str]:

@@ -94,9 +94,6 @@ class World(AbstractContextManager["World"]):
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    def __repr__(self) -> str:
-        return f"<World of {', '.join(self.kinds) or 'nothing'}>"
-
     @property
     def time(self) -> float:
         """The time that has passed in the world [s]."""

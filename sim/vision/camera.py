@@ -17,6 +17,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from ...ontology.part_shapes import read_point
 from ...ontology.yaml_reader import YamlNode, read_yaml
 from .. import poses
 from ..physics.engine import PhysicsEngine
@@ -125,15 +126,10 @@ def load_cameras(path: Path) -> tuple[Camera, ...]:
 
 def _camera(name: str, spec: YamlNode) -> Camera:
     keys = spec.entries(required={"eye", "target", "size"}, optional={"intrinsics"})
-    eye, target = (_place(keys[key]) for key in ("eye", "target"))
+    eye, target = (read_point(keys[key]) for key in ("eye", "target"))
     width, height = map(int, keys["size"].numbers(count=2, low=16, high=4096))
     given = keys["intrinsics"].numbers(count=4, low=1) if "intrinsics" in keys else ()
     return Camera(name, eye, target, width=width, height=height, calibration=given)
-
-
-def _place(spec: YamlNode) -> tuple[float, float, float]:
-    x, y, z = spec.numbers(count=3)
-    return x, y, z
 
 
 CAMERAS_ROUND_TABLE = load_cameras(Path(__file__).parent / "cameras.yaml")

@@ -150,8 +150,12 @@ class Recogniser:
     ) -> np.ndarray:
         """Return the part of each point, as an index (n,) of the `candidates` (type, part)."""
         logits = self.points.logits(point_inputs(segment, self.kinds.index(kind), len(self.kinds)))
-        columns = [self.parts.index(pair) for pair in candidates]
-        return np.argmax(_voxel_means(segment.points, logits[:, columns]), axis=1)
+        logits = logits[:, [self.parts.index(pair) for pair in candidates]]
+        # Neighbouring points mostly share their part: logits are averaged over each voxel.
+        index = np.unique(voxel_keys(segment.points, SMOOTHING), return_inverse=True)[1]
+        sums = [np.bincount(index, weights=column) for column in logits.T]
+        means = np.column_stack(sums)[index] / np.bincount(index)[index, None]
+        return np.argmax(means, axis=1)
 
 
 def point_inputs(segment: Segment, kind: int, count: int) -> Array:
@@ -159,14 +163,6 @@ def point_inputs(segment: Segment, kind: int, count: int) -> Array:
     types = np.zeros((len(segment), count))
     types[:, kind] = 1.0
     return np.hstack([describe_points(segment), types])
-
-
-def _voxel_means(points: Array, logits: Array) -> Array:
-    """Logits (n, c) averaged over each voxel: neighbouring points mostly share their part."""
-    _, index = np.unique(voxel_keys(points, SMOOTHING), return_inverse=True)
-    counts = np.bincount(index)
-    sums = [np.bincount(index, weights=column) for column in logits.T]
-    return np.column_stack(sums)[index] / counts[index, None]
 
 
 class LearnedDetector(ObjectDetector):
