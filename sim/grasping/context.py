@@ -8,9 +8,8 @@ from enum import IntEnum
 import numpy as np
 
 from ...ontology.objects import ObjectType
-from ..poses import Array
+from ..poses import Array, voxel_downsample
 from ..vision.percept import Percept
-from ..vision.point_cloud_operations import voxel_downsample
 
 CHECK_CELL = 0.006  # [m], voxel size of the points that paths are checked against
 MIN_GROWTH = 1.1  # of the voxels of a downsampled cloud, so that growing ends soon

@@ -15,11 +15,10 @@ from .. import poses
 from ..grasping.context import GraspContext
 from ..models.object_models import object_model
 from ..physics.engine import GRAVITY, TIME_STEP
-from ..poses import Array
+from ..poses import Array, voxel_downsample
 from ..robot.collision import finger_spheres, hand_spheres
 from ..robot.path_planner import MAX_PACE, GraspPath, PathPlanner, hand_orientations
 from ..robot.robot import FingerContacts, Robot
-from ..vision.point_cloud_operations import voxel_downsample
 
 TRANSIT_PACE = MAX_PACE  # shares of the joints' speed limits
 APPROACH_PACE = 0.45

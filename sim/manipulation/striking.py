@@ -16,11 +16,10 @@ import shapely
 
 from .. import poses
 from ..physics.engine import TIME_STEP
-from ..poses import Array
+from ..poses import Array, voxel_downsample
 from ..robot.path_planner import hand_orientations
 from ..robot.robot import NAME
 from ..vision.percept import Percept
-from ..vision.point_cloud_operations import voxel_downsample
 from .hand_motions import HeldObject
 from .motion_report import MotionReport
 from .pick_and_place import LOST, PickAndPlace

@@ -13,8 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from .. import poses
-from ..poses import Array
-from ..vision.point_cloud_operations import farthest_points
+from ..poses import Array, farthest_points
 from .collision import CollisionSpheres, clearances
 from .kinematics import IkSolutions
 from .robot import Robot, resample

@@ -24,14 +24,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...ontology.errors import DataError
-from ..poses import Array
+from ..poses import Array, voxel_keys
 from ..scene.scene import numbered
 from ..scene.world import World
 from .camera import CAMERAS_ROUND_TABLE, Camera, CameraImage
 from .object_detector import ObjectDetector
 from .percept import Percept
 from .perception_noise import NoiseLevels
-from .point_cloud_operations import voxel_keys
 from .segmentation import Segment, describe_points, describe_segment, segment_images
 
 CLASSIFIERS_FILE = Path(__file__).with_name("recognition.npz")

@@ -18,13 +18,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..physics.engine import PhysicsEngine
-from ..poses import Array
+from ..poses import Array, voxel_downsample
 from ..scene.scene import ROOM
 from ..scene.world import World
 from .camera import CAMERAS_ROUND_TABLE, Camera, CameraImage
 from .percept import Percept, visible_features
 from .perception_noise import NoiseLevels, with_depth_noise, without_mixed_pixels
-from .point_cloud_operations import voxel_downsample
 
 OBSTACLE_SPACING = 0.004  # [m], voxel size of the cloud of obstacles
 FULL_CONFIDENCE = 0.95  # in a fully visible object; even that may be a good likeness

@@ -21,9 +21,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import poses
-from ..poses import Array
+from ..poses import Array, Integers, principal_direction, voxel_downsample, voxel_keys
 from .camera import Camera, CameraImage
-from .point_cloud_operations import Integers, principal_direction, voxel_downsample, voxel_keys
 
 TABLE_MARGIN = 0.0012  # [m], what is lower is the table
 NOISE_MARGIN = 1.0  # standard deviations of depths that still belong to the table when smoothed
