@@ -29,15 +29,11 @@ CONDITIONS = ("sees", "holds")
 
 @dataclass(frozen=True)
 class ArgumentByAffordance:
-    """An argument given by what it must afford instead of by an object.
+    """An argument given by what it must afford instead of by an object."""
 
-    The conclusion has a functor ("usedFor", "cutWith") and, where that needs one, an argument: an
-    atom as text ("affordance:pounding"), or the object of the parameter `of`: cutWith(X, it).
-    """
-
-    functor: str
-    argument: str | None = None
-    of: str | None = None
+    functor: str  #: of the conclusion: "usedFor", "cutWith"
+    argument: str | None = None  #: its argument where it needs one: "affordance:pounding"
+    of: str | None = None  #: or the parameter whose object is its argument: cutWith(X, it)
 
 
 @dataclass(frozen=True)

@@ -211,22 +211,19 @@ class _NodeReader:
             case "sequence", "seq":
                 return self.node(found.start_mark, tuple(map(self.read, found.value)))
             case "mapping", "map":
-                return self._mapping(found)
+                entries: dict[str, YamlNode] = {}
+                keys: list[YamlNode] = []
+                for name, value in found.value:
+                    keys.append(key := self.read(name))
+                    if key.text() in entries:
+                        raise key.fail(f'the key "{key.value}" is given twice.')
+                    entries[key.value] = self.read(value)
+                return self.node(found.start_mark, entries, tuple(keys))
             case _:
                 raise self.node(found.start_mark, None).fail(
                     f'the type "{found.tag}" is not allowed; write a text in quotes, a number, '
                     "true or false, a list or a mapping."
                 )
-
-    def _mapping(self, found: Any) -> YamlNode:
-        entries: dict[str, YamlNode] = {}
-        keys: list[YamlNode] = []
-        for name, value in found.value:
-            keys.append(key := self.read(name))
-            if key.text() in entries:
-                raise key.fail(f'the key "{key.value}" is given twice.')
-            entries[key.value] = self.read(value)
-        return self.node(found.start_mark, entries, tuple(keys))
 
     def node(self, mark: Any, value: object, keys: tuple[YamlNode, ...] = ()) -> YamlNode:
         line: int = mark.line

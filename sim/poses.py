@@ -122,10 +122,7 @@ def voxel_downsample(points: Array, side: float) -> Integers:
 
 
 def farthest_points(points: Array, count: int, *, first: int) -> Integers:
-    """Indices of `count` points that lie far from each other, starting with `first`.
-
-    Farthest point sampling (Gonzalez 1985): each next point is the one farthest from those chosen.
-    """
+    """Indices of `count` points far from each other, from `first` on (Gonzalez 1985)."""
     chosen = [first]
     distance = np.full(len(points), np.inf)
     while len(chosen) < min(count, len(points)):

@@ -129,15 +129,6 @@ class HandMotion:
         path = held.path.lift if path is None else path
         return self.robot.follow(path, pace=LIFT_PACE, stop=self.loss_check(held.name))
 
-    def hold_still(self, held: HeldObject, seconds: float) -> float:
-        """Stand still; return how long the object was held [s]."""
-        steps, is_lost = round(seconds / TIME_STEP), self.loss_check(held.name)
-        for step in range(steps):
-            self.robot.advance(1)
-            if is_lost():
-                return step * TIME_STEP
-        return steps * TIME_STEP
-
     def slip(self, held: HeldObject) -> tuple[float, float]:
         """How far the object has moved at the grip [m] and turned [rad] since it was grasped."""
         now_from_then = self.hand_from_object(held.name) @ poses.inverse(held.hand_from_object)

@@ -29,7 +29,7 @@ _NUMBERS_FILE = "numbers.npz"
 _URDF_FILE, _MOUNTED_FILE = "model.urdf", "mounted.urdf"
 _ELEVATION = np.radians(40)  # of a camera above the table
 _DIRECTIONS = 8  # of equal distance round the object
-_SOURCES = ("mesh_files.py", "meshes.py", "object_models.py", "solids.py", "urdf.py", "../poses.py")
+_SOURCES = ("meshes.py", "object_models.py", "solids.py", "urdf.py", "../poses.py")
 
 
 @dataclass(frozen=True)
@@ -86,7 +86,15 @@ def write_model(kind: ObjectType, folder: Path) -> None:
     if kind.mount is not None:
         socket = urdf.socket(first, kind.mount.deepest - kind.mount.depth)
         urdf.write_urdf(kind.name, [*socket, *links, *joints], folder / _MOUNTED_FILE)
-    _write_numbers(kind, built, folder)
+    numbers = {
+        f"part{i}": np.vstack([piece for each in geometries for piece in each.collision])
+        for i, geometries in enumerate(built.values())
+    }
+    visible = [each for geometries in built.values() for each in geometries if each.visual]
+    turn = poses.rotation_from_rpy(*kind.rests[0].turn)
+    pieces = [piece @ turn.T for each in visible for piece in each.collision]
+    numbers["silhouette"] = np.array(_mean_silhouette(pieces))
+    np.savez_compressed(folder / _NUMBERS_FILE, allow_pickle=False, **numbers)
 
 
 def _write_link(part: PartType, built: Sequence[SolidGeometry], stem: str, folder: Path) -> str:
@@ -107,20 +115,6 @@ def _write_link(part: PartType, built: Sequence[SolidGeometry], stem: str, folde
             visuals.append(urdf.visual(file, material, colour, shine=part.material.shine))
     centre, inertia = meshes.mass_properties(pieces, part.mass)
     return urdf.part_link(part, collision, visuals, centre=centre, inertia=inertia)
-
-
-def _write_numbers(
-    kind: ObjectType, built: Mapping[str, Sequence[SolidGeometry]], folder: Path
-) -> None:
-    numbers = {
-        f"part{i}": np.vstack([piece for each in solids for piece in each.collision])
-        for i, solids in enumerate(built.values())
-    }
-    visible = [each for solids in built.values() for each in solids if each.visual]
-    turn = poses.rotation_from_rpy(*kind.rests[0].turn)
-    pieces = [piece @ turn.T for each in visible for piece in each.collision]
-    numbers["silhouette"] = np.array(_mean_silhouette(pieces))
-    np.savez_compressed(folder / _NUMBERS_FILE, allow_pickle=False, **numbers)
 
 
 def _mean_silhouette(pieces: Sequence[Array]) -> float:

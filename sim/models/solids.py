@@ -18,8 +18,7 @@ from ...ontology import part_shapes as forms
 from .. import poses
 from ..poses import Array
 from . import meshes
-from .mesh_files import convex_pieces, read_mesh
-from .meshes import loft, triangulate
+from .meshes import convex_pieces, loft, read_mesh, triangulate
 
 VISUAL_SIDES, COLLISION_SIDES = 48, 24  # corners of a circle
 STAVES = 20  # of a vessel: few enough to be fast, and 0.5 mm flat on a mug

@@ -105,23 +105,18 @@ class HandFile:
 
 
 def robot_file(name: str, urdf: Path, *, attachment: HandFile | None = None) -> Path:
-    """Return the URDF file of a robot, made when it is not in the cache yet.
-
-    `urdf` is the file of its arm, and `attachment` its hand, from another file. A file that is no
-    URDF or lacks a link is a `DataError`, a cache that cannot be written a `SimulationError`.
-    """
+    """Return the cached URDF of an arm with its hand; `DataError` where a file or link is wrong."""
     sources = [urdf, *([attachment.urdf] if attachment else [])]
     what = repr((sources, attachment)).encode()
     key = content_key(_VERSION, what, *(path.read_bytes() for path in sources))
-    path = cache_folder() / "robots" / f"{name}-{key}.urdf"
-    return cached(path, lambda draft: _assemble(urdf, attachment, draft))
 
+    def assemble(draft: Path) -> None:
+        root = _read(urdf)
+        if attachment:
+            root.extend(_attached_elements(_read(attachment.urdf), attachment))
+        ElementTree.ElementTree(root).write(draft, encoding="utf-8")
 
-def _assemble(urdf: Path, attachment: HandFile | None, path: Path) -> None:
-    root = _read(urdf)
-    if attachment:
-        root.extend(_attached_elements(_read(attachment.urdf), attachment))
-    ElementTree.ElementTree(root).write(path, encoding="utf-8")
+    return cached(cache_folder() / "robots" / f"{name}-{key}.urdf", assemble)
 
 
 def read_urdf(path: Path) -> ElementTree.Element:

@@ -80,9 +80,12 @@ class PathPlanner:
         order = (2 * np.arange(len(grasps))[:, None] + nearer).ravel()
         for index in order[found[order]]:
             grasp = replace(grasps[index // 2], world_from_grip=at[index])
-            path = self._free_path(grasp, approach.joints[index], up.joints[index])
-            if path is not None:
-                yield path
+            on, lifted = approach.joints[index], up.joints[index]
+            if not self.is_clear(np.vstack([on, lifted]), grasp.opening):
+                continue
+            transit = self.plan_transit(on[0], self.robot.body_spheres(grasp.opening), self.scene)
+            if transit is not None:
+                yield GraspPath(grasp, transit, on, np.vstack([on[-1:], lifted]))
 
     def _approaches(self, at: Array) -> IkSolutions:
         back = at @ poses.translation(0, 0, -RETREAT)
@@ -98,15 +101,6 @@ class PathPlanner:
             joints[lost] = np.concatenate([there.joints[:, None], off.joints], axis=1)[:, ::-1]
             found[lost] = there.found & off.found
         return IkSolutions(joints, found)
-
-    def _free_path(self, grasp: Grasp, approach: Array, up: Array) -> GraspPath | None:
-        if not self.is_clear(np.vstack([approach, up]), grasp.opening):
-            return None
-        spheres = self.robot.body_spheres(grasp.opening)
-        transit = self.plan_transit(approach[0], spheres, self.scene)
-        if transit is None:
-            return None
-        return GraspPath(grasp, transit, approach, np.vstack([approach[-1:], up]))
 
     def plan_transit(
         self,

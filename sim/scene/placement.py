@@ -60,7 +60,9 @@ def _place_loose(
     rng: np.random.Generator,
 ) -> dict[str, DropPose]:
     laid = [_lay(placement, models[placement.object], rng) for placement in placements]
-    pieces = sorted(laid, key=_sort_key)
+    extents = [np.ptp(shapely.get_coordinates(each.footprint), axis=0) for each in laid]
+    order = np.argsort([-float(np.linalg.norm(extent)) for extent in extents], kind="stable")
+    pieces = sorted((laid[i] for i in order), key=lambda each: each.placement.at is None)
     for _ in range(MAX_ROUNDS):
         spots: dict[str, DropPose] = {}
         for piece in pieces:
@@ -82,11 +84,6 @@ def _lay(placement: Placement, model: ObjectModel, rng: np.random.Generator) -> 
     hull = shapely.MultiPoint(points[:, :2]).convex_hull
     pose = poses.pose(rotation, (0, 0, DROP - float(points[:, 2].min())))
     return DropPose(replace(placement, rest=rest.name), pose, hull)
-
-
-def _sort_key(laid: DropPose) -> tuple[bool, float]:
-    extent = np.ptp(shapely.get_coordinates(laid.footprint), axis=0)
-    return laid.placement.at is None, -float(np.linalg.norm(extent))
 
 
 def _find_spot(

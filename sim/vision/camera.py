@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...ontology.part_shapes import read_point
-from ...ontology.yaml_reader import YamlNode, read_yaml
+from ...ontology.yaml_reader import read_yaml
 from .. import poses
 from ..physics.engine import PhysicsEngine
 from ..physics.rendering import Lighting
@@ -121,15 +121,14 @@ class CameraImage:
 
 def load_cameras(path: Path) -> tuple[Camera, ...]:
     """Read cameras from a YAML file such as `cameras.yaml`; DataError if it is wrong."""
-    return tuple(_camera(name, spec) for name, spec in read_yaml(path).entries().items())
-
-
-def _camera(name: str, spec: YamlNode) -> Camera:
-    keys = spec.entries(required={"eye", "target", "size"}, optional={"intrinsics"})
-    eye, target = (read_point(keys[key]) for key in ("eye", "target"))
-    width, height = map(int, keys["size"].numbers(count=2, low=16, high=4096))
-    given = keys["intrinsics"].numbers(count=4, low=1) if "intrinsics" in keys else ()
-    return Camera(name, eye, target, width=width, height=height, calibration=given)
+    cameras: list[Camera] = []
+    for name, spec in read_yaml(path).entries().items():
+        keys = spec.entries(required={"eye", "target", "size"}, optional={"intrinsics"})
+        eye, target = (read_point(keys[key]) for key in ("eye", "target"))
+        width, height = map(int, keys["size"].numbers(count=2, low=16, high=4096))
+        given = keys["intrinsics"].numbers(count=4, low=1) if "intrinsics" in keys else ()
+        cameras.append(Camera(name, eye, target, width=width, height=height, calibration=given))
+    return tuple(cameras)
 
 
 CAMERAS_ROUND_TABLE = load_cameras(Path(__file__).parent / "cameras.yaml")
