@@ -22,6 +22,7 @@ from hilt.ontology.objects import ObjectType, load_objects
 from hilt.sim import Body, grasps_on_cloud, poses
 from hilt.sim.manipulation.hand_motions import LIFT_PACE, HandMotion
 from hilt.sim.manipulation.pick_and_place import HOLD_TIME, LIFT_HEIGHT, MIN_LIFT
+from hilt.sim.physics.engine import TIME_STEP
 from hilt.sim.robot.path_planner import PathPlanner
 from hilt.sim.scene.scene import graspable, scene_with
 from hilt.sim.vision.camera import CAMERAS_ROUND_TABLE, Camera
@@ -71,7 +72,7 @@ def run(
         before = body.world.pose(name)[2, 3]
         touched = HandMotion(body.robot).grasp(path, force=body.robot.gripper.force)
         body.robot.follow(path.lift, pace=LIFT_PACE)
-        body.robot.wait(HOLD_TIME)
+        body.robot.advance(round(HOLD_TIME / TIME_STEP))
         lifted = body.world.pose(name)[2, 3] - before > MIN_LIFT
         right = touched.both == {(name, part)}
         return counts | {"planned": 1, "closed": 1, "right": int(right), "lifted": int(lifted)}

@@ -28,6 +28,7 @@ from hilt.ontology.errors import SimulationError
 from hilt.ontology.objects import Material, ObjectType, PartType, RestingPose, load_household
 from hilt.ontology.part_shapes import Box, Extrusion, Form, Lathe, PlacedSolid
 from hilt.sim.models.object_models import object_model
+from hilt.sim.poses import farthest_points
 from hilt.sim.scene.scene import ROOM, Placement, Scene, graspable, scene_with
 from hilt.sim.scene.world import World
 from hilt.sim.vision.camera import CameraImage
@@ -40,7 +41,6 @@ from hilt.sim.vision.learned_detector import (
 )
 from hilt.sim.vision.object_detector import ObjectDetector
 from hilt.sim.vision.perception_noise import NoiseLevels
-from hilt.sim.vision.point_cloud_operations import farthest_points
 from hilt.sim.vision.segmentation import Segment, describe_segment, segment_images
 
 UNUSUAL = 0.3  # share of objects that lie in any stable pose, usual or not

@@ -29,43 +29,31 @@ CONDITIONS = ("sees", "holds")
 
 @dataclass(frozen=True)
 class ArgumentByAffordance:
-    """An argument given by what it must afford instead of by an object.
+    """An argument given by what it must afford instead of by an object."""
 
-    The conclusion has a functor ("usedFor", "cutWith") and, where that needs one, an argument: an
-    atom as text ("affordance:pounding"), or the object of the parameter `of`: cutWith(X, it).
-    """
-
-    functor: str
-    argument: str | None = None
-    of: str | None = None
+    functor: str  #: of the conclusion: "usedFor", "cutWith"
+    argument: str | None = None  #: its argument where it needs one: "affordance:pounding"
+    of: str | None = None  #: or the parameter whose object is its argument: cutWith(X, it)
 
 
 @dataclass(frozen=True)
 class DescribedObject:
-    """An argument given by a description: "the red mug", "something used for cutting".
+    """An argument given by a description: "the red mug", "something used for cutting"."""
 
-    Its kind is `object`, None for any, and it has all the properties. It must have the affordance
-    `used_for`, which is wanted for the material, and must not have `not_used_for`.
-    """
-
-    object: str | None = None
-    used_for: str | None = None
-    not_used_for: str | None = None
-    properties: frozenset[str] = frozenset()
-    material: str | None = None
+    object: str | None = None  #: its kind; None for any
+    used_for: str | None = None  #: the affordance that it must have
+    not_used_for: str | None = None  #: the affordance that it must not have
+    properties: frozenset[str] = frozenset()  #: all of which it has
+    material: str | None = None  #: for which the affordance is wanted
 
 
 @dataclass(frozen=True)
 class Step:
-    """A step of an action tree: a primitive or a tree.
-
-    `arguments` maps each parameter of that action to an argument of the tree above, "=word" or a
-    description. `part` is that by which the step holds its object; None leaves it to the rules.
-    """
+    """A step of an action tree: a primitive or a tree."""
 
     action: str
-    arguments: Mapping[str, str | DescribedObject]
-    part: str | None = None
+    arguments: Mapping[str, str | DescribedObject]  #: parameter -> argument of the tree, or "=word"
+    part: str | None = None  #: by which the step holds its object; None leaves it to the rules
 
 
 @dataclass(frozen=True)
@@ -79,35 +67,23 @@ class Loop:
 
 @dataclass(frozen=True)
 class Precondition:
-    """A precondition of an action tree.
+    """A precondition of an action tree."""
 
-    Attributes:
-        kind: "sees", the object is in view; "holds", it is in the hand; or "is", it has a property.
-        parameter: the argument it is about, or "=object".
-        property: the property that "is" asks for.
-        negated: whether it must not be so.
-    """
-
+    #: "sees", the object is in view; "holds", it is in the hand; or "is", it has a property
     kind: str
-    parameter: str
-    property: str | None = None
-    negated: bool = False
+    parameter: str  #: the argument it is about, or "=object"
+    property: str | None = None  #: the property that "is" asks for
+    negated: bool = False  #: whether it must not be so
 
 
 @dataclass(frozen=True)
 class FailureBranch:
-    """What to do after a failure: at most one of the last three attributes, or the tree fails.
+    """What to do after a failure: at most one of the last three attributes, or the tree fails."""
 
-    Attributes:
-        after: the failures it handles, some of `Actions.failures` or "any".
-        next: the parameter for which the next best candidate is tried.
-        again: how often the steps are repeated.
-        steps: other steps; a tree that contains this one goes on when they succeed.
-    """
-
-    after: frozenset[str]
-    next: str | None = None
-    again: int = 0
+    after: frozenset[str]  #: the failures it handles, some of `Actions.failures` or "any"
+    next: str | None = None  #: the parameter for which the next best candidate is tried
+    again: int = 0  #: how often the steps are repeated
+    #: other steps; a tree that contains this one goes on when they succeed
     steps: tuple[Step | Loop, ...] = ()
 
     @property
@@ -122,25 +98,18 @@ class FailureBranch:
 
 @dataclass(frozen=True)
 class ActionTree:
-    """The steps that achieve one kind of goal, and their preconditions.
+    """The steps that achieve one kind of goal, and their preconditions."""
 
-    Attributes:
-        name: the predicate of the goal.
-        parameters: the arguments of the predicate, in order.
-        defaults: parameter -> its value when it is not given; "speaker" is who asked.
-        steps: executed in preorder.
-        otherwise: branches for failures; the first that handles a failure is taken.
-        is_a: the more general action whose rules it inherits.
-        objects: parameter -> the kind of object that it was taught for; None if it is of a file.
-    """
-
-    name: str
-    parameters: tuple[str, ...]
+    name: str  #: the predicate of the goal
+    parameters: tuple[str, ...]  #: the arguments of the predicate, in order
+    #: parameter -> its value when it is not given; "speaker" is who asked
     defaults: Mapping[str, str | ArgumentByAffordance]
-    steps: tuple[Step | Loop, ...]
+    steps: tuple[Step | Loop, ...]  #: executed in preorder
     requires: tuple[Precondition, ...] = ()
+    #: branches for failures; the first that handles a failure is taken
     otherwise: tuple[FailureBranch, ...] = ()
-    is_a: str | None = None
+    is_a: str | None = None  #: the more general action whose rules it inherits
+    #: parameter -> the kind of object that it was taught for; None if it is of a file
     objects: Mapping[str, str] | None = None
 
     @property
@@ -208,10 +177,7 @@ def iterate_steps(steps: tuple[Step | Loop, ...]) -> Iterator[Step]:
 
 
 def load_actions(path: Path = ACTIONS_FILE, *, added_to: Actions | None = None) -> Actions:
-    """Read and check the action trees of a file, which may use those of `added_to` and add to them.
-
-    DataError if the file is invalid; gives the position and what was expected.
-    """
+    """Read the action trees of a file, which may use and add to others; `DataError` if invalid."""
     known = added_to or Actions({})
     top = read_yaml(path).entries(required=["trees"], optional=["primitives", "failures"])
     added = top["primitives"].entries() if "primitives" in top else {}
@@ -219,17 +185,17 @@ def load_actions(path: Path = ACTIONS_FILE, *, added_to: Actions | None = None) 
     specs = top["trees"].entries()
     failures = known.failures.union(top["failures"].texts() if "failures" in top else ())
     signatures = {**primitives, **{name: each.parameters for name, each in known.trees.items()}}
-    signatures |= {name: _parameters(spec) for name, spec in specs.items()}
+    keys = {
+        name: spec.entries(required={"parameters", "steps"}, optional=_TREE_KEYS)
+        for name, spec in specs.items()
+    }
+    signatures |= {name: each["parameters"].texts() for name, each in keys.items()}
     trees = dict(known.trees)
-    for name, spec in specs.items():
-        trees[name] = _TreeReader(name, spec.entries(), signatures, failures).read()
+    for name, each in keys.items():
+        trees[name] = _TreeReader(name, each, signatures, failures).read()
     for name, spec in specs.items():
         _reject_cycles(name, spec, Actions(primitives, trees))
     return Actions(primitives, trees, failures)
-
-
-def _parameters(spec: YamlNode) -> tuple[str, ...]:
-    return spec.entries(required={"parameters", "steps"}, optional=_TREE_KEYS)["parameters"].texts()
 
 
 @dataclass(frozen=True)
@@ -274,17 +240,13 @@ class _TreeReader:
         if len(given) != 1:
             found = " and ".join(given) or "none"
             raise item.fail(f"expected one of {', '.join(_BRANCHES)}, found {found}.")
+        after, is_any = keys["after"], keys["after"].value == ANY_FAILURE
         return FailureBranch(
-            self._failures(keys["after"]),
+            frozenset([ANY_FAILURE] if is_any else after.texts(choices=self.failures)),
             self._parameter(keys["next"]) if "next" in keys else None,
             keys["again"].integer(low=1, high=MAX_AGAIN) if "again" in keys else 0,
             self._steps(keys["steps"]) if "steps" in keys else (),
         )
-
-    def _failures(self, field: YamlNode) -> frozenset[str]:
-        if field.value == ANY_FAILURE:
-            return frozenset({ANY_FAILURE})
-        return frozenset(field.texts(choices=self.failures))
 
     def _steps(self, field: YamlNode) -> tuple[Step | Loop, ...]:
         return tuple(self._step(item) for item in field.items())

@@ -1,4 +1,4 @@
-"""The exceptions that Hilt raises, and the check that an optional package is installed.
+"""The exceptions that Hilt raises, and the checks that optional packages are installed.
 
 They are defined here because every other package imports `ontology`, which imports none of them.
 Failures that a robot must expect (nothing seen, not sure, dropped) are results, not exceptions.
@@ -8,6 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Generator, Iterable, Sequence
 from contextlib import contextmanager
+
+_SIMULATOR = ("pybullet", "pybullet_data", "PIL", "imageio", "scipy", "shapely", "trimesh", "coacd")
+_PACKAGES = {"pybullet_data": "pybullet", "PIL": "pillow"}  # others are named as their modules
+SIMULATOR_PACKAGES = {module: _PACKAGES.get(module, module) for module in _SIMULATOR}
 
 
 class HiltError(Exception):
@@ -166,3 +170,12 @@ def extra_required(extra: str, package: str) -> Generator[None]:
         yield
     except ImportError as error:
         raise MissingExtraError(extra, package) from error
+
+
+def check_simulator() -> None:
+    """Check that the extra "sim" is installed, importing none of it; `MissingExtraError` if not."""
+    from importlib.util import find_spec
+
+    for module, package in SIMULATOR_PACKAGES.items():
+        if find_spec(module) is None:
+            raise MissingExtraError("sim", package, ", or decide without a robot: --no-sim")

@@ -26,81 +26,50 @@ _WORDS = re.compile(r"[^\W_]+(?:[-' ][^\W_]+)*")
 
 @dataclass(frozen=True)
 class Material:
-    """The material of a part.
-
-    `friction` is the lateral friction coefficient; that of a contact is the product of both.
-    `shine` is the brightness of its highlights, in [0, 1].
-    """
+    """The material of a part."""
 
     name: str
-    friction: float
-    shine: float
+    friction: float  #: coefficient of sliding; that of a contact is the product of both
+    shine: float  #: brightness of its highlights, in [0, 1]
 
 
 @dataclass(frozen=True)
 class PartType:
-    """One named part ("handle", "blade") of an object.
-
-    Attributes:
-        role: its function in the object: "grip", "edge", "container", ...
-        properties: its perceptible properties: "sharp", "long", ...
-        colour: the colour of its solids that have none of their own.
-        mass: its mass [kg].
-        shape: its solids, in the frame of the object.
-    """
+    """One named part ("handle", "blade") of an object."""
 
     name: str
-    role: str
-    properties: frozenset[str]
+    role: str  #: its function in the object: "grip", "edge", "container", ...
+    properties: frozenset[str]  #: its perceptible properties: "sharp", "long", ...
     material: Material
-    colour: Colour
-    mass: float
-    shape: tuple[PlacedSolid, ...]
+    colour: Colour  #: the colour of its solids that have none of their own
+    mass: float  #: its mass [kg]
+    shape: tuple[PlacedSolid, ...]  #: its solids, in the frame of the object
 
 
 @dataclass(frozen=True)
 class RestingPose:
-    """A way in which an object can lie or stand on a table ("upright", "flat", "upside down").
-
-    `turn` is roll, pitch, yaw of its frame before any turn about the vertical [rad]. Random scenes
-    use the `usual` ones; the others are used only when requested.
-    """
+    """A way in which an object can lie or stand on a table ("upright", "flat", "upside down")."""
 
     name: str
-    turn: Point3
-    usual: bool
+    turn: Point3  #: roll, pitch, yaw of its frame, before any turn about the vertical [rad]
+    usual: bool  #: whether random scenes use it; the others are used only when requested
 
 
 @dataclass(frozen=True)
 class Fixture:
-    """How an object is fixed in another one, as a nail in its block.
+    """How an object is fixed in another one, as a nail in its block."""
 
-    Attributes:
-        support: the type of the object in which it is fixed.
-        at: where it enters the support, in the frame of the support [m]; its direction is its -z.
-        depth: its initial depth in the support [m].
-        deepest: the depth to which it can be driven [m].
-        resistance: the force with which the support holds it, in both directions [N].
-    """
-
-    support: str
+    support: str  #: the type of the object in which it is fixed
+    #: where it enters the support, in the frame of the support [m]; its direction is its -z
     at: Point3
-    depth: float
-    deepest: float
-    resistance: float
+    depth: float  #: its initial depth in the support [m]
+    deepest: float  #: the depth to which it can be driven [m]
+    resistance: float  #: the force with which the support holds it, in both directions [N]
 
 
 @dataclass(frozen=True)
 class ObjectType:
     """A kind of object.
-
-    Attributes:
-        is_a: its superclass, an object or one of the file's classes; None for a root.
-        properties: the perceptible properties of the whole object.
-        graspable: whether it can be picked up; False for fixtures.
-        parts: its parts by name, in the order of the file.
-        rests: how it can lie or stand; at least one is usual.
-        mount: how it is fixed in another object, if it is not placed loose; None for most.
 
     >>> knife = load_objects()["knife"]
     >>> list(knife.parts), knife.part("blade").role
@@ -108,11 +77,13 @@ class ObjectType:
     """
 
     name: str
-    is_a: str | None
-    properties: frozenset[str]
-    graspable: bool
+    is_a: str | None  #: its superclass, an object or one of the file's classes; None for a root
+    properties: frozenset[str]  #: the perceptible properties of the whole object
+    graspable: bool  #: whether it can be picked up; False for fixtures
+    #: its parts by name, in the order of the file
     parts: Mapping[str, PartType] = field(hash=False)
-    rests: tuple[RestingPose, ...]
+    rests: tuple[RestingPose, ...]  #: how it can lie or stand; at least one is usual
+    #: how it is fixed in another object, if it is not placed loose; None for most
     mount: Fixture | None = None
 
     @cached_property
@@ -139,18 +110,14 @@ ObjectTypes: TypeAlias = "Mapping[str, ObjectType]"  # by name
 
 @dataclass(frozen=True)
 class Household:
-    """The contents of a file of objects.
-
-    These are objects and materials by name, the superclass of each class or None, the meanings of
-    roles and properties, and the kind of people above each kind of people.
-    """
+    """The contents of a file of objects."""
 
     objects: Mapping[str, ObjectType]
-    classes: Mapping[str, str | None]
-    roles: Mapping[str, str]
-    properties: Mapping[str, str]
+    classes: Mapping[str, str | None]  #: class -> its superclass
+    roles: Mapping[str, str]  #: role -> its meaning
+    properties: Mapping[str, str]  #: property -> its meaning
     materials: Mapping[str, Material]
-    people: Mapping[str, str]
+    people: Mapping[str, str]  #: kind of people -> the kind above it
 
 
 def load_objects(path: Path | None = None) -> dict[str, ObjectType]:
@@ -159,10 +126,9 @@ def load_objects(path: Path | None = None) -> dict[str, ObjectType]:
 
 
 def load_household(path: Path | None = None, *, added_to: Household | None = None) -> Household:
-    """Return the contents of a file of objects: types, classes, roles and properties.
+    """Return the contents of a file of objects, by default that of Hilt, and of `added_to`.
 
-    The file, by default that of Hilt, may use the words of the household that it is `added_to`; the
-    result contains both. A DataError gives the position of a mistake, and what was expected.
+    The file may use those words. A `DataError` has the position of a mistake and what was expected.
     """
     return read_household(read_yaml(path or OBJECTS_FILE), added_to=added_to)
 

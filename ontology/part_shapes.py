@@ -64,14 +64,11 @@ class Sweep:
 
 @dataclass(frozen=True)
 class MeshFile:
-    """A surface in a file (OBJ, STL, PLY), which collides as convex pieces.
-
-    Of it are kept one or more convex regions, each of which lies on the side n x > d of each of its
-    planes (n, d), where n x is in [m].
-    """
+    """A surface in a file (OBJ, STL, PLY), which collides as convex pieces."""
 
     path: Path
     scale: float
+    #: convex regions to keep: each is where n x > d [m] for all of its planes (n, d)
     regions: tuple[tuple[tuple[float, ...], ...], ...] = ((),)
 
 
@@ -80,29 +77,19 @@ Form = Box | Lathe | Extrusion | Sweep | MeshFile
 
 @dataclass(frozen=True)
 class PlacedSolid:
-    """One form placed in the frame of the object.
-
-    Attributes:
-        at: origin of its frame [m].
-        turn: roll, pitch, yaw of its frame [rad], about the fixed x, y and z axes in this order.
-        colour: its own colour; None for that of the part.
-        visible: whether cameras see it.
-        collides: whether it can be touched, by fingers or the table.
-    """
+    """One form placed in the frame of the object."""
 
     form: Form
-    at: Point3
+    at: Point3  #: origin of its frame [m]
+    #: roll, pitch, yaw of its frame [rad], about the fixed x, y and z axes in this order
     turn: Point3
-    colour: Colour | None
-    visible: bool
-    collides: bool
+    colour: Colour | None  #: its own colour; None for that of the part
+    visible: bool  #: whether cameras see it
+    collides: bool  #: whether it can be touched, by fingers or the table
 
 
 def read_solid(field: YamlNode) -> PlacedSolid:
-    """Return a solid, read from a form and optionally at, turn_deg, colour and only.
-
-    `DataError` where a key is missing or unknown, or a value is out of range.
-    """
+    """Return a solid, read from its form, place and look; `DataError` where a value is wrong."""
     keys = field.entries(optional={*_READERS, "at", "turn_deg", "colour", "only"})
     forms = [key for key in keys if key in _READERS]
     if len(forms) != 1:

@@ -5,6 +5,7 @@ What is read has the positions of `yaml_reader`, so that an error names file, li
 
 import re
 import sys
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -28,23 +29,17 @@ def read_toml(path: Path) -> YamlNode:
     keys: list[YamlNode] = []
     entries: dict[str, YamlNode] = {}
     for key, value in _parse(text, source).items():
-        keys.append(_key(key, text, source))
+        beginning = re.compile(rf"^\s*\[*\s*[\"']?{re.escape(key)}\b")
+        lines = enumerate(text.split("\n"), start=1)
+        number, line = next(((n, line) for n, line in lines if beginning.match(line)), (1, ""))
+        keys.append(YamlNode(key, source, number, len(line) - len(line.lstrip()) + 1, line))
         if isinstance(value, dict):
-            raise keys[-1].fail(
-                "expected KEY = VALUE; tables and keys with dots are not used here."
-            )
-        line = keys[-1].text_line
-        column = line.find("=") + 1
-        column += len(line[column:]) - len(line[column:].lstrip()) + 1
-        entries[key] = _node(value, source, keys[-1].line, column, line)
+            problem = "expected KEY = VALUE; tables and keys with dots are not used here."
+            raise keys[-1].fail(problem)
+        column = len(line) - len(line.partition("=")[2].lstrip()) + 1
+        node = partial(YamlNode, source=source, line=number, column=column, text_line=line)
+        entries[key] = node(tuple(map(node, value)) if isinstance(value, list) else value)
     return YamlNode(entries, source, 1, 1, keys=tuple(keys))
-
-
-def _key(key: str, text: str, source: str) -> YamlNode:
-    beginning = re.compile(rf"^\s*\[*\s*[\"']?{re.escape(key)}\b")
-    lines = enumerate(text.split("\n"), start=1)
-    number, line = next(((n, line) for n, line in lines if beginning.match(line)), (1, ""))
-    return YamlNode(key, source, number, len(line) - len(line.lstrip()) + 1, line)
 
 
 def _parse(text: str, source: str) -> dict[str, Any]:
@@ -58,9 +53,3 @@ def _parse(text: str, source: str) -> dict[str, Any]:
         problem = f"is not TOML: {_PLACE.sub('', str(error))}."
         shown = lines[min(line, len(lines)) - 1]
         raise DataError(problem, source=source, line=line, column=column, text=shown) from error
-
-
-def _node(value: Any, source: str, line: int, column: int, text: str) -> YamlNode:
-    if isinstance(value, list):
-        value = tuple(_node(each, source, line, column, text) for each in value)
-    return YamlNode(value, source, line, column, text)

@@ -83,7 +83,8 @@ def iri(kind: str, name: str) -> Iri:
     """
     if kind not in KINDS:
         raise KeyError(f'there is no kind "{kind}"; known: {", ".join(KINDS)}.')
-    return Iri(PREFIXES[kind] + _UNSAFE.sub(_escape, name))
+    escaped = _UNSAFE.sub(lambda found: quote(found[0], safe="").replace("_", "%5F"), name)
+    return Iri(PREFIXES[kind] + escaped.replace("%20", "_"))
 
 
 def ontology_graph(name: str) -> Iri:
@@ -144,8 +145,3 @@ def split(individual: Iri) -> tuple[str, str]:
     if kind not in KINDS or not local:
         return "", str(individual)
     return kind, unquote(local.replace("_", " "))
-
-
-def _escape(match: re.Match[str]) -> str:
-    character = match.group()
-    return "_" if character == " " else quote(character, safe="").replace("_", "%5F")

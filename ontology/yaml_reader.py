@@ -26,22 +26,16 @@ _CLOSING = frozenset({"SequenceEndEvent", "MappingEndEvent"})
 
 @dataclass(frozen=True)
 class YamlNode:
-    """A value of a YAML file with its position.
+    """A value of a YAML file with its position."""
 
-    Attributes:
-        value: the plain value: `str`, `int`, `float`, `bool`, `None`, or for a list and a mapping
-            a tuple of `YamlNode` and a dict from key to `YamlNode`.
-        source: the file it was read from.
-        line, column: 1-based, of its first character.
-        text_line: the line itself, for the caret below it.
-        keys: the keys of a mapping, in the order of the file.
-    """
-
+    #: the plain value: `str`, `int`, `float`, `bool`, `None`, or for a list and a mapping a tuple
+    #: of `YamlNode` and a dict from key to `YamlNode`
     value: Any
-    source: str
-    line: int
-    column: int
-    text_line: str = dataclasses.field(default="", compare=False, repr=False)
+    source: str  #: the file it was read from
+    line: int  #: of its first character, 1-based
+    column: int  #: the same
+    text_line: str = dataclasses.field(default="", compare=False, repr=False)  #: for the caret
+    #: the keys of a mapping, in the order of the file
     keys: tuple[YamlNode, ...] = dataclasses.field(default=(), compare=False, repr=False)
 
     def fail(self, problem: str) -> DataError:
@@ -217,22 +211,19 @@ class _NodeReader:
             case "sequence", "seq":
                 return self.node(found.start_mark, tuple(map(self.read, found.value)))
             case "mapping", "map":
-                return self._mapping(found)
+                entries: dict[str, YamlNode] = {}
+                keys: list[YamlNode] = []
+                for name, value in found.value:
+                    keys.append(key := self.read(name))
+                    if key.text() in entries:
+                        raise key.fail(f'the key "{key.value}" is given twice.')
+                    entries[key.value] = self.read(value)
+                return self.node(found.start_mark, entries, tuple(keys))
             case _:
                 raise self.node(found.start_mark, None).fail(
                     f'the type "{found.tag}" is not allowed; write a text in quotes, a number, '
                     "true or false, a list or a mapping."
                 )
-
-    def _mapping(self, found: Any) -> YamlNode:
-        entries: dict[str, YamlNode] = {}
-        keys: list[YamlNode] = []
-        for name, value in found.value:
-            keys.append(key := self.read(name))
-            if key.text() in entries:
-                raise key.fail(f'the key "{key.value}" is given twice.')
-            entries[key.value] = self.read(value)
-        return self.node(found.start_mark, entries, tuple(keys))
 
     def node(self, mark: Any, value: object, keys: tuple[YamlNode, ...] = ()) -> YamlNode:
         line: int = mark.line

@@ -41,16 +41,10 @@ HAND_ABILITIES = {"graspObject", "moveTo", "handOver", "moveAbove", "raise", "lo
 class Body(Striking, AbstractContextManager["Body"]):
     """A robot at a table with the objects of a scene.
 
-    Use it in a `with` block, or `close` it.
-
-    Args:
-        seed: from which all choices of the motions are drawn.
-        robot: its name in `robots.yaml`.
-        vision: where percepts come from: "mask", "learned" or "learned:FILE".
-        noise: of the cameras' depths; none when None.
-        cameras: what it sees with; `load_cameras` reads others.
-        interruption: pauses or ends motions from another thread; a motion that is ended reports
-            "interrupted".
+    Use it in a `with` block, or `close` it. All choices of the motions are drawn from the seed. The
+    robot is named as for `find_robot`, and the vision, where percepts come from, as for
+    `open_vision`; `load_cameras` reads other cameras. The noise is that of their depths. By the
+    `interruption` another thread pauses motions or ends them: these report "interrupted".
     """
 
     def __init__(
@@ -112,10 +106,7 @@ class Body(Striking, AbstractContextManager["Body"]):
         return WorldRecorder(self.world, path)
 
     def state_hash(self) -> str:
-        """Return a hash of all poses, the joints of the arm, and the time that has passed.
-
-        Two runs with the same hash do not differ in the last bit of any of these numbers.
-        """
+        """Return a hash, equal only where all poses, joints and the time are, to the last bit."""
         numbers = [self.world.pose(name) for name in self.world.kinds]
         numbers += [self.robot.joints, np.array(self.world.engine.steps)]
         return sha256(b"".join(each.tobytes() for each in numbers)).hexdigest()[:16]

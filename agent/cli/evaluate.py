@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ...sim.installation import check_simulator
+from ...ontology.errors import check_simulator
 from .common import exit_with, print_json, terminal
 from .options import AsJson, Seed, app, example
 

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 import typer
 
-from ...sim.installation import check_simulator
+from ...ontology.errors import check_simulator
 from ..config import OPTIONS, AgentConfig, ConfigOption, is_plugin, read_values
 from ..config_files import KEYS, configured, lasting_values, variable
 

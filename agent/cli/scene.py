@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
-from ...sim.installation import check_simulator
+from ...ontology.errors import check_simulator
 from ..config import AgentConfig
 from .common import announce, exit_with, print_json, spinner, terminal
 from .options import SCENE, AsJson, app, example, with_config

@@ -77,7 +77,7 @@ class Embodiment:
 
         MissingExtraError without the simulator; SimulationError if there is no room for the scene.
         """
-        from ...sim.installation import check_simulator
+        from ...ontology.errors import check_simulator
 
         check_simulator()
         from ...sim.body import Body

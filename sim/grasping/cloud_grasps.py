@@ -11,10 +11,9 @@ import numpy as np
 
 from ...ontology.errors import DataError, SimulationError, UnknownNameError
 from .. import poses
-from ..poses import Array
+from ..poses import Array, voxel_downsample
 from ..robot.models import RobotType, find_robot
 from ..robot.path_planner import FINGERS_EXCHANGED, RETREAT, Grasp
-from ..vision.point_cloud_operations import voxel_downsample
 from .context import LabelledPointCloud, PointLabel
 from .planner import COARSE_CELL, EFFORTS, FINE_CELL, MIN_POINTS, RankedGrasps, plan_grasps
 

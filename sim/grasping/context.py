@@ -8,9 +8,8 @@ from enum import IntEnum
 import numpy as np
 
 from ...ontology.objects import ObjectType
-from ..poses import Array
+from ..poses import Array, voxel_downsample
 from ..vision.percept import Percept
-from ..vision.point_cloud_operations import voxel_downsample
 
 CHECK_CELL = 0.006  # [m], voxel size of the points that paths are checked against
 MIN_GROWTH = 1.1  # of the voxels of a downsampled cloud, so that growing ends soon
@@ -28,21 +27,13 @@ class PointLabel(IntEnum):
 
 @dataclass(frozen=True)
 class LabelledPointCloud:
-    """The points that grasps of a part of an object are planned on.
+    """The points that grasps of a part of an object are planned on."""
 
-    Attributes:
-        points: points (n, 3) in the world [m].
-        labels: `PointLabel` of each point (n,); the part to be grasped is `TARGET`.
-        table: height of the table [m].
-        centre_of_mass: estimated centre of mass of the object (3,), in the world [m].
-        mass: mass of the object [kg].
-    """
-
-    points: Array
-    labels: np.ndarray
-    table: float
-    centre_of_mass: Array
-    mass: float
+    points: Array  #: points (n, 3) in the world [m]
+    labels: np.ndarray  #: `PointLabel` of each point (n,); the part to be grasped is `TARGET`
+    table: float  #: height of the table [m]
+    centre_of_mass: Array  #: estimated centre of mass of the object (3,), in the world [m]
+    mass: float  #: mass of the object [kg]
 
     @property
     def target(self) -> Array:
@@ -56,37 +47,25 @@ class LabelledPointCloud:
         """
         low, high = self.target.min(axis=0) - reach, self.target.max(axis=0) + reach
         near = np.all((self.points >= low) & (self.points <= high), axis=1)
-        index = np.concatenate(
-            [
-                self._spread(np.flatnonzero(near & (self.labels == label)), cell, limit)
-                for label in PointLabel
-            ]
-        )
+        kept: list[np.ndarray] = []
+        for label in PointLabel:
+            group, side = np.flatnonzero(near & (self.labels == label)), cell
+            kept.append(group[voxel_downsample(self.points[group], side)])
+            while len(kept[-1]) > limit:
+                side *= max(MIN_GROWTH, float(np.sqrt(len(kept[-1]) / limit)))
+                kept[-1] = group[voxel_downsample(self.points[group], side)]
+        index = np.concatenate(kept)
         return replace(self, points=self.points[index], labels=self.labels[index])
-
-    def _spread(self, group: np.ndarray, cell: float, limit: int) -> np.ndarray:
-        kept = group[voxel_downsample(self.points[group], cell)]
-        while len(kept) > limit:
-            cell *= max(MIN_GROWTH, float(np.sqrt(len(kept) / limit)))
-            kept = group[voxel_downsample(self.points[group], cell)]
-        return kept
 
 
 @dataclass(frozen=True, eq=False)
 class GraspContext:
-    """An object that is to be grasped, and what surrounds it.
+    """An object that is to be grasped, and what surrounds it."""
 
-    Attributes:
-        percept: the object as it is seen.
-        kind: type of the object, which gives the masses of its parts.
-        part: name of the part to grasp; None for any.
-        neighbours: points (n, 3) on all other objects, in the world [m].
-    """
-
-    percept: Percept
-    kind: ObjectType
-    part: str | None
-    neighbours: Array
+    percept: Percept  #: the object as it is seen
+    kind: ObjectType  #: type of the object, which gives the masses of its parts
+    part: str | None  #: name of the part to grasp; None for any
+    neighbours: Array  #: points (n, 3) on all other objects, in the world [m]
 
     @property
     def allowed_parts(self) -> tuple[str, ...]:

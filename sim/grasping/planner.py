@@ -52,16 +52,11 @@ _REASONS = {"too_wide": "too_wide", "part": "blocked", "neighbour": "blocked", "
 
 @dataclass(frozen=True)
 class RankedGrasps:
-    """The grasps of a part, best first, and why other candidates were rejected.
-
-    Attributes:
-        rejected: number of rejected poses for each reason.
-        examples: some rejected poses, for display.
-    """
+    """The grasps of a part, best first, and why other candidates were rejected."""
 
     grasps: tuple[Grasp, ...]
-    rejected: Mapping[str, int]
-    examples: tuple[Grasp, ...] = ()
+    rejected: Mapping[str, int]  #: number of rejected poses for each reason
+    examples: tuple[Grasp, ...] = ()  #: some rejected poses, for display
 
     @property
     def reason(self) -> str:
@@ -82,16 +77,12 @@ class RankedGrasps:
 
 @dataclass(frozen=True)
 class GraspAttempts:
-    """An object to be grasped, and the attempts so far.
+    """An object to be grasped, and the attempts so far."""
 
-    The name is empty for no task; a part of None is any. The gripper has closed on the grasps
-    `tried`; `failures` are the reasons why these failed, in order.
-    """
-
-    name: str
-    part: str | None
-    tried: tuple[Grasp, ...] = ()
-    failures: tuple[str, ...] = ()
+    name: str  #: empty for no task
+    part: str | None  #: None for any
+    tried: tuple[Grasp, ...] = ()  #: the grasps on which the gripper has closed
+    failures: tuple[str, ...] = ()  #: the reasons why these failed, in order
 
     @property
     def is_given_up(self) -> bool:
@@ -121,8 +112,7 @@ def select_grasp(
 ) -> tuple[RankedGrasps, GraspPath | None, str]:
     """Select the best grasp that can be reached, lifted by `lift` [m], and was not tried before.
 
-    Returns the last grasp plan, and the path to the selected grasp; without a reachable one None,
-    and the reason.
+    Returns the last grasp plan, and the path to the grasp; without one None, and the reason.
     """
     plan, best = RankedGrasps((), {}), None
     cloud = context.labelled_cloud(planner.table)
@@ -142,10 +132,9 @@ def select_grasp(
 def plan_grasps(
     cloud: LabelledPointCloud, gripper: Gripper, *, rng: np.random.Generator, effort: int = 1
 ) -> RankedGrasps:
-    """Plan at most `MAX_GRASPS` grasps of the target of a cloud.
+    """Plan at most `MAX_GRASPS` grasps of the target of a cloud, from samples drawn by `rng`.
 
-    `effort` multiplies the number of candidates; above 1 other orientations are tried. Samples are
-    drawn by `rng`.
+    `effort` multiplies the number of candidates; above 1 other orientations are tried.
     """
     if len(cloud.target) < MIN_POINTS:
         return RankedGrasps((), {})

@@ -14,10 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from .. import poses
-from ..poses import Array
+from ..poses import Array, farthest_points, principal_direction
 from ..robot.models import Gripper
 from ..robot.path_planner import grasp_orientations
-from ..vision.point_cloud_operations import farthest_points, principal_direction
 from .context import LabelledPointCloud, PointLabel
 
 BIN = 0.002  # [m] along the closing direction

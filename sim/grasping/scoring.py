@@ -53,27 +53,16 @@ _NONE, _TOO_WIDE, _SLOPE, _UNEVEN, _PART, _NEIGHBOUR, _TABLE = range(len(REJECTI
 
 @dataclass(frozen=True)
 class GraspScores:
-    """The scores of c poses of the hand.
+    """The scores of c poses of the hand."""
 
-    Attributes:
-        world_from_grip: poses (c, 4, 4) of the grip frame, with the part centred between the pads.
-        width: width of the part between the pads (c,) [m].
-        section_width: width of everything between the fingers (c,) [m].
-        opening: opening of the gripper before it closes (c,) [m].
-        score: scores (c,), at most 1; a pose whose score is not above 0 is rejected.
-        rejection: index (c,) into `REJECTIONS` of the reason for rejection; 0 for accepted poses.
-        slope: by how much the part widens along x and z of the grip frame, per side (c, 2).
-        twist: angle between the faces of the part and the pads, about the approach (c,) [rad].
-    """
-
-    world_from_grip: Array
-    width: Array
-    section_width: Array
-    opening: Array
-    score: Array
-    rejection: np.ndarray
-    slope: Array
-    twist: Array
+    world_from_grip: Array  #: poses (c, 4, 4) of the grip frame, the part amid the pads
+    width: Array  #: width of the part between the pads (c,) [m]
+    section_width: Array  #: width of everything between the fingers (c,) [m]
+    opening: Array  #: opening of the gripper before it closes (c,) [m]
+    score: Array  #: scores (c,), at most 1; a pose whose score is not above 0 is rejected
+    rejection: np.ndarray  #: index (c,) into `REJECTIONS`; 0 for accepted poses
+    slope: Array  #: by how much the part widens along x and z of the grip frame, per side (c, 2)
+    twist: Array  #: angle between the faces of the part and the pads, about the approach (c,) [rad]
 
     def __getitem__(self, index: np.ndarray) -> GraspScores:
         return GraspScores(*(each[index] for each in vars(self).values()))
@@ -143,21 +132,14 @@ def score_grasps(
 
 @dataclass(frozen=True)
 class HandPointPairs:
-    """The p pairs of a hand and a point near it. Most points are far from most hands.
+    """The p pairs of a hand and a point near it. Most points are far from most hands."""
 
-    Attributes:
-        hands: number of hands.
-        hand: index of the hand of each pair (p,), in ascending order.
-        x, y, z: the point in the grip frame of that hand, each (p,) [m].
-        label: label of the point (p,).
-    """
-
-    hands: int
-    hand: np.ndarray
-    x: Array
+    hands: int  #: number of hands
+    hand: np.ndarray  #: index of the hand of each pair (p,), in ascending order
+    x: Array  #: x, like y and z, of the point in the grip frame of that hand (p,) [m]
     y: Array
     z: Array
-    label: np.ndarray
+    label: np.ndarray  #: label of the point (p,)
 
     @classmethod
     def find(
@@ -207,10 +189,7 @@ def _centre(near: HandPointPairs, gripper: Gripper) -> tuple[Array, Array]:
 
 
 def _contact_profiles(near: HandPointPairs, width: Array, gripper: Gripper) -> Array:
-    """The outermost points that each pad meets (c, 2, CELLS_X, CELLS_Z) [m].
-
-    Heights count outwards from the middle; empty cells have -inf.
-    """
+    """How far out each pad meets points (c, 2, CELLS_X, CELLS_Z) [m]; -inf in empty cells."""
     inside = np.abs(near.y) <= (width / 2 + ROUNDING)[near.hand]
     band = near.between_pads(gripper) & inside
     x, y, z = (each[band] for each in (near.x, near.y, near.z))
@@ -327,9 +306,6 @@ def hits_table(
 
 
 def gravity_lever(world_from_grip: Array, arm: Array) -> Array:
-    """The lever (c,) of gravity about the line between the pads [m].
-
-    `arm` (c, 3) leads from the grips (c, 4, 4) to the centre of mass [m].
-    """
+    """The lever (c,) of gravity about the line between the pads, by arms (c, 3) to the mass [m]."""
     # Gravity turns along arm x down; the share along the closing direction turns the object.
     return np.abs(np.cross(arm, world_from_grip[:, :3, 1])[:, 2])

@@ -15,11 +15,10 @@ from .. import poses
 from ..grasping.context import GraspContext
 from ..models.object_models import object_model
 from ..physics.engine import GRAVITY, TIME_STEP
-from ..poses import Array
+from ..poses import Array, voxel_downsample
 from ..robot.collision import finger_spheres, hand_spheres
 from ..robot.path_planner import MAX_PACE, GraspPath, PathPlanner, hand_orientations
 from ..robot.robot import FingerContacts, Robot
-from ..vision.point_cloud_operations import voxel_downsample
 
 TRANSIT_PACE = MAX_PACE  # shares of the joints' speed limits
 APPROACH_PACE = 0.45
@@ -52,31 +51,19 @@ OFFSETS = (0.0, -0.06, 0.06, -0.12)  # [m] from the meeting point towards the re
 
 @dataclass(frozen=True)
 class HeldObject:
-    """The object in the hand.
+    """The object in the hand."""
 
-    Attributes:
-        context: the object and its surroundings as seen before the grasp.
-        planner: of paths among these surroundings.
-        path: the path to the grasp.
-        world_from_start: pose (4, 4) of the object before the grasp.
-        hand_from_object: pose (4, 4) of the object in the hand when the fingers had closed.
-        points: point cloud of the object (n, 3) in the hand frame [m].
-        torque: largest torque of gravity about the line between the fingers [N m].
-        others: points of the other parts (n, 3) in the hand frame [m].
-        free: vector (3,) from the grip to their middle, in the hand frame; zero without any [m].
-        is_offered: whether it was brought to the receiver last.
-    """
-
-    context: GraspContext
-    planner: PathPlanner
-    path: GraspPath
-    world_from_start: Array
-    hand_from_object: Array
-    points: Array
-    torque: float
-    others: Array
+    context: GraspContext  #: the object and its surroundings as seen before the grasp
+    planner: PathPlanner  #: of paths among these surroundings
+    path: GraspPath  #: the path to the grasp
+    world_from_start: Array  #: pose (4, 4) of the object before the grasp
+    hand_from_object: Array  #: pose (4, 4) of the object in the hand when the fingers had closed
+    points: Array  #: point cloud of the object (n, 3) in the hand frame [m]
+    torque: float  #: largest torque of gravity about the line between the fingers [N m]
+    others: Array  #: points of the other parts (n, 3) in the hand frame [m]
+    #: vector (3,) from the grip to their middle, in the hand frame; zero without any [m]
     free: Array
-    is_offered: bool = False
+    is_offered: bool = False  #: whether it was brought to the receiver last
 
     @property
     def name(self) -> str:
@@ -131,7 +118,7 @@ class HandMotion:
 
     def _let_loose(self, planner: PathPlanner, opening: float) -> None:
         self.robot.open(opening)
-        self.robot.wait(RELEASE_TIME)
+        self.robot.advance(round(RELEASE_TIME / TIME_STEP))
         back = self.robot.world_from_grip @ poses.translation(0, 0, -RETREAT)
         self._follow_if(planner.plan_straight(back), APPROACH_PACE)
 
@@ -141,15 +128,6 @@ class HandMotion:
         path = held.planner.plan_straight(above)
         path = held.path.lift if path is None else path
         return self.robot.follow(path, pace=LIFT_PACE, stop=self.loss_check(held.name))
-
-    def hold_still(self, held: HeldObject, seconds: float) -> float:
-        """Stand still; return how long the object was held [s]."""
-        steps, is_lost = round(seconds / TIME_STEP), self.loss_check(held.name)
-        for step in range(steps):
-            self.robot.advance(1)
-            if is_lost():
-                return step * TIME_STEP
-        return steps * TIME_STEP
 
     def slip(self, held: HeldObject) -> tuple[float, float]:
         """How far the object has moved at the grip [m] and turned [rad] since it was grasped."""
@@ -167,10 +145,7 @@ class HandMotion:
         return poses.inverse(self.robot.world_from_hand) @ self.robot.engine.bodies.pose(name)
 
     def loss_check(self, name: str) -> Callable[[], bool]:
-        """A function for each step that returns whether an object is lost.
-
-        Contacts may be missing in one check.
-        """
+        """A function for each step: whether an object is lost. One check may miss contacts."""
         step = missing = 0
 
         def is_lost() -> bool:
@@ -312,30 +287,22 @@ class HandMotion:
                 yield from reached[np.argsort(held.planner.travel_time(reached), kind="stable")]
 
     def point_at(self, cloud: Array, planner: PathPlanner) -> str:
-        """Point at a cloud (n, 3) without touching it; return the reason of failure, or "".
-
-        It points with closed fingers, or with the hand of a robot without gripper.
-        """
+        """Point at the middle of a cloud (n, 3), touching nothing; return why it failed, or ""."""
         if self.robot.kind.gripper:
             self.robot.open(0.0)
-        spheres = self.robot.body_spheres(0.0)
-        for goal in self._pointing_postures(cloud, planner):
-            path = planner.plan_transit(goal, spheres, planner.scene, gap=POINTING_GAP / 2)
-            if path is not None:
-                free = self.robot.follow(path, pace=TRANSIT_PACE, stop=self.robot.is_touching)
-                return "" if free else "bumped"
-        return "unreachable"
-
-    def _pointing_postures(self, cloud: Array, planner: PathPlanner) -> Iterator[Array]:
-        """Postures in which the hand points at the middle of a cloud (n, 3)."""
-        middle = cloud.mean(axis=0)
+        middle, spheres = cloud.mean(axis=0), self.robot.body_spheres(0.0)
         rotations = hand_orientations(POINTING_TILTS_DEG)
         along = rotations[..., 2]
         # The nearest point of the cloud along the approach direction keeps its distance.
         depth = np.min((cloud - middle) @ along.T, axis=0) - POINTING_GAP
         at = middle + (depth - self.robot.tip)[:, None] * along
         answer = planner.inverse_kinematics(poses.pose(rotations, at))
-        yield from answer.joints[answer.found]
+        for goal in answer.joints[answer.found]:
+            path = planner.plan_transit(goal, spheres, planner.scene, gap=POINTING_GAP / 2)
+            if path is not None:
+                free = self.robot.follow(path, pace=TRANSIT_PACE, stop=self.robot.is_touching)
+                return "" if free else "bumped"
+        return "unreachable"
 
     def _follow_if(self, path: Array | None, pace: float) -> None:
         if path is not None:

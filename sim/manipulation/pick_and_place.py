@@ -15,6 +15,7 @@ from ...ontology.errors import MotionInterruptedError
 from .. import poses
 from ..grasping.context import GraspContext
 from ..grasping.planner import GraspAttempts, RankedGrasps, plan_grasps, select_grasp
+from ..physics.engine import TIME_STEP
 from ..poses import Array
 from ..robot.path_planner import Grasp, GraspPath, PathPlanner
 from ..robot.robot import Robot
@@ -40,8 +41,6 @@ PlanListener: TypeAlias = Callable[[str, str | None, RankedGrasps, Grasp | None]
 
 class PickAndPlace:
     """Grasps objects with a robot, lifts them, hands them over and puts them back.
-
-    The seed is that of the choice of grasps.
 
     Attributes:
         in_hand: the object in the hand, with its grasp; None when it is empty.
@@ -86,10 +85,7 @@ class PickAndPlace:
         return self._act("lift", self._lift)
 
     def hand_over(self) -> MotionReport:
-        """Bring the held object to the receiver, its free part first, and hold it there.
-
-        An object that is lost on the way is grasped and lifted again.
-        """
+        """Bring the held object to the receiver, its free part first; retry when it is lost."""
         return self._act(
             "hand_over", lambda held: self._retry(held, self._hand_over, self._grasp_and_lift)
         )
@@ -103,10 +99,7 @@ class PickAndPlace:
         return self._act("put_down", lambda held: self._put(held, "put_down"))
 
     def release(self) -> MotionReport:
-        """Open the hand where it is, and go back to the waiting posture.
-
-        What was handed over is let go when the receiver pulls at it.
-        """
+        """Open the hand, once the receiver pulls at what was handed over, and go home."""
         return self._act("release", self._let_go)
 
     def point_at(self, percept: Percept) -> MotionReport:
@@ -132,6 +125,8 @@ class PickAndPlace:
     def _report(self, action: str, reason: str, *, held_s: float = 0.0) -> MotionReport:
         held = self.in_hand
         slip_m, slip_rad = self._motion.slip(held) if held else (0.0, 0.0)
+        others = {name: at for name, at in self._before.items() if name not in self._wanted}
+        moves = {n: np.linalg.norm((self.world.pose(n) - at)[:3, 3]) for n, at in others.items()}
         return MotionReport(
             action,
             ok=not reason,
@@ -146,7 +141,7 @@ class PickAndPlace:
             slip_rad=slip_rad,
             moved=self._put_aside,
             barred_by=self._barred_by if reason == "blocked" else (),
-            bumped=self._bumped(),
+            bumped=tuple(name for name, move in moves.items() if move > BUMP),
         )
 
     def _take(self, percept: Percept, part: str | None) -> MotionReport:
@@ -330,11 +325,16 @@ class PickAndPlace:
         return report
 
     def _hold(self, held: HeldObject, action: str, seconds: float) -> MotionReport:
-        held_s = self._motion.hold_still(held, seconds)
+        steps, is_lost, done = round(seconds / TIME_STEP), self._motion.loss_check(held.name), 0
+        while done < steps:
+            self.robot.advance(1)
+            if is_lost():
+                break
+            done += 1
         slip_m, slip_rad = self._motion.slip(held)
         is_loose = slip_m > MAX_SLIP or slip_rad > MAX_TURN
-        reason = "dropped" if held_s < seconds else "slipped" if is_loose else ""
-        return self._report(action, reason, held_s=held_s)
+        reason = "dropped" if done < steps else "slipped" if is_loose else ""
+        return self._report(action, reason, held_s=done * TIME_STEP)
 
     def _grasp_and_lift(self) -> MotionReport:
         grasped = self._grasp()
@@ -351,11 +351,3 @@ class PickAndPlace:
         facing_rad, clearance_m = self._motion.offered(held)
         offered = replace(report, at=at, facing_rad=facing_rad, clearance_m=clearance_m)
         return offered if report.ok else report
-
-    def _bumped(self) -> tuple[str, ...]:
-        return tuple(
-            name
-            for name, before in self._before.items()
-            if name not in self._wanted
-            and np.linalg.norm((self.world.pose(name) - before)[:3, 3]) > BUMP
-        )

@@ -15,11 +15,11 @@ import numpy as np
 import shapely
 
 from .. import poses
-from ..poses import Array
+from ..physics.engine import TIME_STEP
+from ..poses import Array, voxel_downsample
 from ..robot.path_planner import hand_orientations
 from ..robot.robot import NAME
 from ..vision.percept import Percept
-from ..vision.point_cloud_operations import voxel_downsample
 from .hand_motions import HeldObject
 from .motion_report import MotionReport
 from .pick_and_place import LOST, PickAndPlace
@@ -63,10 +63,7 @@ class Striking(PickAndPlace):
         return self._act("raise", lambda held: self._struck("raise", held, self._raise))
 
     def lower(self) -> MotionReport:
-        """Strike once; the report says how deep the target is in.
-
-        Driving the target in completely is a success even if the grip is lost.
-        """
+        """Strike once; driving the target in completely is a success even if the grip is lost."""
         return self._act("lower", self._lower)
 
     def _move_above(self, held: HeldObject, percept: Percept) -> MotionReport:
@@ -111,7 +108,9 @@ class Striking(PickAndPlace):
             for strike in self._strike_poses(held)
             if poses.angle_between(strike.rotation, now) < SAME_FACE
         ]
-        goals = [strike.world_from_grip(start) for strike in [*same_face, self._present_pose(held)]]
+        points = self._points_in_grip(held)
+        as_now = StrikePose(now, points[np.argmin((points @ now.T)[:, 2])], 0.0)
+        goals = [strike.world_from_grip(start) for strike in [*same_face, as_now]]
         paths = ((goal, held.planner.plan_straight(goal)) for goal in goals)
         straight = [(goal, path) for goal, path in paths if path is not None]
         best = (path for goal, path in straight if self._can_strike(held, path[-1], goal))
@@ -135,7 +134,7 @@ class Striking(PickAndPlace):
             return "unreachable"
         self.robot.follow(path, pace=BLOW_PACE, stop=self._hit_check(held.name))
         reason = "" if self.robot.finger_contacts().holds(held.name) else "dropped"
-        self.robot.wait(AFTER_BLOW)
+        self.robot.advance(round(AFTER_BLOW / TIME_STEP))
         return reason
 
     def _strike_poses(self, held: HeldObject) -> list[StrikePose]:
@@ -146,11 +145,6 @@ class Striking(PickAndPlace):
         grip_from_hand = poses.inverse(self.robot.hand_from_grip)
         hand = poses.transform(grip_from_hand, points)
         return find_strike_poses(self._points_in_grip(held), hand)
-
-    def _present_pose(self, held: HeldObject) -> StrikePose:
-        rotation = self.robot.world_from_grip[:3, :3]
-        points = self._points_in_grip(held)
-        return StrikePose(rotation, points[np.argmin((points @ rotation.T)[:, 2])], 0.0)
 
     def _points_in_grip(self, held: HeldObject) -> Array:
         """The points (n, 3) of the object as it was seen, in the grip frame now [m]."""
@@ -186,15 +180,11 @@ class Striking(PickAndPlace):
 
 @dataclass(frozen=True)
 class StrikePose:
-    """An orientation of the hand in which a face of the held object strikes.
+    """An orientation of the hand in which a face of the held object strikes."""
 
-    The rotation (3, 3) is that of `world_from_grip` at the blow; the point (3,) of the face that
-    meets the target is in the grip frame [m]; a higher score is better.
-    """
-
-    rotation: Array
-    point: Array
-    score: float
+    rotation: Array  #: that of `world_from_grip` at the blow (3, 3)
+    point: Array  #: of the face, which meets the target (3,), in the grip frame [m]
+    score: float  #: higher is better
 
     def world_from_grip(self, target: Array) -> Array:
         """The grip (4, 4) with the face at a point (3,) of the world [m]."""
@@ -202,10 +192,7 @@ class StrikePose:
 
 
 def find_strike_poses(held: Array, hand: Array) -> list[StrikePose]:
-    """Return poses to strike with an object (n, 3) in a hand (m, 3), best first.
-
-    The points of both are in the grip frame [m].
-    """
+    """Return poses to strike, best first, for points (n, 3), (m, 3) in the grip frame [m]."""
     cloud = held[voxel_downsample(held, POINT_CELL)]
     found = (_strike_pose(rotation, cloud, hand) for rotation in hand_orientations(TILTS_DEG))
     good = [strike for strike in found if strike is not None]

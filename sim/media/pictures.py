@@ -8,7 +8,6 @@ them, and the wrist; rejected ones thin and red, accepted ones green, the chosen
 from collections.abc import Generator, Iterable, Mapping, Sequence
 from contextlib import contextmanager, nullcontext
 from dataclasses import replace
-from functools import lru_cache
 from math import radians
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -84,16 +83,11 @@ def take_picture(
         view = large.capture(engine, light=light)
     picture = view.colour.copy()
     background = ~np.isin(view.labels, np.fromiter(view.names, dtype=np.int32))
-    picture[background] = _wall(large)[background]
+    share = np.linspace(0, 1, large.height)[:, None]
+    shades = ((1 - share) * WALL_TOP + share * WALL_BOTTOM).astype(np.uint8)
+    picture[background] = shades[np.nonzero(background)[0]]
     size, lanczos = (camera.width, camera.height), Image.Resampling.LANCZOS
     return picture if smoothing == 1 else np.asarray(Image.fromarray(picture).resize(size, lanczos))
-
-
-@lru_cache(maxsize=4)
-def _wall(camera: Camera) -> Picture:
-    share = np.linspace(0, 1, camera.height)[:, None, None]
-    shades = (1 - share) * np.array(WALL_TOP) + share * np.array(WALL_BOTTOM)
-    return np.broadcast_to(shades.astype(np.uint8), (camera.height, camera.width, 3))
 
 
 def check_writable(path: Path, suffixes: Sequence[str] = PICTURE_SUFFIXES) -> None:
@@ -126,10 +120,7 @@ def save_picture(picture: Picture, path: Path) -> None:
 
 
 def add_caption(picture: Picture, text: str, *, lines: int = 0) -> Picture:
-    """Return the picture with a text below it.
-
-    The text is broken at line ends and where too long; there is room for `lines`, or all with 0.
-    """
+    """Return the picture with a text below it, broken, with room for `lines`, or all with 0."""
     height, width = picture.shape[:2]
     size = caption_size(picture)
     broken = wrap_caption(picture, text)
@@ -166,29 +157,20 @@ def wrap_caption(picture: Picture, text: str) -> list[str]:
 
 
 def draw_grasps(picture: Picture, camera: Camera, grasps: Mapping[Pen, Iterable[Grasp]]) -> Picture:
-    """Return a picture that a camera took with grasps drawn into it.
-
-    Those of each pen (`REJECTED`, `ACCEPTED`, `CHOSEN`) are drawn over those before it.
-    """
+    """Return a picture that a camera took with grasps drawn into it, one pen over the other."""
     size = max(1, round(picture.shape[0] / 360))
     overlay, draw = _overlay(picture)
     for pen, grasp in ((pen, grasp) for pen, some in grasps.items() for grasp in some):
         width = round(OVERSAMPLING * size * pen.width)
-        for line in _hand(grasp):
-            at = camera.pixels(line) * OVERSAMPLING
+        half = grasp.opening / 2
+        fingers = [[0, -half, 0], [0, -half, -FINGER], [0, half, -FINGER], [0, half, 0]]
+        for line in (fingers, [[0, 0, -FINGER], [0, 0, -STEM]]):  # which the palm joins, the wrist
+            at = camera.pixels(poses.transform(grasp.world_from_grip, np.array(line)))
+            at *= OVERSAMPLING
             if np.isfinite(at).all():
                 corners = [tuple(point) for point in at]
                 draw.line(corners, fill=pen.colour, width=width, joint="curve")
     return _composited(picture, overlay)
-
-
-def _hand(grasp: Grasp) -> tuple[Array, Array]:
-    """Return the fingers with the palm, and the wrist, as lines of points (n, 3) [m]."""
-    half = grasp.opening / 2
-    fingers = np.array([[0, -half, 0], [0, -half, -FINGER], [0, half, -FINGER], [0, half, 0]])
-    wrist = np.array([[0, 0, -FINGER], [0, 0, -STEM]])
-    at = grasp.world_from_grip
-    return poses.transform(at, fingers), poses.transform(at, wrist)
 
 
 def draw_names(picture: Picture, camera: Camera, places: Mapping[str, Array]) -> Picture:

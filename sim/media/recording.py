@@ -111,22 +111,16 @@ class WorldRecorder:
         return [pictures.add_caption(*each, lines=lines) for each in self._taken]
 
     def _write(self) -> None:
+        if self._path.suffix.lower() == ".png":
+            pictures.save_picture(strip(self._with_captions(), [*self._freezes]), self._path)
+            return
+        write = _write_gif if self._path.suffix.lower() == ".gif" else _write_mp4
         with pictures.reporting_write_errors(self._path):
-            match self._path.suffix.lower():
-                case ".png":
-                    whole = strip(self._with_captions(), [*self._freezes])
-                    pictures.save_picture(whole, self._path)
-                case ".gif":
-                    _write_gif(self.pictures, self._path)
-                case _:
-                    _write_mp4(self.pictures, self._path)
+            write(self.pictures, self._path)
 
 
 def strip(pictures: Sequence[Picture], always: Sequence[int] = ()) -> Picture:
-    """Return one picture of some pictures of one size, evenly spaced in time, row by row.
-
-    Those with the indices in `always` are among them, as far as there is room.
-    """
+    """Return some pictures of one size in rows, evenly spaced in time, with those in `always`."""
     most = min(len(pictures), STRIP_COLUMNS * STRIP_ROWS)
     must = sorted(always)[:most]
     others = [index for index in range(len(pictures)) if index not in must]

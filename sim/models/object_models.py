@@ -29,23 +29,18 @@ _NUMBERS_FILE = "numbers.npz"
 _URDF_FILE, _MOUNTED_FILE = "model.urdf", "mounted.urdf"
 _ELEVATION = np.radians(40)  # of a camera above the table
 _DIRECTIONS = 8  # of equal distance round the object
-_SOURCES = ("mesh_files.py", "meshes.py", "object_models.py", "solids.py", "urdf.py", "../poses.py")
+_SOURCES = ("meshes.py", "object_models.py", "solids.py", "urdf.py", "../poses.py")
 
 
 @dataclass(frozen=True)
 class ObjectModel:
-    """An object type as the simulator knows it.
-
-    Attributes:
-        urdf: its URDF file, with the meshes beside it.
-        corners: corners (n, 3) of the collision pieces of each part, in the object's frame [m].
-        silhouette: mean area that it shows to a camera above the table [m^2].
-    """
+    """An object type as the simulator knows it."""
 
     kind: ObjectType
-    urdf: Path
+    urdf: Path  #: its URDF file, with the meshes beside it
+    #: corners (n, 3) of the collision pieces of each part, in the object's frame [m]
     corners: Mapping[str, Array]
-    silhouette: float
+    silhouette: float  #: mean area that it shows to a camera above the table [m^2]
 
     @property
     def mounted(self) -> Path:
@@ -59,28 +54,22 @@ class ObjectModel:
 
 
 def object_model(kind: ObjectType, *, cache: Path | None = None) -> ObjectModel:
-    """Return the model of an object type, built when it is not in the cache (a folder) yet.
-
-    `DataError` for a mesh file that cannot be used, `SimulationError` where the cache cannot be.
-    """
+    """Return the model of an object type, from the cache (a folder), or built; errors as there."""
+    here = Path(__file__).parent
+    forms = [solid.form for part in kind.parts.values() for solid in part.shape]
+    files = [form.path for form in forms if isinstance(form, MeshFile)]
+    # Only what the files depend on: a set, as of properties, reads differently in each process.
+    parts = [(p.name, p.material, p.colour, p.mass, p.shape) for p in kind.parts.values()]
+    what = repr((kind.name, parts, kind.rests, kind.mount))
+    read = (path.read_bytes() for path in (*(here / name for name in _SOURCES), *files))
     stem = re.sub(r"[^A-Za-z0-9]+", "_", kind.name)  # a user's name need not be a file name
-    folder = (cache or cache_folder()) / "objects" / f"{stem}-{_key(kind)}"
+    name = f"{stem}-{content_key(what.encode(), *read)}"
+    folder = (cache or cache_folder()) / "objects" / name
     cached(folder, lambda draft: write_model(kind, draft))
     with np.load(folder / _NUMBERS_FILE) as kept:
         corners = {name: kept[f"part{i}"] for i, name in enumerate(kind.parts)}
         silhouette = float(kept["silhouette"])
     return ObjectModel(kind, folder / _URDF_FILE, corners, silhouette)
-
-
-def _key(kind: ObjectType) -> str:
-    here = Path(__file__).parent
-    forms = [solid.form for part in kind.parts.values() for solid in part.shape]
-    files = [form.path for form in forms if isinstance(form, MeshFile)]
-    sources = [here / name for name in _SOURCES]
-    # Only what the files depend on: a set, as of properties, reads differently in each process.
-    parts = [(p.name, p.material, p.colour, p.mass, p.shape) for p in kind.parts.values()]
-    what = repr((kind.name, parts, kind.rests, kind.mount))
-    return content_key(what.encode(), *(path.read_bytes() for path in (*sources, *files)))
 
 
 def write_model(kind: ObjectType, folder: Path) -> None:
@@ -97,7 +86,15 @@ def write_model(kind: ObjectType, folder: Path) -> None:
     if kind.mount is not None:
         socket = urdf.socket(first, kind.mount.deepest - kind.mount.depth)
         urdf.write_urdf(kind.name, [*socket, *links, *joints], folder / _MOUNTED_FILE)
-    _write_numbers(kind, built, folder)
+    numbers = {
+        f"part{i}": np.vstack([piece for each in geometries for piece in each.collision])
+        for i, geometries in enumerate(built.values())
+    }
+    visible = [each for geometries in built.values() for each in geometries if each.visual]
+    turn = poses.rotation_from_rpy(*kind.rests[0].turn)
+    pieces = [piece @ turn.T for each in visible for piece in each.collision]
+    numbers["silhouette"] = np.array(_mean_silhouette(pieces))
+    np.savez_compressed(folder / _NUMBERS_FILE, allow_pickle=False, **numbers)
 
 
 def _write_link(part: PartType, built: Sequence[SolidGeometry], stem: str, folder: Path) -> str:
@@ -118,20 +115,6 @@ def _write_link(part: PartType, built: Sequence[SolidGeometry], stem: str, folde
             visuals.append(urdf.visual(file, material, colour, shine=part.material.shine))
     centre, inertia = meshes.mass_properties(pieces, part.mass)
     return urdf.part_link(part, collision, visuals, centre=centre, inertia=inertia)
-
-
-def _write_numbers(
-    kind: ObjectType, built: Mapping[str, Sequence[SolidGeometry]], folder: Path
-) -> None:
-    numbers = {
-        f"part{i}": np.vstack([piece for each in solids for piece in each.collision])
-        for i, solids in enumerate(built.values())
-    }
-    visible = [each for solids in built.values() for each in solids if each.visual]
-    turn = poses.rotation_from_rpy(*kind.rests[0].turn)
-    pieces = [piece @ turn.T for each in visible for piece in each.collision]
-    numbers["silhouette"] = np.array(_mean_silhouette(pieces))
-    np.savez_compressed(folder / _NUMBERS_FILE, allow_pickle=False, **numbers)
 
 
 def _mean_silhouette(pieces: Sequence[Array]) -> float:

@@ -18,8 +18,7 @@ from ...ontology import part_shapes as forms
 from .. import poses
 from ..poses import Array
 from . import meshes
-from .mesh_files import convex_pieces, read_mesh
-from .meshes import loft, triangulate
+from .meshes import convex_pieces, loft, read_mesh, triangulate
 
 VISUAL_SIDES, COLLISION_SIDES = 48, 24  # corners of a circle
 STAVES = 20  # of a vessel: few enough to be fast, and 0.5 mm flat on a mug
@@ -31,15 +30,10 @@ STAVE_TOLERANCE = 0.06  # the same for the staves of a thin wall: 0.1 mm on 2 mm
 
 @dataclass(frozen=True)
 class SolidGeometry:
-    """The geometry of one solid in the frame of its object.
+    """The geometry of one solid in the frame of its object."""
 
-    Attributes:
-        visual: the surface that cameras see; None when it is invisible.
-        collision: corners (n, 3) of each of the convex pieces that collide [m].
-    """
-
-    visual: trimesh.Trimesh | None
-    collision: tuple[Array, ...]
+    visual: trimesh.Trimesh | None  #: the surface that cameras see; None when it is invisible
+    collision: tuple[Array, ...]  #: corners (n, 3) of each of the convex pieces that collide [m]
 
 
 def build_solid(solid: forms.PlacedSolid) -> SolidGeometry:
@@ -156,16 +150,11 @@ def _plate_rings(plate: forms.Extrusion, steps: int) -> list[Array]:
     rim = _curve(corners, steps, closed=True) if plate.smooth else corners
     half, levels = rim[:, 2], [(rim, -rim[:, 2]), (rim, rim[:, 2])]
     if plate.bevel:
-        face, side = _inset(rim, plate.bevel), half - plate.bevel
+        ahead = np.roll(rim[:, :2], -1, axis=0) - rim[:, :2]
+        face = rim[:, :2] + plate.bevel * _mitres(ahead, range(-1, len(rim) - 1))
+        side = half - plate.bevel
         levels = [(face, -half), (rim, -side), (rim, side), (face, half)]
     return [np.column_stack([outline[:, :2], height]) for outline, height in levels]
-
-
-def _inset(rim: Array, distance: float) -> Array:
-    """Return the rim moved inwards by `distance` [m] along the mitres of its corners."""
-    ahead = np.roll(rim[:, :2], -1, axis=0) - rim[:, :2]
-    mitre = _mitres(ahead, range(-1, len(rim) - 1))
-    return np.column_stack([rim[:, :2] + distance * mitre, rim[:, 2]])
 
 
 def _mitres(ahead: Array, neighbours: Sequence[int]) -> Array:

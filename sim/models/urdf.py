@@ -35,10 +35,7 @@ def write_urdf(name: str, elements: Sequence[str], path: Path) -> None:
 def part_link(
     part: PartType, collision: str, visuals: Sequence[str], *, centre: Array, inertia: Array
 ) -> str:
-    """Return the link of one part, with the file of its collision mesh and its visual elements.
-
-    The centre of mass (3,) is in [m], the inertia about it (3, 3) in [kg m^2].
-    """
+    """Return the link of a part, with its centre of mass (3,) [m] and inertia (3, 3) [kg m^2]."""
     lines = [
         f"  <link name={quoteattr(part.name)}>",
         f"    <contact><lateral_friction value='{part.material.friction:g}'/></contact>",
@@ -98,40 +95,28 @@ def _numbers(values: Sequence[float] | Array) -> str:
 
 @dataclass(frozen=True)
 class HandFile:
-    """A hand from another file.
-
-    Attributes:
-        link: link in that file that is attached, with all links below it.
-        carrier: link of the arm that carries the hand.
-        at: position x, y, z on the carrier [m].
-        turn: roll, pitch and yaw on the carrier [rad].
-    """
+    """A hand from another file."""
 
     urdf: Path
-    link: str
-    carrier: str
-    at: tuple[float, float, float]
-    turn: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    link: str  #: link in that file that is attached, with all links below it
+    carrier: str  #: link of the arm that carries the hand
+    at: tuple[float, float, float]  #: position x, y, z on the carrier [m]
+    turn: tuple[float, float, float] = (0.0, 0.0, 0.0)  #: roll, pitch and yaw on the carrier [rad]
 
 
 def robot_file(name: str, urdf: Path, *, attachment: HandFile | None = None) -> Path:
-    """Return the URDF file of a robot, made when it is not in the cache yet.
-
-    `urdf` is the file of its arm, and `attachment` its hand, from another file. A file that is no
-    URDF or lacks a link is a `DataError`, a cache that cannot be written a `SimulationError`.
-    """
+    """Return the cached URDF of an arm with its hand; `DataError` where a file or link is wrong."""
     sources = [urdf, *([attachment.urdf] if attachment else [])]
     what = repr((sources, attachment)).encode()
     key = content_key(_VERSION, what, *(path.read_bytes() for path in sources))
-    path = cache_folder() / "robots" / f"{name}-{key}.urdf"
-    return cached(path, lambda draft: _assemble(urdf, attachment, draft))
 
+    def assemble(draft: Path) -> None:
+        root = _read(urdf)
+        if attachment:
+            root.extend(_attached_elements(_read(attachment.urdf), attachment))
+        ElementTree.ElementTree(root).write(draft, encoding="utf-8")
 
-def _assemble(urdf: Path, attachment: HandFile | None, path: Path) -> None:
-    root = _read(urdf)
-    if attachment:
-        root.extend(_attached_elements(_read(attachment.urdf), attachment))
-    ElementTree.ElementTree(root).write(path, encoding="utf-8")
+    return cached(cache_folder() / "robots" / f"{name}-{key}.urdf", assemble)
 
 
 def read_urdf(path: Path) -> ElementTree.Element:

@@ -37,10 +37,7 @@ class _BodyRecord:
 
 
 class Bodies:
-    """The bodies in one simulator, their contacts, and PyBullet's numbers of them.
-
-    `links` has the names of the body and the link by these numbers.
-    """
+    """The bodies in one simulator; `links` has the names by PyBullet's numbers of body and link."""
 
     def __init__(self, client: PhysicsClient) -> None:
         self._client = client
@@ -135,10 +132,7 @@ class Bodies:
                 self._client.call("setCollisionFilterPair", number, another, link, its_link, 0)
 
     def put_to_sleep(self, body: str) -> None:
-        """Leave a body that lies still out, until something touches it, and when it is still again.
-
-        The thing in a hand never sleeps, as the robot does not.
-        """
+        """Leave a body out while it is still and untouched; what a hand holds never sleeps."""
         for state in ("ENABLE_SLEEPING", "SLEEP"):
             constant = self._client.constant(f"ACTIVATION_STATE_{state}")
             self._client.call("changeDynamics", *self.link_id(body), activationState=constant)

@@ -17,10 +17,7 @@ GRAVITY = 9.81  # [m/s^2]
 
 
 class PhysicsEngine(AbstractContextManager["PhysicsEngine"]):
-    """One physics simulator, with its bodies, joints, rendering and count of steps.
-
-    Use it in a `with` block, or `close` it. Several can live in one process.
-    """
+    """One of several simulators, with its bodies; use it in a `with` block, or `close` it."""
 
     def __init__(self, *, gui: bool = False) -> None:
         self._client = PhysicsClient(gui=gui)

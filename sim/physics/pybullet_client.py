@@ -16,10 +16,7 @@ from ...ontology.errors import SimulationError, extra_required
 
 
 class PhysicsClient:
-    """A connection to one simulator, with a window if `gui`; `close` it.
-
-    `SimulationError` where no window can be opened, `MissingExtraError` without PyBullet.
-    """
+    """A connection to one simulator; `SimulationError` where `gui` can open no window."""
 
     def __init__(self, *, gui: bool = False) -> None:
         with extra_required("sim", "pybullet"), quiet():

@@ -23,15 +23,11 @@ FINGER_RADIUS = 0.45  # as a share of the finger's width
 
 @dataclass(frozen=True)
 class CollisionSpheres:
-    """Spheres fixed to the links of an arm.
+    """Spheres fixed to the links of an arm."""
 
-    They have the index of their link in the chain (s,), a centre in the frame of that link (s, 3)
-    and a radius (s,) [m].
-    """
-
-    link: np.ndarray
-    centre: Array
-    radius: Array
+    link: np.ndarray  #: index of the link of each in the chain (s,)
+    centre: Array  #: in the frame of that link (s, 3) [m]
+    radius: Array  #: (s,) [m]
 
     def joined(self, other: CollisionSpheres) -> CollisionSpheres:
         """These spheres and others."""

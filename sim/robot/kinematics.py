@@ -30,43 +30,26 @@ ERROR_SCALE = 0.3  # [m], an error of this size is a distant target
 
 @dataclass(frozen=True)
 class IkSolutions:
-    """Solutions of inverse kinematics for m targets.
+    """Solutions of inverse kinematics for m targets."""
 
-    Attributes:
-        joints: the best postures (m, k) within the limits [rad]; (m, t, k) for paths.
-        found: whether each posture reaches its target within the tolerances (m,), bool.
-    """
-
-    joints: Array
-    found: np.ndarray
+    joints: Array  #: the best postures (m, k) within the limits [rad]; (m, t, k) for paths
+    found: np.ndarray  #: whether each posture reaches its target within the tolerances (m,), bool
 
 
 @dataclass(frozen=True, eq=False)
 class KinematicChain:
-    """The n joints from a robot's base to its tip, of which k move, as in the URDF.
+    """The n joints from a robot's base to its tip, of which k move, as in the URDF."""
 
-    Attributes:
-        links: names of the links behind the joints.
-        names: names of the joints that move.
-        moves: whether each joint moves (n,).
-        turns: 1 for each revolute joint, 0 for each prismatic one (k, 1).
-        parent_from_joint: pose of each joint on the link before it (n, 4, 4).
-        axes: unit axes of the joints that move, in their own frames (k, 3).
-        low, high: limits (k,) [rad] or [m].
-        speed: highest speeds (k,) [rad/s] or [m/s].
-        acceleration: highest accelerations (k,) [rad/s^2] or [m/s^2].
-    """
-
-    links: tuple[str, ...]
-    names: tuple[str, ...]
-    moves: np.ndarray
-    turns: Array
-    parent_from_joint: Array
-    axes: Array
-    low: Array
-    high: Array
-    speed: Array
-    acceleration: Array
+    links: tuple[str, ...]  #: names of the links behind the joints
+    names: tuple[str, ...]  #: names of the joints that move
+    moves: np.ndarray  #: whether each joint moves (n,)
+    turns: Array  #: 1 for each revolute joint, 0 for each prismatic one (k, 1)
+    parent_from_joint: Array  #: pose of each joint on the link before it (n, 4, 4)
+    axes: Array  #: unit axes of the joints that move, in their own frames (k, 3)
+    low: Array  #: lower limits (k,) [rad] or [m]
+    high: Array  #: upper limits
+    speed: Array  #: highest speeds (k,) [rad/s] or [m/s]
+    acceleration: Array  #: highest accelerations (k,) [rad/s^2] or [m/s^2]
 
     @cached_property
     def _terms(self) -> tuple[Array, Array, Array, Array]:
@@ -104,10 +87,7 @@ class KinematicChain:
         return np.swapaxes(np.concatenate([linear, self.turns * axes], axis=-1), 1, 2)
 
     def solve(self, base_from_tip: Array, starts: Array) -> IkSolutions:
-        """Solve inverse kinematics for targets (m, 4, 4) from start postures (s, k).
-
-        Of several solutions the one closest to the first start is returned.
-        """
+        """Solve for targets (m, 4, 4) from postures (s, k): what is nearest to the first."""
         m, s = len(base_from_tip), len(starts)
         targets = np.repeat(base_from_tip, s, axis=0)
         joints = np.clip(np.tile(starts, (m, 1)), self.low, self.high)
@@ -134,10 +114,9 @@ class KinematicChain:
         return error
 
     def track(self, base_from_tip: Array, starts: Array) -> IkSolutions:
-        """Solve along m paths of t poses (m, t, 4, 4), each pose from the solution before.
+        """Solve along m paths of t poses (m, t, 4, 4), from `starts` (m, k) [rad], pose after pose.
 
-        The paths begin at the postures `starts` (m, k) [rad]. A path is found when all its poses
-        are, without a jump.
+        A path is found when all its poses are, without a jump.
         """
         joints, path = starts.copy(), []
         found = np.ones(len(starts), dtype=bool)

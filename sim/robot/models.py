@@ -60,33 +60,22 @@ _GRIPPER_LENGTHS = [
 
 @dataclass(frozen=True)
 class RobotType:
-    """A type of robot.
+    """A type of robot."""
 
-    Attributes:
-        name: name in settings.
-        label: name for people.
-        urdf: URDF file of the arm.
-        hand: name of the link at the end of the arm.
-        home: posture (k,) in which the arm waits [rad].
-        turns: angles added to the first joint for more starts of inverse kinematics [rad].
-        gripper: the gripper; None for an arm without one.
-        spheres: centres and radii (n, 4) of the collision spheres of each link [m].
-        attachment: the hand, when it comes from another file.
-        speeds: speed limits of the joints, instead of those of the URDF [rad/s].
-        accelerations: limits of the joints; none when empty [rad/s^2].
-    """
-
-    name: str
-    label: str
-    urdf: Path
-    hand: str
-    home: Array
+    name: str  #: name in settings
+    label: str  #: name for people
+    urdf: Path  #: URDF file of the arm
+    hand: str  #: name of the link at the end of the arm
+    home: Array  #: posture (k,) in which the arm waits [rad]
+    #: angles added to the first joint for more starts of inverse kinematics [rad]
     turns: tuple[float, ...]
-    gripper: Gripper | None
+    gripper: Gripper | None  #: the gripper; None for an arm without one
+    #: centres and radii (n, 4) of the collision spheres of each link [m]
     spheres: Mapping[str, Array]
-    attachment: HandFile | None = None
+    attachment: HandFile | None = None  #: the hand, when it comes from another file
+    #: speed limits of the joints, instead of those of the URDF [rad/s]
     speeds: tuple[float, ...] = ()
-    accelerations: tuple[float, ...] = ()
+    accelerations: tuple[float, ...] = ()  #: limits of the joints; none when empty [rad/s^2]
 
     @cached_property
     def file(self) -> Path:
@@ -167,10 +156,10 @@ def _read_robot(name: str, field: YamlNode) -> RobotType:
 
 
 def _read_attachment(field: YamlNode) -> HandFile:
-    entries = field.entries(required=("urdf", "link", "carrier", "at"), optional=("turn_deg",))
-    turn = read_turn(entries["turn_deg"]) if "turn_deg" in entries else (0.0, 0.0, 0.0)
-    link, carrier = entries["link"].text(), entries["carrier"].text()
-    return HandFile(_find_urdf(entries["urdf"]), link, carrier, read_point(entries["at"]), turn)
+    keys = field.entries(required=("urdf", "link", "carrier", "at"), optional=("turn_deg",))
+    turn = read_turn(keys["turn_deg"]) if "turn_deg" in keys else (0.0, 0.0, 0.0)
+    link, carrier = keys["link"].text(), keys["carrier"].text()
+    return HandFile(_find_urdf(keys["urdf"]), link, carrier, read_point(keys["at"]), turn)
 
 
 def _find_urdf(field: YamlNode) -> Path:

@@ -13,8 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from .. import poses
-from ..poses import Array
-from ..vision.point_cloud_operations import farthest_points
+from ..poses import Array, farthest_points
 from .collision import CollisionSpheres, clearances
 from .kinematics import IkSolutions
 from .robot import Robot, resample
@@ -38,52 +37,32 @@ TILTS_DEG = ((25.0, 8, 6), (50.0, 8, 6), (75.0, 12, 6))  # tilt, headings, rolls
 
 @dataclass(frozen=True)
 class Grasp:
-    """A pose of the gripper from which it closes on a part.
+    """A pose of the gripper from which it closes on a part."""
 
-    Attributes:
-        world_from_grip: pose (4, 4) of the grip frame when the fingers close.
-        width: width of the part between the pads [m].
-        opening: opening of the gripper before it closes [m].
-        score: score of the grasp, at most 1; higher is better.
-    """
-
-    world_from_grip: Array
-    width: float
-    opening: float
-    score: float
+    world_from_grip: Array  #: pose (4, 4) of the grip frame when the fingers close
+    width: float  #: width of the part between the pads [m]
+    opening: float  #: opening of the gripper before it closes [m]
+    score: float  #: score of the grasp, at most 1; higher is better
 
 
 @dataclass(frozen=True)
 class GraspPath:
-    """A path to a grasp, and the lift after it, as postures (n, k) [rad].
+    """A path to a grasp, and the lift after it, as postures (n, k) [rad]."""
 
-    Attributes:
-        grasp: the grasp at the end; its pose may be turned by half a turn about the approach.
-        transit: path from the current posture to the pose before the grasp.
-        approach: path from there to the grasp.
-        lift: path from the grasp upwards.
-    """
-
-    grasp: Grasp
-    transit: Array
-    approach: Array
-    lift: Array
+    grasp: Grasp  #: the grasp at the end; its pose may be turned by half a turn about the approach
+    transit: Array  #: path from the current posture to the pose before the grasp
+    approach: Array  #: path from there to the grasp
+    lift: Array  #: path from the grasp upwards
 
 
 @dataclass(frozen=True)
 class PathPlanner:
-    """Plans paths that start where a robot is now.
-
-    Attributes:
-        scene: points (n, 3) on everything on the table, in the world [m].
-        obstacles: points (n, 3) of the scene without the object that is to be grasped [m].
-        table: height of the table [m].
-    """
+    """Plans paths that start where a robot is now."""
 
     robot: Robot
-    scene: Array
-    obstacles: Array
-    table: float = 0.0
+    scene: Array  #: points (n, 3) on everything on the table, in the world [m]
+    obstacles: Array  #: points (n, 3) of the scene without the object that is to be grasped [m]
+    table: float = 0.0  #: height of the table [m]
 
     def grasp_paths(self, grasps: Sequence[Grasp], *, lift: float) -> Iterator[GraspPath]:
         """Paths to those grasps that can be reached and lifted by `lift` [m], in order."""
@@ -101,9 +80,12 @@ class PathPlanner:
         order = (2 * np.arange(len(grasps))[:, None] + nearer).ravel()
         for index in order[found[order]]:
             grasp = replace(grasps[index // 2], world_from_grip=at[index])
-            path = self._free_path(grasp, approach.joints[index], up.joints[index])
-            if path is not None:
-                yield path
+            on, lifted = approach.joints[index], up.joints[index]
+            if not self.is_clear(np.vstack([on, lifted]), grasp.opening):
+                continue
+            transit = self.plan_transit(on[0], self.robot.body_spheres(grasp.opening), self.scene)
+            if transit is not None:
+                yield GraspPath(grasp, transit, on, np.vstack([on[-1:], lifted]))
 
     def _approaches(self, at: Array) -> IkSolutions:
         back = at @ poses.translation(0, 0, -RETREAT)
@@ -119,15 +101,6 @@ class PathPlanner:
             joints[lost] = np.concatenate([there.joints[:, None], off.joints], axis=1)[:, ::-1]
             found[lost] = there.found & off.found
         return IkSolutions(joints, found)
-
-    def _free_path(self, grasp: Grasp, approach: Array, up: Array) -> GraspPath | None:
-        if not self.is_clear(np.vstack([approach, up]), grasp.opening):
-            return None
-        spheres = self.robot.body_spheres(grasp.opening)
-        transit = self.plan_transit(approach[0], spheres, self.scene)
-        if transit is None:
-            return None
-        return GraspPath(grasp, transit, approach, np.vstack([approach[-1:], up]))
 
     def plan_transit(
         self,

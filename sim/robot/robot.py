@@ -89,7 +89,13 @@ class Robot:
         engine.joints.reset(NAME, self._joints, kind.home)
         self._hold_arm(kind.home)
         if kind.gripper:
-            self._prepare_hand(kind.gripper)
+            engine.joints.add_gear(
+                NAME, *kind.gripper.joints, ratio=-1.0, force=GEAR_FORCE, stiffness=GEAR_STIFFNESS
+            )
+            for link in kind.gripper.links:
+                engine.bodies.set_friction(NAME, link, lateral=FRICTION, spinning=SPINNING)
+            engine.joints.reset(NAME, kind.gripper.joints, [kind.gripper.opening / 2] * 2)
+            self.open(kind.gripper.opening)
         self._all_joints = (*self._joints, *(kind.gripper.joints if kind.gripper else ()))
         self._samples = [self._sample()]
 
@@ -180,10 +186,6 @@ class Robot:
                 break
         self.interruption.wait()
 
-    def wait(self, seconds: float) -> None:
-        """Stand still for some time [s]."""
-        self.advance(round(seconds / TIME_STEP))
-
     def open(self, opening: float) -> None:
         """Open the gripper [m]; takes effect as time passes."""
         half = float(np.clip(opening, 0.0, self.gripper.opening)) / 2
@@ -250,16 +252,6 @@ class Robot:
             NAME, self._joints, position, forces=self._efforts, gain=GAIN, speeds=speed
         )
 
-    def _prepare_hand(self, gripper: Gripper) -> None:
-        first, second = gripper.joints
-        self.engine.joints.add_gear(
-            NAME, first, second, ratio=-1.0, force=GEAR_FORCE, stiffness=GEAR_STIFFNESS
-        )
-        for link in gripper.links:
-            self.engine.bodies.set_friction(NAME, link, lateral=FRICTION, spinning=SPINNING)
-        self.engine.joints.reset(NAME, gripper.joints, [gripper.opening / 2] * 2)
-        self.open(gripper.opening)
-
 
 def time_path(
     points: Array, speed: Array, acceleration: Array, *, step: float, pace: float
@@ -295,10 +287,7 @@ def _rounded(positions: Array, start: Array, half: int) -> Array:
 
 
 def resample(positions: Array, spacing: float) -> Array:
-    """Those of the positions (t, k) that a joint is `spacing` [rad] apart from the one before.
-
-    Spacings are rounded up to a step; the first and the last position are kept.
-    """
+    """Those of the positions (t, k) that a joint is `spacing` [rad] apart, and both ends."""
     turned = np.append(0.0, np.cumsum(np.abs(np.diff(positions, axis=0)).max(axis=1)))
     chosen = np.searchsorted(turned, np.arange(0.0, turned[-1], spacing))
     return positions[[*chosen, -1]]

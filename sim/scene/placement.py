@@ -13,7 +13,6 @@ import shapely
 from shapely import Geometry
 
 from ...ontology.errors import SimulationError
-from ...ontology.objects import Fixture
 from .. import poses
 from ..models.object_models import ObjectModel
 from ..poses import Array
@@ -30,31 +29,27 @@ _ALLOWED = shapely.box(*np.transpose(LIMITS).ravel()) & shapely.Point(0, 0).buff
 
 @dataclass(frozen=True)
 class DropPose:
-    """The pose at which one object of a scene is dropped.
+    """The pose at which one object of a scene is dropped."""
 
-    Attributes:
-        placement: the placement, with all that the scene left open filled in.
-        world_from_object: pose (4, 4) of the object.
-        footprint: the area that it covers on the table, a convex polygon [m].
-    """
-
-    placement: Placement
-    world_from_object: Array
-    footprint: Geometry
+    placement: Placement  #: the placement, with all that the scene left open filled in
+    world_from_object: Array  #: pose (4, 4) of the object
+    footprint: Geometry  #: the area that it covers on the table, a convex polygon [m]
 
 
 def place_objects(scene: Scene, models: Mapping[str, ObjectModel]) -> tuple[DropPose, ...]:
-    """Return a spot for every object of a scene, in its order, with the models of all its types.
-
-    `SimulationError` where there is no room for all, or two given positions overlap.
-    """
+    """Return a spot for every object of a scene; `SimulationError` without room for all."""
     rng = np.random.default_rng(scene.seed)
     loose = [placement for placement in scene.placements if placement.within is None]
     spots = _place_loose(loose, models, scene.gap, rng)
     for placement in scene.placements:
         mount = models[placement.object].kind.mount
         if placement.within is not None and mount is not None:
-            spots[placement.name] = _mount(placement, mount, spots[placement.within])
+            support = spots[placement.within]
+            at, yaw = support.placement.at, support.placement.yaw
+            filled = replace(placement, at=at, yaw=yaw, rest="mounted")
+            x, y, z = mount.at
+            pose = support.world_from_object @ poses.translation(x, y, z - mount.depth)
+            spots[placement.name] = DropPose(filled, pose, support.footprint)
     return tuple(spots[placement.name] for placement in scene.placements)
 
 
@@ -65,7 +60,9 @@ def _place_loose(
     rng: np.random.Generator,
 ) -> dict[str, DropPose]:
     laid = [_lay(placement, models[placement.object], rng) for placement in placements]
-    pieces = sorted(laid, key=_sort_key)
+    extents = [np.ptp(shapely.get_coordinates(each.footprint), axis=0) for each in laid]
+    order = np.argsort([-float(np.linalg.norm(extent)) for extent in extents], kind="stable")
+    pieces = sorted((laid[i] for i in order), key=lambda each: each.placement.at is None)
     for _ in range(MAX_ROUNDS):
         spots: dict[str, DropPose] = {}
         for piece in pieces:
@@ -78,14 +75,6 @@ def _place_loose(
     raise SimulationError(f"There is no room on the table for {len(pieces)} objects.")
 
 
-def _mount(placement: Placement, mount: Fixture, support: DropPose) -> DropPose:
-    x, y, z = mount.at
-    support_from_object = poses.translation(x, y, z - mount.depth)
-    at, yaw = support.placement.at, support.placement.yaw
-    filled = replace(placement, at=at, yaw=yaw, rest="mounted")
-    return DropPose(filled, support.world_from_object @ support_from_object, support.footprint)
-
-
 def _lay(placement: Placement, model: ObjectModel, rng: np.random.Generator) -> DropPose:
     usual = [rest.name for rest in model.kind.rests if rest.usual]
     drawn = usual[int(rng.integers(len(usual)))]  # always drawn, to keep the other draws the same
@@ -95,11 +84,6 @@ def _lay(placement: Placement, model: ObjectModel, rng: np.random.Generator) -> 
     hull = shapely.MultiPoint(points[:, :2]).convex_hull
     pose = poses.pose(rotation, (0, 0, DROP - float(points[:, 2].min())))
     return DropPose(replace(placement, rest=rest.name), pose, hull)
-
-
-def _sort_key(laid: DropPose) -> tuple[bool, float]:
-    extent = np.ptp(shapely.get_coordinates(laid.footprint), axis=0)
-    return laid.placement.at is None, -float(np.linalg.norm(extent))
 
 
 def _find_spot(

@@ -46,38 +46,23 @@ CLUTTER = {"low": (2, 0.06), "medium": (4, 0.035), "high": (7, GAP)}
 
 @dataclass(frozen=True)
 class Placement:
-    """One object of a scene; the seed decides where its position, yaw or rest is None.
+    """One object of a scene; the seed decides where its position, yaw or rest is None."""
 
-    Attributes:
-        name: name of this object: "knife", "knife 2", ...
-        object: name of its type.
-        at: x and y of its frame on the table [m].
-        yaw: rotation about the vertical [rad].
-        rest: name of the orientation in which it lies or stands.
-        within: name of the object that it stands in, as a nail in its block.
-    """
-
-    name: str
-    object: str
-    at: tuple[float, float] | None = None
-    yaw: float | None = None
-    rest: str | None = None
-    within: str | None = None
+    name: str  #: name of this object: "knife", "knife 2", ...
+    object: str  #: name of its type
+    at: tuple[float, float] | None = None  #: x and y of its frame on the table [m]
+    yaw: float | None = None  #: rotation about the vertical [rad]
+    rest: str | None = None  #: name of the orientation in which it lies or stands
+    within: str | None = None  #: name of the object that it stands in, as a nail in its block
 
 
 @dataclass(frozen=True)
 class Scene:
-    """A description of what is on the table.
+    """A description of what is on the table."""
 
-    Attributes:
-        placements: the objects, each with a name of its own.
-        seed: seed from which everything left open is drawn.
-        gap: smallest distance between two objects [m].
-    """
-
-    placements: tuple[Placement, ...]
-    seed: int
-    gap: float = GAP
+    placements: tuple[Placement, ...]  #: the objects, each with a name of its own
+    seed: int  #: seed from which everything left open is drawn
+    gap: float = GAP  #: smallest distance between two objects [m]
 
     @property
     def types(self) -> tuple[str, ...]:
@@ -86,10 +71,7 @@ class Scene:
 
 
 def parse_scene(spec: str, *, seed: int, objects: Mapping[str, ObjectType]) -> Scene:
-    """Return the scene that `--scene` names; what it leaves open is drawn from the seed.
-
-    UnknownNameError for an unknown object; DataError says what was expected in the text or file.
-    """
+    """Return the scene that `--scene` names; `UnknownNameError` or `DataError` if it is wrong."""
     if not 0 <= seed <= MAX_SEED:
         raise DataError(f"expected 0 to {MAX_SEED}, found {seed}.", source="--seed")
     kind, colon, rest = spec.partition(":")
@@ -160,9 +142,13 @@ def _read_scene(spec: str, seed: int, objects: Mapping[str, ObjectType]) -> Scen
     if len(items) > MAX_OBJECTS:
         raise keys["objects"].fail(f"expected at most {MAX_OBJECTS} objects, found {len(items)}.")
     placements = [_read_placement(item, objects) for item in items]
+    seen: set[str] = set(RESERVED)
+    for placement, item in zip(placements, items, strict=True):
+        if placement.name in seen and placement.name != placement.object:
+            raise item.fail(f'the name "{placement.name}" is taken.')
+        seen.add(placement.name)
     if "seed" in keys:
         seed = keys["seed"].integer(low=0, high=MAX_SEED)
-    _check_names(placements, items)
     gap = GAP
     if "clutter" in keys:
         more, gap = CLUTTER[keys["clutter"].text(choices=CLUTTER)]
@@ -199,14 +185,6 @@ def _read_placement(item: YamlNode, objects: Mapping[str, ObjectType]) -> Placem
         radians(keys["yaw_deg"].number(low=-360, high=360)) if "yaw_deg" in keys else None,
         keys["rest"].text(choices=rests) if "rest" in keys else None,
     )
-
-
-def _check_names(placements: Sequence[Placement], items: Sequence[YamlNode]) -> None:
-    seen: set[str] = set()
-    for placement, item in zip(placements, items, strict=True):
-        if placement.name in {*seen, *RESERVED} and placement.name != placement.object:
-            raise item.fail(f'the name "{placement.name}" is taken.')
-        seen.add(placement.name)
 
 
 def numbered(names: Iterable[str], *, taken: Iterable[str] = ()) -> Iterator[str]:

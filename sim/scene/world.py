@@ -60,10 +60,7 @@ class World(AbstractContextManager["World"]):
 
     @classmethod
     def build(cls, scene: Scene, objects: Mapping[str, ObjectType], *, gui: bool = False) -> World:
-        """Return a world with a scene on the table, after it has settled; with a window if `gui`.
-
-        SimulationError if there is no room for all.
-        """
+        """Return a world in which a scene has settled; `SimulationError` without room for it."""
         models = {name: object_model(objects[name]) for name in (FLOOR, TABLE, *scene.types)}
         spots = place_objects(scene, models)
         kinds = {spot.placement.name: objects[spot.placement.object] for spot in spots}
@@ -96,9 +93,6 @@ class World(AbstractContextManager["World"]):
 
     def __exit__(self, *_: object) -> None:
         self.close()
-
-    def __repr__(self) -> str:
-        return f"<World of {', '.join(self.kinds) or 'nothing'}>"
 
     @property
     def time(self) -> float:

@@ -17,7 +17,8 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from ...ontology.yaml_reader import YamlNode, read_yaml
+from ...ontology.part_shapes import read_point
+from ...ontology.yaml_reader import read_yaml
 from .. import poses
 from ..physics.engine import PhysicsEngine
 from ..physics.rendering import Lighting
@@ -33,24 +34,15 @@ VISION_LIGHT = Lighting(ambient=0.6, diffuse=0.4, specular=0.05, shadow=False)
 
 @dataclass(frozen=True)
 class Camera:
-    """One camera.
+    """One camera."""
 
-    Attributes:
-        name: name, unique among the cameras of a scene.
-        eye: position x, y, z of the camera [m].
-        target: point x, y, z that it looks at [m].
-        field: vertical angle of view [rad].
-        width, height: of the image [pixels].
-        calibration: focal lengths fx and fy, and column cx and row cy of the optical axis [pixels],
-            which go before the field; empty for a field with the axis in the middle.
-    """
-
-    name: str
-    eye: tuple[float, float, float]
-    target: tuple[float, float, float]
-    field: float = radians(46)
-    width: int = 640
-    height: int = 480
+    name: str  #: name, unique among the cameras of a scene
+    eye: tuple[float, float, float]  #: position x, y, z of the camera [m]
+    target: tuple[float, float, float]  #: point x, y, z that it looks at [m]
+    field: float = radians(46)  #: vertical angle of view [rad]
+    width: int = 640  #: of the image [pixels]
+    height: int = 480  #: the same
+    #: `intrinsics` that go before the field; empty for a field with the axis in the middle
     calibration: tuple[float, ...] = ()
 
     @cached_property
@@ -104,20 +96,13 @@ class Camera:
 
 @dataclass(frozen=True)
 class CameraImage:
-    """An image of one camera.
-
-    Attributes:
-        colour: red, green and blue of each pixel (height, width, 3), in 0..255.
-        depth: depth along the camera's z axis (height, width) [m].
-        labels: label of what each pixel shows (height, width).
-        names: body and link of each label, without that of empty pixels.
-    """
+    """An image of one camera."""
 
     camera: Camera
-    colour: NDArray[np.uint8]
-    depth: NDArray[np.float32]
-    labels: NDArray[np.int32]
-    names: Mapping[int, tuple[str, str]]
+    colour: NDArray[np.uint8]  #: red, green and blue of each pixel (height, width, 3), in 0..255
+    depth: NDArray[np.float32]  #: depth along the camera's z axis (height, width) [m]
+    labels: NDArray[np.int32]  #: label of what each pixel shows (height, width)
+    names: Mapping[int, tuple[str, str]]  #: body and link of each label but that of empty pixels
 
     def mask(self, body: str, link: str | None = None) -> NDArray[np.bool_]:
         """The pixels that show a body, or one of its links (height, width)."""
@@ -136,20 +121,14 @@ class CameraImage:
 
 def load_cameras(path: Path) -> tuple[Camera, ...]:
     """Read cameras from a YAML file such as `cameras.yaml`; DataError if it is wrong."""
-    return tuple(_camera(name, spec) for name, spec in read_yaml(path).entries().items())
-
-
-def _camera(name: str, spec: YamlNode) -> Camera:
-    keys = spec.entries(required={"eye", "target", "size"}, optional={"intrinsics"})
-    eye, target = (_place(keys[key]) for key in ("eye", "target"))
-    width, height = map(int, keys["size"].numbers(count=2, low=16, high=4096))
-    given = keys["intrinsics"].numbers(count=4, low=1) if "intrinsics" in keys else ()
-    return Camera(name, eye, target, width=width, height=height, calibration=given)
-
-
-def _place(spec: YamlNode) -> tuple[float, float, float]:
-    x, y, z = spec.numbers(count=3)
-    return x, y, z
+    cameras: list[Camera] = []
+    for name, spec in read_yaml(path).entries().items():
+        keys = spec.entries(required={"eye", "target", "size"}, optional={"intrinsics"})
+        eye, target = (read_point(keys[key]) for key in ("eye", "target"))
+        width, height = map(int, keys["size"].numbers(count=2, low=16, high=4096))
+        given = keys["intrinsics"].numbers(count=4, low=1) if "intrinsics" in keys else ()
+        cameras.append(Camera(name, eye, target, width=width, height=height, calibration=given))
+    return tuple(cameras)
 
 
 CAMERAS_ROUND_TABLE = load_cameras(Path(__file__).parent / "cameras.yaml")

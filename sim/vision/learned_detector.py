@@ -24,14 +24,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...ontology.errors import DataError
-from ..poses import Array
+from ..poses import Array, voxel_keys
 from ..scene.scene import numbered
 from ..scene.world import World
 from .camera import CAMERAS_ROUND_TABLE, Camera, CameraImage
 from .object_detector import ObjectDetector
 from .percept import Percept
 from .perception_noise import NoiseLevels
-from .point_cloud_operations import voxel_keys
 from .segmentation import Segment, describe_points, describe_segment, segment_images
 
 CLASSIFIERS_FILE = Path(__file__).with_name("recognition.npz")
@@ -49,22 +48,15 @@ _T = TypeVar("_T", "Classifier", "NoveltyDetector")
 
 @dataclass(frozen=True, eq=False)
 class Classifier:
-    """A trained network.
+    """A trained network."""
 
-    Attributes:
-        mean, deviation: of the inputs (d,).
-        hidden, hidden_bias: weights (d, h) and biases (h,) of the hidden layer.
-        output, output_bias: weights (h, c) and biases (c,) of the output layer.
-        temperature: by which the logits are divided.
-    """
-
-    mean: Array
-    deviation: Array
-    hidden: Array
-    hidden_bias: Array
-    output: Array
-    output_bias: Array
-    temperature: Array | float = 1.0
+    mean: Array  #: of the inputs (d,)
+    deviation: Array  #: standard deviation of the inputs (d,)
+    hidden: Array  #: weights of the hidden layer (d, h)
+    hidden_bias: Array  #: (h,)
+    output: Array  #: weights of the output layer (h, c)
+    output_bias: Array  #: (c,)
+    temperature: Array | float = 1.0  #: by which the logits are divided
 
     def standardised(self, inputs: Array) -> Array:
         """Inputs (n, d) in standard deviations from their means, clipped."""
@@ -84,20 +76,12 @@ class Classifier:
 
 @dataclass(frozen=True, eq=False)
 class NoveltyDetector:
-    """Examples of each class, to tell known inputs from novel ones.
+    """Examples of each class, to tell known inputs from novel ones."""
 
-    Attributes:
-        deviation: standard deviation of each input within the classes (d,); the unit of distances.
-        examples: some members of all classes (m, d).
-        classes: class of each example (m,).
-        limit: for each class, the distance to the nearest example up to which an input is known
-            (c,).
-    """
-
-    deviation: Array
-    examples: Array
-    classes: Array
-    limit: Array
+    deviation: Array  #: of each input within the classes (d,); the unit of distances
+    examples: Array  #: some members of all classes (m, d)
+    classes: Array  #: class of each example (m,)
+    limit: Array  #: distance to the nearest example of each class up to which inputs are known (c,)
 
     def novelty(self, row: Array, kind: int) -> float:
         """The root mean square distance of an input (d,) from a class; the limit is 1."""
@@ -118,19 +102,13 @@ def read_arrays(kind: type[_T], arrays: Mapping[str, NDArray[np.float32]], prefi
 
 @dataclass(frozen=True, eq=False)
 class Recogniser:
-    """Recognises the objects and parts that segments show.
+    """Recognises the objects and parts that segments show."""
 
-    Attributes:
-        kinds, objects: the types, as in the outputs of the classifier of segments; others are last.
-        parts, points: (type, part), in the order of the outputs of the classifier of their points.
-        novelty: tells segments unlike any known object.
-    """
-
-    kinds: tuple[str, ...]
-    parts: tuple[tuple[str, str], ...]
-    objects: Classifier
-    points: Classifier
-    novelty: NoveltyDetector
+    kinds: tuple[str, ...]  #: the types, as in the outputs of `objects`; others are last
+    parts: tuple[tuple[str, str], ...]  #: (type, part), in the order of the outputs of `points`
+    objects: Classifier  #: of segments
+    points: Classifier  #: of their points
+    novelty: NoveltyDetector  #: tells segments unlike any known object
 
     @classmethod
     def load(cls, path: Path) -> Recogniser:
@@ -169,13 +147,14 @@ class Recogniser:
     def assign_parts(
         self, segment: Segment, kind: str, candidates: Sequence[tuple[str, str]]
     ) -> np.ndarray:
-        """Return the part of each point of a segment, as an index (n,) of the candidates.
-
-        The candidates are the (type, part) that can be in a segment of that type.
-        """
+        """Return the part of each point, as an index (n,) of the `candidates` (type, part)."""
         logits = self.points.logits(point_inputs(segment, self.kinds.index(kind), len(self.kinds)))
-        columns = [self.parts.index(pair) for pair in candidates]
-        return np.argmax(_voxel_means(segment.points, logits[:, columns]), axis=1)
+        logits = logits[:, [self.parts.index(pair) for pair in candidates]]
+        # Neighbouring points mostly share their part: logits are averaged over each voxel.
+        index = np.unique(voxel_keys(segment.points, SMOOTHING), return_inverse=True)[1]
+        sums = [np.bincount(index, weights=column) for column in logits.T]
+        means = np.column_stack(sums)[index] / np.bincount(index)[index, None]
+        return np.argmax(means, axis=1)
 
 
 def point_inputs(segment: Segment, kind: int, count: int) -> Array:
@@ -183,14 +162,6 @@ def point_inputs(segment: Segment, kind: int, count: int) -> Array:
     types = np.zeros((len(segment), count))
     types[:, kind] = 1.0
     return np.hstack([describe_points(segment), types])
-
-
-def _voxel_means(points: Array, logits: Array) -> Array:
-    """Logits (n, c) averaged over each voxel: neighbouring points mostly share their part."""
-    _, index = np.unique(voxel_keys(points, SMOOTHING), return_inverse=True)
-    counts = np.bincount(index)
-    sums = [np.bincount(index, weights=column) for column in logits.T]
-    return np.column_stack(sums)[index] / counts[index, None]
 
 
 class LearnedDetector(ObjectDetector):
@@ -220,10 +191,7 @@ class LearnedDetector(ObjectDetector):
             )
 
     def detect(self, images: Sequence[CameraImage]) -> Iterator[Percept]:
-        """Return the objects that images of one moment seem to show, most confident first.
-
-        Where several have the same nearest object of the world, their names get numbers.
-        """
+        """Return the objects that the images seem to show; alike ones get numbered names."""
         segments = segment_images(images, noise=self.noise.depth_error)
         percepts = [percept for segment in segments for percept in self._percepts(segment)]
         percepts.sort(key=lambda percept: -percept.confidence)

@@ -18,13 +18,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..physics.engine import PhysicsEngine
-from ..poses import Array
+from ..poses import Array, voxel_downsample
 from ..scene.scene import ROOM
 from ..scene.world import World
 from .camera import CAMERAS_ROUND_TABLE, Camera, CameraImage
 from .percept import Percept, visible_features
 from .perception_noise import NoiseLevels, with_depth_noise, without_mixed_pixels
-from .point_cloud_operations import voxel_downsample
 
 OBSTACLE_SPACING = 0.004  # [m], voxel size of the cloud of obstacles
 FULL_CONFIDENCE = 0.95  # in a fully visible object; even that may be a good likeness
@@ -112,13 +111,15 @@ class MaskDetector(ObjectDetector):
 
     def capture(self) -> tuple[CameraImage, ...]:
         """Take one image with each camera, and smooth depths that have noise."""
-        images = super().capture()
-        return tuple(map(self._smooth, images)) if self.noise.depth_error else images
-
-    def _smooth(self, image: CameraImage) -> CameraImage:
-        labels = [label for label, (name, _) in image.names.items() if name in self.world.kinds]
-        depth = smooth_depth(image.depth, image.labels, labels, noise=self.noise.depth_error)
-        return replace(image, depth=depth)
+        images, noise = super().capture(), self.noise.depth_error
+        if not noise:
+            return images
+        smooth: list[CameraImage] = []
+        for image in images:
+            wanted = [label for label, link in image.names.items() if link[0] in self.world.kinds]
+            depth = smooth_depth(image.depth, image.labels, wanted, noise=noise)
+            smooth.append(replace(image, depth=depth))
+        return tuple(smooth)
 
     def detect(self, images: Sequence[CameraImage]) -> Iterator[Percept]:
         """Return the objects that images of one moment show with at least `MIN_PIXELS`."""

@@ -20,20 +20,14 @@ UNMEASURED = cast("Array", ())  # no points of a visible part, without an import
 
 @dataclass(frozen=True, eq=False)
 class Percept:
-    """One detected object.
+    """One detected object."""
 
-    Attributes:
-        name: name under which the object is tracked.
-        object: its detected type.
-        confidence: confidence in that type, in [0, 1].
-        parts: the visible parts: points on the surface of each (n, 3), in the world [m]; read-only.
-        properties: properties of the object as a whole.
-    """
-
-    name: str
-    object: str
-    confidence: float
+    name: str  #: name under which the object is tracked
+    object: str  #: its detected type
+    confidence: float  #: confidence in that type, in [0, 1]
+    #: the visible parts: points on the surface of each (n, 3), in the world [m]; read-only
     parts: Mapping[str, Array]
+    #: properties of the object as a whole
     properties: frozenset[str] = field(default_factory=frozenset[str])
 
     def __post_init__(self) -> None:

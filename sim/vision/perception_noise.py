@@ -41,21 +41,15 @@ PATCH, HOLES = 4, 0.002  # [pixels], size of a hole; their share where nothing s
 class NoiseLevels:
     """The amounts of perception noise.
 
-    Attributes:
-        missed: probability that an object is not detected.
-        confused: probability that an object is detected as another type.
-        confidence: largest share of its confidence that a percept loses, in [0, 1].
-        depth_m: standard deviation of each pixel's depth [m].
-        camera: errors of a stereo depth camera; 1 for those of a RealSense D435, at most 2.
-
     >>> NoiseLevels.parse("missed=0.1,confused=0.05", seed=7)
     NoiseLevels(missed=0.1, confused=0.05, confidence=0.0, depth_m=0.0, camera=0.0, seed=7)
     """
 
-    missed: float = 0.0
-    confused: float = 0.0
-    confidence: float = 0.0
-    depth_m: float = 0.0
+    missed: float = 0.0  #: probability that an object is not detected
+    confused: float = 0.0  #: probability that an object is detected as another type
+    confidence: float = 0.0  #: largest share of its confidence that a percept loses, in [0, 1]
+    depth_m: float = 0.0  #: standard deviation of each pixel's depth [m]
+    #: errors of a stereo depth camera; 1 for those of a RealSense D435, at most 2
     camera: float = 0.0
     seed: int = 0
 
@@ -73,10 +67,7 @@ class NoiseLevels:
 
     @classmethod
     def parse(cls, text: str, *, seed: int = 0) -> NoiseLevels:
-        """Read the text of `--noise`, such as "missed=0.1,confused=0.05"; empty for no noise.
-
-        A wrong name or number in it is a `DataError`.
-        """
+        """Read `--noise`, such as "missed=0.1,confused=0.05"; `DataError` where it is wrong."""
         values: dict[str, float] = {}
         for item in filter(None, (piece.strip() for piece in text.split(","))):
             name, _, number = item.partition("=")
@@ -147,10 +138,7 @@ def relabelled(percept: Percept, kind: ObjectType) -> Percept:
 def with_depth_noise(
     image: CameraImage, noise: NoiseLevels, step: int, shine: Mapping[int, float]
 ) -> CameraImage:
-    """Return an image with the depth noise of a time step; depths that are lost are NaN.
-
-    `shine`, in [0, 1], is that of the surfaces with these labels.
-    """
+    """Return an image with the noise of a step, NaN where lost; `shine` of labels is in [0, 1]."""
     if not noise.depth_error:
         return image
     random = noise.generator(image.camera.name, step)

@@ -21,9 +21,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import poses
-from ..poses import Array
+from ..poses import Array, Integers, principal_direction, voxel_downsample, voxel_keys
 from .camera import Camera, CameraImage
-from .point_cloud_operations import Integers, principal_direction, voxel_downsample, voxel_keys
 
 TABLE_MARGIN = 0.0012  # [m], what is lower is the table
 NOISE_MARGIN = 1.0  # standard deviations of depths that still belong to the table when smoothed
@@ -47,17 +46,11 @@ SCALE = 10.0  # of lengths, so that all numbers are of about one size
 
 @dataclass(frozen=True, eq=False)
 class Segment:
-    """The points of one segment.
+    """The points of one segment."""
 
-    Attributes:
-        points: points on the surface (n, 3), in the world [m].
-        colours: red, green and blue of the points (n, 3), in [0, 1].
-        sources: index of the image and of the pixel that each point comes from (n, 2).
-    """
-
-    points: Array
-    colours: Array
-    sources: Integers
+    points: Array  #: points on the surface (n, 3), in the world [m]
+    colours: Array  #: red, green and blue of the points (n, 3), in [0, 1]
+    sources: Integers  #: index of the image and of the pixel that each point comes from (n, 2)
 
     def __len__(self) -> int:
         return len(self.points)

@@ -172,7 +172,7 @@ def test_thing_pulled_out_of_the_hand_is_taken_again(knife_body: Body):
     """What is lost before the lift is noticed, and grasped once more."""
     knife_body.grasp(seen(knife_body, "knife"), "handle")
     knife_body.robot.open(0.07)
-    knife_body.robot.wait(0.3)
+    knife_body.robot.advance(72)
 
     report = knife_body.lift()
 

@@ -1,4 +1,4 @@
-"""Poses: composition, inversion and the way between two of them."""
+"""Poses: composition, inversion and the way between two of them; and operations on points."""
 
 from __future__ import annotations
 
@@ -68,3 +68,20 @@ def test_rpy_turns_about_the_fixed_axes_in_turn():
 
     assert np.allclose(rotation @ [0, 1, 0], [0, 0, 1])
     assert np.allclose(rotation @ [1, 0, 0], [0, 1, 0])
+
+
+def test_downsampling_keeps_one_point_of_each_voxel():
+    """No voxel keeps two points, and none that held any is left empty."""
+    points = np.random.default_rng(1).uniform(0, 0.05, (800, 3))
+
+    kept = np.floor(points[poses.voxel_downsample(points, 0.01)] / 0.01)
+
+    assert len(np.unique(kept, axis=0)) == len(kept)
+    assert len(kept) == len(np.unique(np.floor(points / 0.01), axis=0))
+
+
+def test_farthest_points_start_with_the_ends():
+    """From a row of points the ends come before the middle."""
+    row = np.column_stack([np.linspace(0, 1, 11), np.zeros(11), np.zeros(11)])
+
+    assert list(poses.farthest_points(row, 3, first=0)) == [0, 10, 5]

@@ -302,7 +302,7 @@ def test_best_grasp_of_one_view_lifts_the_object_by_the_part(name: str, part: st
         before = it.world.pose(name)[2, 3]
         touched = HandMotion(it.robot).grasp(path, force=GRIPPER.force)
         it.robot.follow(path.lift, pace=LIFT_PACE)
-        it.robot.wait(1.0)
+        it.robot.advance(240)
 
         assert np.allclose(path.grasp.world_from_grip[:3, 3], grasps[0].world_from_grip[:3, 3])
         assert touched.parts(name) == (part,)

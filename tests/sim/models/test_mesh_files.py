@@ -11,7 +11,7 @@ from trimesh.convex import convex_hull
 
 from hilt.ontology.errors import DataError
 from hilt.ontology.part_shapes import MeshFile
-from hilt.sim.models.mesh_files import convex_pieces, read_mesh
+from hilt.sim.models.meshes import convex_pieces, read_mesh
 
 BOX = trimesh.creation.box((0.10, 0.06, 0.04))
 WALL = 0.004  # [m]

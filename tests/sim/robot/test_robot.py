@@ -38,7 +38,7 @@ def test_follow_ends_where_the_path_does(robot: Robot):
     goal = robot.kind.home + np.array((0.4, 0.2, 0.1, -0.2, 0.1, 0.2, 0.5))
 
     arrived = robot.follow(np.vstack([robot.joints, goal]), pace=0.6)
-    robot.wait(0.1)
+    robot.advance(24)
 
     assert arrived
     assert np.abs(robot.joints - goal).max() < 1e-3
@@ -81,7 +81,7 @@ def test_hand_in_the_simulator_is_where_the_chain_has_it(robot: Robot):
 def test_opening_and_closing_move_both_fingers_alike(robot: Robot):
     """The gear keeps the fingers symmetric."""
     robot.open(0.05)
-    robot.wait(0.5)
+    robot.advance(120)
     halfway = robot.opening
     fingers = robot.engine.joints.positions(NAME, robot.gripper.joints)
     robot.close()
@@ -114,13 +114,13 @@ def test_closed_gripper_senses_what_is_between_its_fingers(robot: Robot, tmp_pat
     urdf = tmp_path / "block.urdf"
     urdf.write_text(BLOCK, encoding="utf-8")
     robot.open(0.034)
-    robot.wait(0.5)
+    robot.advance(120)
     robot.engine.bodies.load("block", urdf, poses.pose(np.eye(3), robot.world_from_grip[:3, 3]))
 
     robot.close()
     touched = robot.finger_contacts()
     pressed = robot.engine.bodies.contacts("robot", robot.gripper.links[0])
-    robot.wait(0.5)
+    robot.advance(120)
 
     assert touched.holds("block")
     assert {body for body, _ in touched.both} == {"block"}

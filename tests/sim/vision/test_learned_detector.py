@@ -12,12 +12,12 @@ import pytest
 from hilt.ontology.errors import DataError
 from hilt.ontology.objects import ObjectType, load_household, load_objects
 from hilt.sim import poses
+from hilt.sim.poses import voxel_keys
 from hilt.sim.scene.scene import Placement, Scene, graspable, parse_scene
 from hilt.sim.scene.world import World
 from hilt.sim.vision.camera import CameraImage
 from hilt.sim.vision.learned_detector import CLASSIFIERS_FILE, LearnedDetector, Recogniser
 from hilt.sim.vision.perception_noise import NoiseLevels
-from hilt.sim.vision.point_cloud_operations import voxel_keys
 from hilt.sim.vision.segmentation import Segment, describe_segment, segment_frame, segment_images
 
 pytestmark = pytest.mark.sim

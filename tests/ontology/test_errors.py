@@ -7,8 +7,7 @@ import pytest
 from hilt.agent import AgentConfig
 from hilt.agent.cli import main
 from hilt.agent.execution.embodiment import Embodiment
-from hilt.ontology.errors import MissingExtraError
-from hilt.sim.installation import PACKAGES, check_simulator
+from hilt.ontology.errors import SIMULATOR_PACKAGES, MissingExtraError, check_simulator
 
 
 def test_nothing_is_missing_where_the_extra_is_installed():
@@ -16,12 +15,12 @@ def test_nothing_is_missing_where_the_extra_is_installed():
     check_simulator()
 
 
-@pytest.mark.parametrize("module", PACKAGES)
+@pytest.mark.parametrize("module", SIMULATOR_PACKAGES)
 def test_each_package_is_missed(monkeypatch: pytest.MonkeyPatch, module: str):
     """By the name under which pip knows it."""
     monkeypatch.setitem(sys.modules, module, None)
 
-    with pytest.raises(MissingExtraError, match=f'"{PACKAGES[module]}" is not installed'):
+    with pytest.raises(MissingExtraError, match=f'"{SIMULATOR_PACKAGES[module]}" is not installed'):
         check_simulator()
 
 
