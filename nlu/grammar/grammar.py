@@ -24,7 +24,7 @@ from .categories import (
     type_of,
 )
 from .constructions import ConstructionGap
-from .notation_reader import read_entry, read_type, read_unary
+from .notation import read_entry, read_type, read_unary
 from .terms import Term, Value, evaluate
 from .word_patterns import compile_pattern, expand
 

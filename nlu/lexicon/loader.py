@@ -18,7 +18,7 @@ from ..grammar.categories import AtomicCategory, Category, Functor
 from ..grammar.combinators import CombinationTable
 from ..grammar.constructions import Construction, Piece, WordRun, pieces_of
 from ..grammar.grammar import Grammar, UnaryRule
-from ..grammar.notation_reader import read_entry, read_type
+from ..grammar.notation import read_entry, read_type
 from ..grammar.terms import Constant, Term, evaluate, replace_constants
 from .discourse_markers import DiscourseMarkers
 from .inflection import Inflection
