@@ -34,21 +34,15 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class ConfigOption:
-    """One option of an agent: how it is declared in Python, YAML and on the command line.
+    """One option of an agent: how it is declared in Python, YAML and on the command line."""
 
-    Attributes:
-        kind: the type of its value: str, int, bool, Path, or tuple for several texts.
-        flag: its name on the command line; empty for the name of the field.
-        metavar: how the command line shows its value; None for the name in capitals.
-        name: the field of `AgentConfig`, and the key in a YAML file.
-    """
-
-    kind: type
+    kind: type  #: the type of its value: str, int, bool, Path, or tuple for several texts
     default: Any
     help: str
-    flag: str = ""
+    flag: str = ""  #: its name on the command line; empty for the name of the field
+    #: how the command line shows its value; None for the name in capitals
     metavar: str | None = None
-    name: str = ""
+    name: str = ""  #: the field of `AgentConfig`, and the key in a YAML file
 
     def is_file(self, value: str) -> bool:
         """Whether a value of this option names a file or folder."""

@@ -26,16 +26,11 @@ KEYS: Mapping[str, ConfigOption] = {
 
 @dataclass(frozen=True)
 class Configured:
-    """The value of an option, and where it comes from.
-
-    Attributes:
-        origin: "environment", "project", "user" or "default".
-        place: the variable, or the file and line; empty for a default.
-    """
+    """The value of an option, and where it comes from."""
 
     value: Any
-    origin: str = "default"
-    place: str = ""
+    origin: str = "default"  #: "environment", "project", "user" or "default"
+    place: str = ""  #: the variable, or the file and line; empty for a default
 
 
 def configured() -> dict[str, Configured]:

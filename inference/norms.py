@@ -26,24 +26,19 @@ PUT_DOWN = "putDown"  # what empties the hand, which is no action tree
 
 @dataclass(frozen=True)
 class Act:
-    """What is about to be done with one object.
+    """What is about to be done with one object."""
 
-    Attributes:
-        actions: the actions that are done, the nearest first: that of a node and those above it.
-        object, part: its type, and the part that it is held by; None where not known yet.
-        properties: those that it is known to have.
-        contexts: what else holds: places, roles of who receives it, what a tool is used on.
-        done: the acts before this one, in order: action and type of object.
-        holding: the type of the object in the hand, None when it is empty.
-    """
-
+    #: the actions that are done, the nearest first: that of a node and those above it
     actions: Sequence[str]
+    #: object, part: its type, and the part that it is held by; None where not known yet
     object: str | None = None
-    properties: frozenset[str] = frozenset()
+    properties: frozenset[str] = frozenset()  #: those that it is known to have
     part: str | None = None
+    #: what else holds: places, roles of who receives it, what a tool is used on
     contexts: Mapping[Atom, Interval] = field(default_factory=dict[Atom, Interval])
+    #: the acts before this one, in order: action and type of object
     done: Sequence[tuple[str, str]] = ()
-    holding: str | None = None
+    holding: str | None = None  #: the type of the object in the hand, None when it is empty
 
 
 @dataclass(frozen=True)

@@ -29,25 +29,21 @@ Choice = tuple[str, YamlNode]  # the name of a setting, as on the command line, 
 
 @dataclass(frozen=True)
 class Settings:
-    """The settings of the inference; UnknownNameError if there is no such stage or detection.
+    """The settings of the inference; UnknownNameError if there is no such stage or detection."""
 
-    Attributes:
-        operators: conjunction, modus ponens, fusion, ranking and acceptance.
-        stage: fuse "rules" with the same antecedent before modus ponens (default); or fuse the
-            "conclusions" of single rules, literally as in the paper.
-        detection: a detection with confidence d is [d, 1] ("open", default) or [d, d] ("point").
-        threshold: Λ in [0, 1], which lambda must exceed before the robot acts.
-        contradiction: the mass in [0, 1] above which experience contradicts what was told so much
-            that the robot asks.
-        thresholds: Λ by context: that of an action ("pass") replaces the general one; that of a
-            place or role ("place:hospital") can only raise it.
-    """
-
+    #: conjunction, modus ponens, fusion, ranking and acceptance
     operators: Operators = field(default_factory=Operators)
+    #: fuse "rules" with the same antecedent before modus ponens (default); or fuse the
+    #: "conclusions" of single rules, literally as in the paper
     stage: str = "rules"
+    #: a detection with confidence d is [d, 1] ("open", default) or [d, d] ("point")
     detection: str = "open"
-    threshold: float = 0.005
+    threshold: float = 0.005  #: Λ in [0, 1], which lambda must exceed before the robot acts
+    #: the mass in [0, 1] above which experience contradicts what was told so much that the robot
+    #: asks
     contradiction: float = 0.25
+    #: Λ by context: that of an action ("pass") replaces the general one; that of a place or role
+    #: ("place:hospital") can only raise it
     thresholds: Mapping[str, float] = field(default_factory=dict[str, float])
 
     def __post_init__(self) -> None:

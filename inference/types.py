@@ -76,28 +76,22 @@ class Observation:
 
 @dataclass(frozen=True)
 class Candidate:
-    """A conclusion about an observed object, with its proof and the reason for the verdict.
-
-    Attributes:
-        argument: the affordance, or the part to act on; None if the command names the object and
-            no rule is needed.
-        certainty: lambda of the interval, in [0, 1].
-        verdict: "accepted"; "denied", believed not to hold; "unsure", neither; "unknown", there is
-            no rule; or "absent", there is a rule but the object is not in view.
-        inherited: distance of the rules in the is-a hierarchy: 0 for rules about this kind.
-        overruled: rules that more specific ones override.
-        experience: the outcomes of grasps by that part; None where there are none.
-    """
+    """A conclusion about an observed object, with its proof and the reason for the verdict."""
 
     name: str
     object: str
+    #: the affordance, or the part to act on; None if the command names the object and no rule is
+    #: needed
     argument: Atom | None
     proof: Proof
-    certainty: float
+    certainty: float  #: lambda of the interval, in [0, 1]
+    #: "accepted"; "denied", believed not to hold; "unsure", neither; "unknown", there is no rule;
+    #: or "absent", there is a rule but the object is not in view
     verdict: Verdict
     reason: str
-    inherited: int = 0
-    overruled: tuple[Rule, ...] = ()
+    inherited: int = 0  #: distance of the rules in the is-a hierarchy: 0 for rules about this kind
+    overruled: tuple[Rule, ...] = ()  #: rules that more specific ones override
+    #: the outcomes of grasps by that part; None where there are none
     experience: OutcomeCounts | None = None
 
     @property

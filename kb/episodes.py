@@ -44,89 +44,64 @@ def _name(predicate: Iri, kind: str, default: object = record_mapping.REQUIRED) 
 
 @dataclass(frozen=True)
 class EpisodeStep:
-    """The decision at one node of the action tree.
+    """The decision at one node of the action tree."""
 
-    Attributes:
-        path: path of the node, as "pass/graspObject".
-        features: the features that were searched for.
-        object, part: the object and the part chosen; None where none was.
-        interval: interval of the conclusion; None where nothing was concluded.
-        rules: ids of the rules that support it.
-    """
-
+    #: path of the node, as "pass/graspObject"
     path: Annotated[str, FieldProperty(term("path"), str)]
-    features: Annotated[tuple[Atom, ...], _FEATURES] = ()
+    features: Annotated[tuple[Atom, ...], _FEATURES] = ()  #: the features that were searched for
+    #: object, part: the object and the part chosen; None where none was
     object: Annotated[str | None, _name(_OBJECT, "object", None)] = None
     part: Annotated[str | None, _name(rule_mapping.PART, "part", None)] = None
+    #: interval of the conclusion; None where nothing was concluded
     interval: Interval | None = None
-    rules: Annotated[tuple[str, ...], _USED] = ()
+    rules: Annotated[tuple[str, ...], _USED] = ()  #: ids of the rules that support it
 
 
 @dataclass(frozen=True)
 class GraspTrial:
-    """One closing of the gripper, and what came of it.
+    """One closing of the gripper, and what came of it."""
 
-    Attributes:
-        object: the kind of object.
-        part: the part by which it was to be held.
-        context: the action that it was grasped for ("pass").
-        outcome: held; slipped while it was lifted; dropped later; the
-            wrong part or nothing (missed) between the fingers; or refused at the hand-over.
-        robot: the robot that did it.
-        forgotten_by: number of the utterance that made it be forgotten; None while it counts.
-    """
-
-    object: Annotated[str, _name(_OBJECT, "object")]
-    part: Annotated[str, _name(rule_mapping.PART, "part")]
+    object: Annotated[str, _name(_OBJECT, "object")]  #: the kind of object
+    part: Annotated[str, _name(rule_mapping.PART, "part")]  #: the part by which it was to be held
+    #: the action that it was grasped for ("pass")
     context: Annotated[str, _name(rule_mapping.CONTEXT, "action")]
+    #: held; slipped while it was lifted; dropped later; the wrong part or nothing (missed) between
+    #: the fingers; or refused at the hand-over
     outcome: Annotated[str, _OUTCOME]
-    robot: Annotated[str, FieldProperty(term("robot"), str)] = ""
+    robot: Annotated[str, FieldProperty(term("robot"), str)] = ""  #: the robot that did it
+    #: number of the utterance that made it be forgotten; None while it counts
     forgotten_by: Annotated[int | None, utterance_property(FORGOTTEN_BY, None)] = None
 
 
 @dataclass(frozen=True, kw_only=True)
 class Episode:
-    """The execution of one command.
+    """The execution of one command."""
 
-    Attributes:
-        goal: in predicate form.
-        text: the command as it was said.
-        speaker: who said it.
-        outcome: done, failed, asked, refused or not_understood.
-        said: the answer.
-        seed: the seed of all random choices.
-        document: the complete record as JSON.
-        object, part: the object and the part that were chosen; None where none was.
-        rules: ids of the rules that decided.
-        steps: the decisions at the nodes, in order of execution.
-        trials: what each grasp came to, in order.
-        touched: the parts that the fingers touched.
-        lifted_m: height the object was lifted [m]; None without a simulation.
-        handed_over: whether it was still held at the hand-over; None without a simulation.
-        trajectory: where the joints of the robot were, packed by `sim/robot/trajectory.py`.
-        utterance: number of the utterance it answers; None until it is recorded.
-        id: unique in the base; empty until it is recorded.
-        time: when it was recorded, with its time zone; None before.
-    """
-
-    goal: Annotated[str, FieldProperty(term("goal"), str)]
-    text: Annotated[str, FieldProperty(TEXT, str)]
-    speaker: Annotated[str, SPEAKER]
-    outcome: Annotated[str, _OUTCOME]
-    said: Annotated[str, FieldProperty(ANSWER, str)]
-    seed: Annotated[int, FieldProperty(term("seed"), int)]
-    document: Annotated[str, FieldProperty(term("document"), str)]
+    goal: Annotated[str, FieldProperty(term("goal"), str)]  #: in predicate form
+    text: Annotated[str, FieldProperty(TEXT, str)]  #: the command as it was said
+    speaker: Annotated[str, SPEAKER]  #: who said it
+    outcome: Annotated[str, _OUTCOME]  #: done, failed, asked, refused or not_understood
+    said: Annotated[str, FieldProperty(ANSWER, str)]  #: the answer
+    seed: Annotated[int, FieldProperty(term("seed"), int)]  #: the seed of all random choices
+    document: Annotated[str, FieldProperty(term("document"), str)]  #: the complete record as JSON
+    #: object, part: the object and the part that were chosen; None where none was
     object: Annotated[str | None, _name(_OBJECT, "object", None)] = None
     part: Annotated[str | None, _name(rule_mapping.PART, "part", None)] = None
-    rules: Annotated[tuple[str, ...], _USED] = ()
-    steps: tuple[EpisodeStep, ...] = ()
-    trials: tuple[GraspTrial, ...] = ()
+    rules: Annotated[tuple[str, ...], _USED] = ()  #: ids of the rules that decided
+    steps: tuple[EpisodeStep, ...] = ()  #: the decisions at the nodes, in order of execution
+    trials: tuple[GraspTrial, ...] = ()  #: what each grasp came to, in order
+    #: the parts that the fingers touched
     touched: Annotated[tuple[str, ...], _name(term("touched"), "part", ())] = ()
+    #: height the object was lifted [m]; None without a simulation
     lifted_m: Annotated[float | None, _LIFTED] = None
+    #: whether it was still held at the hand-over; None without a simulation
     handed_over: Annotated[bool | None, _HANDED_OVER] = None
+    #: where the joints of the robot were, packed by `sim/robot/trajectory.py`
     trajectory: Annotated[str | None, FieldProperty(term("trajectory"), str, default=None)] = None
+    #: number of the utterance it answers; None until it is recorded
     utterance: Annotated[int | None, utterance_property(term("about"), None)] = None
-    id: str = ""
+    id: str = ""  #: unique in the base; empty until it is recorded
+    #: when it was recorded, with its time zone; None before
     time: Annotated[datetime | None, _RECORDED] = None
 
 

@@ -50,30 +50,26 @@ def utterance_property(predicate: Iri, default: object = REQUIRED) -> FieldPrope
 
 @dataclass(frozen=True)
 class Utterance:
-    """One utterance of the history, with the text as its speaker said it.
+    """One utterance of the history, with the text as its speaker said it."""
 
-    Attributes:
-        sequence: its number, from 1.
-        predicate: its meaning in predicate form; empty when it was not understood.
-        time: when it was said, with a time zone.
-        kind: statement, command, question, correction, ...
-        accepted: whether it was believed or carried out.
-        answer: the answer to it; empty when not known.
-        asserts, retracts, supersedes: ids of the rules that it asserted, retracted, superseded.
-        heard: confidence of the speech recognition, in [0, 1]; 1 where it was typed.
-    """
-
-    sequence: Annotated[int, FieldProperty(SEQUENCE, int)]
+    sequence: Annotated[int, FieldProperty(SEQUENCE, int)]  #: its number, from 1
     text: Annotated[str, FieldProperty(TEXT, str)]
+    #: its meaning in predicate form; empty when it was not understood
     predicate: Annotated[str, FieldProperty(PREDICATE, str, default="")]
     speaker: Annotated[str, SPEAKER]
+    #: when it was said, with a time zone
     time: Annotated[datetime, FieldProperty(GENERATED_AT, datetime)]
+    #: statement, command, question, correction, ...
     kind: Annotated[str, FieldProperty(KIND, str)] = "statement"
+    #: whether it was believed or carried out
     accepted: Annotated[bool, FieldProperty(ACCEPTED, bool)] = True
+    #: the answer to it; empty when not known
     answer: Annotated[str, FieldProperty(ANSWER, str, default="")] = ""
+    #: asserts, retracts, supersedes: ids of the rules that it asserted, retracted, superseded
     asserts: Annotated[tuple[str, ...], rules_property(ASSERTS)] = ()
     retracts: Annotated[tuple[str, ...], rules_property(RETRACTS)] = ()
     supersedes: Annotated[tuple[str, ...], rules_property(SUPERSEDES)] = ()
+    #: confidence of the speech recognition, in [0, 1]; 1 where it was typed
     heard: Annotated[float, _HEARD] = 1.0
 
     def __post_init__(self) -> None:

@@ -55,14 +55,10 @@ class Atom:
 
     >>> print(Atom("object", "wine glass"))
     object:wine glass
-
-    Attributes:
-        kind: one of object, part, property, action, place, role, affordance, material.
-        name: lower-case words with single spaces; an action may have capitals inside (pickUp).
     """
 
-    kind: str
-    name: str
+    kind: str  #: one of object, part, property, action, place, role, affordance, material
+    name: str  #: lower-case words with single spaces; an action may have capitals inside (pickUp)
 
     def __post_init__(self) -> None:
         if self.kind not in ATOM_KINDS:
@@ -95,30 +91,24 @@ class Rule:
     <Rule pass, object:knife => graspObject(blade) [0.95, 1.00]>
     >>> rule.node
     'pass.graspObject'
-
-    Attributes:
-        features: perceptual invariants; all must be seen. May be empty when there is a context
-            ("to pass anything ...").
-        contexts: all must hold: the action it is done for, a place, a role, the material that it
-            is done to.
-        functor: the predicate concluded: "usedFor", "graspObject", or another action's name.
-        argument: its argument: an affordance, a part, ...; None where the functor needs none.
-        interval: as it was said, with at most 6 fractional digits.
-        utterance: number of the utterance that last asserted it; None before it is stored.
-        time: when it was last asserted, with a time zone; None before it is stored.
-        status: active, retracted, superseded, or induced.
-        trust: the present trust in the speaker, in [0, 1]; not part of the rule's content.
     """
 
+    #: perceptual invariants; all must be seen. May be empty when there is a context ("to pass
+    #: anything ...").
     features: frozenset[Atom]
+    #: all must hold: the action it is done for, a place, a role, the material that it is done to
     contexts: frozenset[Atom]
-    functor: str
+    functor: str  #: the predicate concluded: "usedFor", "graspObject", or another action's name
+    #: its argument: an affordance, a part, ...; None where the functor needs none
     argument: Atom | None
-    interval: Interval
+    interval: Interval  #: as it was said, with at most 6 fractional digits
     speaker: str = DEFAULT_SPEAKER
+    #: number of the utterance that last asserted it; None before it is stored
     utterance: int | None = None
+    #: when it was last asserted, with a time zone; None before it is stored
     time: datetime | None = None
-    status: Status = "active"
+    status: Status = "active"  #: active, retracted, superseded, or induced
+    #: the present trust in the speaker, in [0, 1]; not part of the rule's content
     trust: float = field(default=1.0, compare=False)
 
     def __post_init__(self) -> None:

@@ -90,19 +90,15 @@ class AlteredRule:
 
 @dataclass(frozen=True)
 class BaseDifference:
-    """The difference between the active rules, trust and words of two bases.
+    """The difference between the active rules, trust and words of two bases."""
 
-    Attributes:
-        removed, added: rules that are active in the first only, in the second only.
-        altered: rules that both have, with another interval or status.
-        trust: speaker, trust in the first, trust in the second; None where it is not set.
-        words_removed, words_added: learned words that only one of them has.
-    """
-
+    #: removed, added: rules that are active in the first only, in the second only
     removed: tuple[Rule, ...]
     added: tuple[Rule, ...]
-    altered: tuple[AlteredRule, ...]
+    altered: tuple[AlteredRule, ...]  #: rules that both have, with another interval or status
+    #: speaker, trust in the first, trust in the second; None where it is not set
     trust: tuple[tuple[str, Interval | None, Interval | None], ...]
+    #: words_removed, words_added: learned words that only one of them has
     words_removed: tuple[LearnedWord, ...]
     words_added: tuple[LearnedWord, ...]
 

@@ -64,24 +64,20 @@ MAX_CONTROL_WORDS = 12
 
 @dataclass(frozen=True, repr=False)
 class Language:
-    """One language with one vocabulary; immutable.
-
-    Attributes:
-        examples: sentences that are understood, each with its words.
-        phrases: confirmed turns of phrase that the grammar does not have, by their keys.
-        frames: the taught actions on several objects or none, with the words between them.
-    """
+    """One language with one vocabulary; immutable."""
 
     folder: Path
     parser: SentenceParser
-    examples: Mapping[str, frozenset[str]]
+    examples: Mapping[str, frozenset[str]]  #: sentences that are understood, each with its words
     answers: AnswerTemplates
     realizer: Realizer
     builder: LexiconBuilder
     inflection: Inflection
     degrees: Degrees
     controls: ControlPhrases
+    #: confirmed turns of phrase that the grammar does not have, by their keys
     phrases: Mapping[Key, PhrasePattern] = field(default_factory=dict[Key, PhrasePattern])
+    #: the taught actions on several objects or none, with the words between them
     frames: Mapping[str, tuple[str, ...]] = field(default_factory=dict[str, tuple[str, ...]])
 
     @classmethod

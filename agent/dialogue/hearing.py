@@ -82,19 +82,14 @@ def reaction(
 
 @dataclass(frozen=True)
 class MeaningHeard:
-    """What may have been meant: the likeliest text that means it, and how sure that is.
-
-    Attributes:
-        certainty: the sum of the scores of all such texts, in [0, 1].
-        said: its meaning, or what it is as an answer; None where it is not understood.
-        new_words: the words that it would teach.
-    """
+    """What may have been meant: the likeliest text that means it, and how sure that is."""
 
     text: str
-    certainty: float
+    certainty: float  #: the sum of the scores of all such texts, in [0, 1]
     understood: Understanding
+    #: its meaning, or what it is as an answer; None where it is not understood
     said: meaning.Meaning | meaning.Answer | str | None
-    new_words: tuple[str, ...] = ()
+    new_words: tuple[str, ...] = ()  #: the words that it would teach
 
     @property
     def is_refusal(self) -> bool:
@@ -157,21 +152,14 @@ def _said(
 
 @dataclass(frozen=True)
 class SpokenUtterance:
-    """What may have been meant by an utterance, the likeliest first, and what follows from it.
-
-    Attributes:
-        pending: the question of Hilt that it may answer.
-        hear: hears one of the texts as `DialogueManager.hear` does.
-        sounds_like: finds what may have been said where it is not understood.
-        keep: whether it is written to the history when it is read back.
-    """
+    """What may have been meant by an utterance, the likeliest first, and what follows from it."""
 
     found: Sequence[MeaningHeard]
     conversation: Conversation
-    pending: OpenQuestion | None
-    hear: Callable[..., Reply]
-    sounds_like: SoundsLike
-    keep: bool
+    pending: OpenQuestion | None  #: the question of Hilt that it may answer
+    hear: Callable[..., Reply]  #: hears one of the texts as `DialogueManager.hear` does
+    sounds_like: SoundsLike  #: finds what may have been said where it is not understood
+    keep: bool  #: whether it is written to the history when it is read back
 
     def reply(self) -> Reply:
         """Carry out what is sure, or ask; return the reply."""

@@ -18,24 +18,17 @@ from ..execution.outcome_answer import INTERRUPTED
 
 @dataclass(frozen=True)
 class Reply:
-    """The reply to one utterance.
-
-    Attributes:
-        said: the spoken answer.
-        ending: how the request ended; "done" for a statement that is accepted.
-        rules: the rules that were learned, or that the answer rests on.
-        heard: how surely a recogniser heard what was meant, in [0, 1].
-    """
+    """The reply to one utterance."""
 
     text: str
     speaker: str
     understanding: Understanding
-    said: str
-    ending: Ending
-    rules: tuple[Rule, ...] = ()
+    said: str  #: the spoken answer
+    ending: Ending  #: how the request ended; "done" for a statement that is accepted
+    rules: tuple[Rule, ...] = ()  #: the rules that were learned, or that the answer rests on
     result: GoalResult | None = None
     seed: int = 0
-    heard: float = 1.0
+    heard: float = 1.0  #: how surely a recogniser heard what was meant, in [0, 1]
 
     @property
     def is_done(self) -> bool:
@@ -102,29 +95,22 @@ class OpenQuestion:
     """A question of Hilt that waits for an answer: "yes", "no", or a short one ("the second").
 
     An answer that does not fit is an utterance like any other.
-
-    Attributes:
-        asked: the only speaker who can answer it.
-        yes: called after a "yes"; None where there is nothing to agree to.
-        no: called after a "no"; None only acknowledges.
-        choices: called after the number of a choice, by number from 1 on.
-        choose: called with an answer that names something; it returns None where the answer does
-            not fit, which must change nothing.
-        tell: called with the text of any other answer; it returns None where it does not fit.
-        needs_yes: whether "okay" only acknowledges it, and does not agree.
-        word: the word that may be a slip, if it is asked about one.
-        meanings: what the choices mean, where it reads back what was heard.
     """
 
-    asked: str
+    asked: str  #: the only speaker who can answer it
+    #: called after a "yes"; None where there is nothing to agree to
     yes: Callable[[], Reply] | None = None
-    no: Callable[[], Reply] | None = None
+    no: Callable[[], Reply] | None = None  #: called after a "no"; None only acknowledges
+    #: called after the number of a choice, by number from 1 on
     choices: tuple[Callable[[], Reply], ...] = ()
+    #: called with an answer that names something; it returns None where the answer does not fit,
+    #: which must change nothing
     choose: Callable[[Answer], Reply | None] | None = None
+    #: called with the text of any other answer; it returns None where it does not fit
     tell: Callable[[str], Reply | None] | None = None
-    needs_yes: bool = False
-    word: str = ""
-    meanings: tuple[object, ...] = ()
+    needs_yes: bool = False  #: whether "okay" only acknowledges it, and does not agree
+    word: str = ""  #: the word that may be a slip, if it is asked about one
+    meanings: tuple[object, ...] = ()  #: what the choices mean, where it reads back what was heard
 
     def reply_to(self, answer: Answer) -> Reply | None:
         """Return the reply to a short answer; None where it does not fit."""

@@ -26,38 +26,26 @@ Kind = Literal["unique", "tie", "none", "grasp", "check", "error", "lost"]
 
 @dataclass(frozen=True)
 class Case:
-    """A case of an experiment: a question with a known answer.
-
-    Attributes:
-        key: identifies the case within the experiment, in any run.
-        spec: everything needed to run it, including its seed.
-    """
+    """A case of an experiment: a question with a known answer."""
 
     experiment: str
-    key: str
-    spec: Json
+    key: str  #: identifies the case within the experiment, in any run
+    spec: Json  #: everything needed to run it, including its seed
 
 
 @dataclass(frozen=True)
 class CaseResult:
-    """The result of a case.
-
-    Attributes:
-        right: whether it agrees with the ground truth.
-        kind: for decisions "unique", "tie" or "none", the number of right choices; "grasp" for
-            grasps; "check" for anything else; "error" if the case raised an exception; "lost" if
-            no worker finished it.
-        principle: the principle of section 4.1 of the paper, 1 to 4; 0 if none applies.
-        found: what was chosen or done.
-        expected: what the ground truth allows.
-    """
+    """The result of a case."""
 
     key: str
-    right: bool
+    right: bool  #: whether it agrees with the ground truth
+    #: for decisions "unique", "tie" or "none", the number of right choices; "grasp" for grasps;
+    #: "check" for anything else; "error" if the case raised an exception; "lost" if no worker
+    #: finished it
     kind: Kind
-    principle: int
-    found: str
-    expected: str
+    principle: int  #: the principle of section 4.1 of the paper, 1 to 4; 0 if none applies
+    found: str  #: what was chosen or done
+    expected: str  #: what the ground truth allows
     facts: Json = field(default_factory=dict[str, object])
 
 

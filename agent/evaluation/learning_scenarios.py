@@ -24,17 +24,14 @@ CONTEXTS = tuple(_INFINITIVES)  # the actions that grasp
 
 @dataclass(frozen=True)
 class LearningScenario:
-    """The rules that are taught in one learning scenario of the paper (section 4.1).
-
-    Attributes:
-        affordances: affordance -> level -> the objects of that level.
-        grasps: object -> context -> the part to grasp; every object has an entry.
-        levels: the words of confidence in descending order; grasps are taught with the first.
-    """
+    """The rules that are taught in one learning scenario of the paper (section 4.1)."""
 
     name: str
+    #: affordance -> level -> the objects of that level
     affordances: Mapping[str, Mapping[str, tuple[str, ...]]]
+    #: object -> context -> the part to grasp; every object has an entry
     grasps: Mapping[str, Mapping[str, str]]
+    #: the words of confidence in descending order; grasps are taught with the first
     levels: tuple[str, ...] = LEVELS
 
     @property

@@ -36,28 +36,23 @@ WORTH_TRYING = ("accepted", "unsure")  # verdicts of candidates that may be trie
 
 @dataclass
 class ExecutionContext:
-    """What action trees are executed with.
-
-    Attributes:
-        motion: the motion of the robot; None decides but does not act.
-        norms: what is forbidden, and what must come first.
-        grips: object -> the part that is made for holding it; a tool is grasped by it when no rule
-            says otherwise.
-        parts: object -> its known parts; the robot does not look for others.
-        done: the acts so far, in order: action and type of object; it grows.
-        watchers: called at every node before its action is done, when `WalkStep.action` is still
-            empty, and again afterwards.
-    """
+    """What action trees are executed with."""
 
     actions: Actions
     affordances: Affordances
     vision: Vision
-    motion: Motion | None
-    norms: NormChecker
+    motion: Motion | None  #: the motion of the robot; None decides but does not act
+    norms: NormChecker  #: what is forbidden, and what must come first
+    #: object -> the part that is made for holding it; a tool is grasped by it when no rule says
+    #: otherwise
     grips: Mapping[str, str] = field(default_factory=dict[str, str])
+    #: object -> its known parts; the robot does not look for others
     parts: Mapping[str, Collection[str]] = field(default_factory=dict[str, Collection[str]])
     interruption: Interruption = field(default_factory=Interruption)
+    #: the acts so far, in order: action and type of object; it grows
     done: list[tuple[str, str]] = field(default_factory=list[tuple[str, str]])
+    #: called at every node before its action is done, when `WalkStep.action` is still empty, and
+    #: again afterwards
     watchers: list[Callable[[WalkStep], None]] = field(
         default_factory=list[Callable[[WalkStep], None]]
     )

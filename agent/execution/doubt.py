@@ -18,22 +18,16 @@ DIGITS = 9  # of ranks that are compared
 
 @dataclass(frozen=True)
 class Doubt:
-    """A part that was told for a grasp, and that experience speaks against.
-
-    Attributes:
-        context: the action that it is grasped for.
-        counts: the outcomes of grasps by that part.
-        instead: the part that looks best of the others; None where none looks better.
-        counts_instead: the outcomes of grasps by that one.
-    """
+    """A part that was told for a grasp, and that experience speaks against."""
 
     object: str
-    context: str
+    context: str  #: the action that it is grasped for
     part: str
-    counts: OutcomeCounts
+    counts: OutcomeCounts  #: the outcomes of grasps by that part
     teachers: tuple[str, ...]
+    #: the part that looks best of the others; None where none looks better
     instead: str | None = None
-    counts_instead: OutcomeCounts = NO_TRIALS
+    counts_instead: OutcomeCounts = NO_TRIALS  #: the outcomes of grasps by that one
 
 
 def find_doubt(

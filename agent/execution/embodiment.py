@@ -29,23 +29,18 @@ ROBOT_OPTIONS = ("robot", "vision", "noise", "simulate")  # of a configuration, 
 
 @dataclass(frozen=True)
 class Embodiment:
-    """A scene, a robot and its vision.
+    """A scene, a robot and its vision."""
 
-    Attributes:
-        scene: what is on the table; its seed is that of everything random.
-        objects_file: the user's own file among them, if any.
-        robot: its name, or a file of robots and the name in it; see `find_robot`.
-        vision: the source of percepts: "mask", "learned", "learned:FILE", or a plug-in.
-        noise: how perception fails, as text ("missed=0.1,confused=0.05"); empty for not at all.
-        simulate: whether there is a simulated body; without one all is seen with certainty.
-    """
-
-    scene: Scene
+    scene: Scene  #: what is on the table; its seed is that of everything random
     household: Household
-    objects_file: Path | None = None
+    objects_file: Path | None = None  #: the user's own file among them, if any
+    #: its name, or a file of robots and the name in it; see `find_robot`
     robot: str = _DEFAULTS.robot
+    #: the source of percepts: "mask", "learned", "learned:FILE", or a plug-in
     vision: str = _DEFAULTS.vision
+    #: how perception fails, as text ("missed=0.1,confused=0.05"); empty for not at all
     noise: str = _DEFAULTS.noise
+    #: whether there is a simulated body; without one all is seen with certainty
     simulate: bool = True
     gui: bool = False
 

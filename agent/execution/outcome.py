@@ -24,17 +24,12 @@ Ending = Literal["done", "failed", "asked", "refused", "not_understood"]
 
 @dataclass(frozen=True)
 class AnswerContent:
-    """An answer before it is put into words.
+    """An answer before it is put into words."""
 
-    Attributes:
-        key: the template among the answers of the language.
-        cause: the cause of a failure, as the branches of action trees name it.
-    """
-
-    key: str
+    key: str  #: the template among the answers of the language
     slots: Mapping[str, Slot] = field(default_factory=dict[str, Slot])
     ending: Ending = "done"
-    cause: str = ""
+    cause: str = ""  #: the cause of a failure, as the branches of action trees name it
 
 
 Failure: TypeAlias = "AnswerContent | None"  # the answer to what failed, None where nothing did
@@ -42,21 +37,14 @@ Failure: TypeAlias = "AnswerContent | None"  # the answer to what failed, None w
 
 @dataclass(frozen=True)
 class WalkStep:
-    """One node of the execution and its four operations.
+    """One node of the execution and its four operations."""
 
-    Attributes:
-        node: its path ("pass/graspObject").
-        features: what getFeatures returned, as text.
-        percepts: what the visual search found: name -> confidence.
-        inference: what getAffordance concluded.
-        action: the result of the action itself: "walked", "executed", "not executed", or the
-            reason of its failure; empty before it is done.
-    """
-
-    node: str
-    features: tuple[str, ...]
-    percepts: Mapping[str, float]
-    inference: Inference
+    node: str  #: its path ("pass/graspObject")
+    features: tuple[str, ...]  #: what getFeatures returned, as text
+    percepts: Mapping[str, float]  #: what the visual search found: name -> confidence
+    inference: Inference  #: what getAffordance concluded
+    #: the result of the action itself: "walked", "executed", "not executed", or the reason of its
+    #: failure; empty before it is done
     action: str = ""
 
     @property
@@ -90,23 +78,16 @@ def _constraint(best: Candidate) -> Json:
 
 @dataclass(frozen=True)
 class Decision:
-    """Why this object, and why this part.
+    """Why this object, and why this part."""
 
-    Attributes:
-        object: the inference at the find node.
-        part: the inference at the grasp node; None when the action does not grasp.
-        named_part: the part that the command itself named, which needs no rule.
-        patient: what a tool is used on.
-        rejected: the candidates that were tried before it; their reasons say how that failed.
-        allowed_part: the part that is taken because others are forbidden.
-    """
-
-    object: Inference
+    object: Inference  #: the inference at the find node
+    #: the inference at the grasp node; None when the action does not grasp
     part: Inference | None = None
-    named_part: str | None = None
-    patient: str | None = None
+    named_part: str | None = None  #: the part that the command itself named, which needs no rule
+    patient: str | None = None  #: what a tool is used on
+    #: the candidates that were tried before it; their reasons say how that failed
     rejected: tuple[Candidate, ...] = ()
-    allowed_part: str | None = None
+    allowed_part: str | None = None  #: the part that is taken because others are forbidden
 
     @property
     def chosen_part(self) -> str | None:
@@ -187,40 +168,31 @@ def _candidate(candidate: Candidate) -> Json:
 
 @dataclass(frozen=True)
 class WorldOutcome:
-    """What happened in the (simulated) world.
+    """What happened in the (simulated) world."""
 
-    Attributes:
-        executed: whether the robot was asked to act. If its planner found no way, the hand never
-            closed, and `attempts` is 0.
-        touched: the parts that the fingers touched when they closed.
-        handed_over: whether it was still held at the hand-over pose.
-        handed_over_at: that pose of the grip: x, y, z [m] and the unit quaternion x, y, z, w; empty
-            when nothing was handed over.
-        facing_rad: the level angle from its free part to the receiver then, None where it has none
-            aside, and `clearance_m` the gap between that part and the fingers [m].
-        moved: the kinds of objects that were in the way and were put aside.
-        attempts: the number of grasps.
-        score: of the last one, at most about 1.
-        slip_m: how far the object moved in the hand at the grip, and `slip_rad` how far it turned.
-        nail_depth_mm: the depth of the nail in its block [mm]; None when nothing was pounded.
-        driven_mm: by how much it was driven in [mm].
-    """
-
+    #: whether the robot was asked to act. If its planner found no way, the hand never closed, and
+    #: `attempts` is 0.
     executed: bool = False
-    touched: tuple[str, ...] = ()
+    touched: tuple[str, ...] = ()  #: the parts that the fingers touched when they closed
     lifted_m: float = 0.0
     held_s: float = 0.0
-    handed_over: bool = False
+    handed_over: bool = False  #: whether it was still held at the hand-over pose
+    #: that pose of the grip: x, y, z [m] and the unit quaternion x, y, z, w; empty when nothing was
+    #: handed over
     handed_over_at: tuple[float, ...] = ()
+    #: the level angle from its free part to the receiver then, None where it has none aside, and
+    #: `clearance_m` the gap between that part and the fingers [m]
     facing_rad: float | None = None
     clearance_m: float | None = None
-    moved: tuple[str, ...] = ()
-    attempts: int = 0
-    score: float = 0.0
+    moved: tuple[str, ...] = ()  #: the kinds of objects that were in the way and were put aside
+    attempts: int = 0  #: the number of grasps
+    score: float = 0.0  #: of the last one, at most about 1
+    #: how far the object moved in the hand at the grip, and `slip_rad` how far it turned
     slip_m: float = 0.0
     slip_rad: float = 0.0
+    #: the depth of the nail in its block [mm]; None when nothing was pounded
     nail_depth_mm: float | None = None
-    driven_mm: float = 0.0
+    driven_mm: float = 0.0  #: by how much it was driven in [mm]
     pictures: tuple[str, ...] = ()
 
     def as_json(self) -> Json:
@@ -255,26 +227,17 @@ class WorldOutcome:
 
 @dataclass(frozen=True)
 class GoalResult:
-    """The result of one goal.
+    """The result of one goal."""
 
-    Attributes:
-        answer: what to say in the end.
-        decision: which object and part, if the tree looks for any.
-        steps: the nodes in the order of execution.
-        setbacks: failures that a branch of the tree handled, and what is doubted, to be said before
-            the answer.
-        trials: what each grasp came to.
-        doubt: the part that experience speaks against, if that is asked about.
-        verdicts: what norms said of it, where they forbade something or were in conflict.
-    """
-
-    answer: AnswerContent
-    decision: Decision | None
-    steps: tuple[WalkStep, ...]
+    answer: AnswerContent  #: what to say in the end
+    decision: Decision | None  #: which object and part, if the tree looks for any
+    steps: tuple[WalkStep, ...]  #: the nodes in the order of execution
     world: WorldOutcome
+    #: failures that a branch of the tree handled, and what is doubted, to be said before the answer
     setbacks: tuple[AnswerContent, ...] = ()
-    trials: tuple[GraspTrial, ...] = ()
-    doubt: Doubt | None = None
+    trials: tuple[GraspTrial, ...] = ()  #: what each grasp came to
+    doubt: Doubt | None = None  #: the part that experience speaks against, if that is asked about
+    #: what norms said of it, where they forbade something or were in conflict
     verdicts: tuple[NormVerdict, ...] = ()
 
     @property

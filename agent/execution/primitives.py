@@ -84,23 +84,16 @@ class GraspLog:
 
 @dataclass(frozen=True)
 class PrimitiveTask:
-    """One primitive to perform.
+    """One primitive to perform."""
 
-    Attributes:
-        action: its name ("graspObject").
-        percept: the object it is about, if one was found.
-        constraint: what was concluded at the node.
-        found: parameter -> the percept that was found for it.
-        context: the action that it is part of ("pass").
-    """
-
-    action: str
+    action: str  #: its name ("graspObject")
     arguments: Arguments
-    percept: Percept | None
+    percept: Percept | None  #: the object it is about, if one was found
     part: str | None = None
-    constraint: Candidate | None = None
+    constraint: Candidate | None = None  #: what was concluded at the node
+    #: parameter -> the percept that was found for it
     found: Mapping[str, Percept] = field(default_factory=dict[str, Percept])
-    context: str = ""
+    context: str = ""  #: the action that it is part of ("pass")
 
 
 class PrimitiveExecutor:

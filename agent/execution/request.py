@@ -23,29 +23,22 @@ def named(argument: Argument | None) -> str | None:
 
 @dataclass(frozen=True)
 class Request:
-    """A goal with what the speaker said about it.
+    """A goal with what the speaker said about it."""
 
-    Attributes:
-        action: the action tree ("pass").
-        arguments: parameter -> the object that is meant, or a name.
-        part: the part to act on, when the command itself names it.
-        contexts: what else holds now, with the interval to which it holds.
-        assumed: the parameters that nobody mentioned; a default of the tree takes precedence.
-        excluded: the names of the objects that were chosen before, when another one is wanted.
-        agreed: kind of object -> the part that was agreed on, when Hilt asked.
-        momentary: norms that hold for this conversation only.
-        unheeded: the ids of norms that the speaker may lift, and has lifted for this request.
-    """
-
-    action: str
-    arguments: Arguments
+    action: str  #: the action tree ("pass")
+    arguments: Arguments  #: parameter -> the object that is meant, or a name
     speaker: str
-    part: str | None = None
+    part: str | None = None  #: the part to act on, when the command itself names it
+    #: what else holds now, with the interval to which it holds
     contexts: Mapping[Atom, Interval] = field(default_factory=dict[Atom, Interval])
+    #: the parameters that nobody mentioned; a default of the tree takes precedence
     assumed: frozenset[str] = frozenset()
+    #: the names of the objects that were chosen before, when another one is wanted
     excluded: frozenset[str] = frozenset()
+    #: kind of object -> the part that was agreed on, when Hilt asked
     agreed: Mapping[str, str] = field(default_factory=dict[str, str])
-    momentary: tuple[Rule, ...] = ()
+    momentary: tuple[Rule, ...] = ()  #: norms that hold for this conversation only
+    #: the ids of norms that the speaker may lift, and has lifted for this request
     unheeded: frozenset[str] = frozenset()
 
     def confirmed(self, result: GoalResult) -> Request | None:

@@ -31,22 +31,15 @@ Found = Mapping[str, Sequence[Transcript]]  # by the name of the recogniser, bes
 
 @dataclass(frozen=True)
 class Heard:
-    """What was heard.
+    """What was heard."""
 
-    Attributes:
-        text: the likeliest text; empty if there are no words in the sound.
-        heard: the share of such hearings that are right, in [0, 1]; 0 if it is not understood.
-        alternatives: a text for each meaning, then texts without one, best first; their scores are
-            such shares too, at most 1 in all.
-        recognisers: the names of those that found words.
-        agreed: whether there are several, and the best text of each means this.
-    """
-
-    text: str
-    heard: float
+    text: str  #: the likeliest text; empty if there are no words in the sound
+    heard: float  #: the share of such hearings that are right, in [0, 1]; 0 if it is not understood
+    #: a text for each meaning, then texts without one, best first; their scores are such shares
+    #: too, at most 1 in all
     alternatives: tuple[Transcript, ...]
-    recognisers: tuple[str, ...]
-    agreed: bool
+    recognisers: tuple[str, ...]  #: the names of those that found words
+    agreed: bool  #: whether there are several, and the best text of each means this
 
     def as_json(self) -> dict[str, object]:
         """Return the fields as JSON."""

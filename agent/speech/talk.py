@@ -21,19 +21,14 @@ from .voices import find_voice, spoken_form
 
 @dataclass
 class Talk:
-    """A talk.
-
-    Attributes:
-        sounds: what is listened to: sounds, or files of them.
-        kept_in: the folder where sounds are kept, each with what was heard; None to keep none.
-        is_interrupted: set when a person begins to speak, which ends what is being said.
-    """
+    """A talk."""
 
     listener: Listener
-    sounds: Iterable[Sound | Path]
+    sounds: Iterable[Sound | Path]  #: what is listened to: sounds, or files of them
     voice: Voice | None
+    #: the folder where sounds are kept, each with what was heard; None to keep none
     kept_in: Path | None
-    is_interrupted: Event
+    is_interrupted: Event  #: set when a person begins to speak, which ends what is being said
 
     @property
     def is_live(self) -> bool:

@@ -39,25 +39,20 @@ class ImportConflict:
 
 @dataclass(frozen=True)
 class ImportSummary:
-    """What an import changed, in numbers.
+    """What an import changed, in numbers."""
 
-    Attributes:
-        new, known: rules that the base did not know, and that it knew already.
-        conflicting: conflicts between a new rule and a believed one; `conflicts` are the first.
-        utterances: new utterances of the history.
-        untrusted: speakers of new rules whom nobody trusts, so that their rules weigh nothing.
-        kept: the first known rules that have another status in the base, where they keep it.
-        not_taken: how many statements were left out, by what and where they are: labels of its own,
-            and statements of the domain or of trust, of which the base has others.
-    """
-
+    #: new, known: rules that the base did not know, and that it knew already
     new: int
     known: int
-    conflicting: int
-    utterances: int
+    conflicting: int  #: conflicts between a new rule and a believed one; `conflicts` are the first
+    utterances: int  #: new utterances of the history
+    #: speakers of new rules whom nobody trusts, so that their rules weigh nothing
     untrusted: tuple[str, ...]
     conflicts: tuple[ImportConflict, ...] = ()
+    #: the first known rules that have another status in the base, where they keep it
     kept: tuple[Rule, ...] = ()
+    #: how many statements were left out, by what and where they are: labels of its own, and
+    #: statements of the domain or of trust, of which the base has others
     not_taken: Mapping[str, int] = field(default_factory=dict[str, int])
 
     def as_json(self) -> dict[str, object]:
@@ -73,22 +68,18 @@ class ImportSummary:
 
 @dataclass
 class AncillaryWrites:
-    """What is to be written besides the rules: statements to insert and to delete.
+    """What is to be written besides the rules: statements to insert and to delete."""
 
-    Attributes:
-        last: the number of the last utterance there will be.
-        numbers: the number that each imported utterance has in the base.
-        assertions: ids of the rules that new utterances assert, as many as there are rules.
-        left: how many statements are left out, by their predicate and graph.
-    """
-
-    last: int
+    last: int  #: the number of the last utterance there will be
     insert: list[Quad] = field(default_factory=list[Quad])
     delete: list[Quad] = field(default_factory=list[Quad])
+    #: the number that each imported utterance has in the base
     numbers: dict[int, int] = field(default_factory=dict[int, int])
+    #: ids of the rules that new utterances assert, as many as there are rules
     assertions: list[tuple[int, tuple[str, ...]]] = field(
         default_factory=list[tuple[int, tuple[str, ...]]]
     )
+    #: how many statements are left out, by their predicate and graph
     left: Counter[str] = field(default_factory=Counter[str])
 
     def add(self, utterance: Utterance) -> None:

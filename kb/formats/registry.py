@@ -11,23 +11,15 @@ PACKED = ".gz"
 
 @dataclass(frozen=True)
 class FileFormat:
-    """A file format.
+    """A file format."""
 
-    Attributes:
-        name: the value of `--format`.
-        suffixes: the extensions of its files; the first is the usual one.
-        whole: whether it has named graphs, and so holds a whole base.
-        leaves_out: what it cannot hold, as half a sentence.
-        most: bytes that are read of it; None where it streams, however long.
-        is_xml: whether it is XML, so that document types are refused.
-    """
-
-    name: str
-    suffixes: tuple[str, ...]
-    whole: bool = False
+    name: str  #: the value of `--format`
+    suffixes: tuple[str, ...]  #: the extensions of its files; the first is the usual one
+    whole: bool = False  #: whether it has named graphs, and so holds a whole base
+    #: what it cannot hold, as half a sentence
     leaves_out: str = "history that no rule comes from, words, episodes and the domain"
-    most: int | None = None
-    is_xml: bool = False
+    most: int | None = None  #: bytes that are read of it; None where it streams, however long
+    is_xml: bool = False  #: whether it is XML, so that document types are refused
 
 
 _MB = 2**20

@@ -24,22 +24,15 @@ _DECLARATIONS = {"BASE": 2, "PREFIX": 3}  # with how many tokens they have
 
 @dataclass(frozen=True)
 class UpdateOperation:
-    """One operation of an update.
+    """One operation of an update."""
 
-    Attributes:
-        prologue: the declarations before it.
-        graph: the graph that its WITH names, as it is written; empty without.
-        deleted, inserted: its templates, groups in braces; empty where it has none.
-        where: its WHERE group; empty where the templates hold as they are.
-        dataset: the FROM clauses that its USING clauses amount to.
-    """
-
-    prologue: str
-    graph: str = ""
+    prologue: str  #: the declarations before it
+    graph: str = ""  #: the graph that its WITH names, as it is written; empty without
+    #: deleted, inserted: its templates, groups in braces; empty where it has none
     deleted: str = ""
     inserted: str = ""
-    where: str = ""
-    dataset: str = ""
+    where: str = ""  #: its WHERE group; empty where the templates hold as they are
+    dataset: str = ""  #: the FROM clauses that its USING clauses amount to
 
     @property
     def variables(self) -> tuple[str, ...]:

@@ -60,24 +60,16 @@ _REMOVE = "DELETE WHERE { GRAPH graph:writers { %s ?property ?value } }"
 
 @dataclass(frozen=True)
 class Claim:
-    """A claim as the endpoint has it.
-
-    Attributes:
-        holder: the process that made it, for people.
-        number: its place in the order of the waiting; None for one that found no other.
-        age_s: the time since it was made or renewed; None when it was ended.
-        changes: graphs that what is prepared under it changes.
-        replaces: those of them that lose all they had.
-        is_decided: whether what is prepared is to be made visible.
-    """
+    """A claim as the endpoint has it."""
 
     node: Iri
-    holder: str = ""
+    holder: str = ""  #: the process that made it, for people
+    #: its place in the order of the waiting; None for one that found no other
     number: int | None = None
-    age_s: float | None = None
-    changes: tuple[Iri, ...] = ()
-    replaces: tuple[Iri, ...] = ()
-    is_decided: bool = False
+    age_s: float | None = None  #: the time since it was made or renewed; None when it was ended
+    changes: tuple[Iri, ...] = ()  #: graphs that what is prepared under it changes
+    replaces: tuple[Iri, ...] = ()  #: those of them that lose all they had
+    is_decided: bool = False  #: whether what is prepared is to be made visible
 
     @property
     def is_live(self) -> bool:

@@ -45,18 +45,12 @@ PHRASES = (
 
 @dataclass(frozen=True)
 class AnswerTemplates:
-    """The answers of one language, and the words for rules, things and acts.
+    """The answers of one language, and the words for rules, things and acts."""
 
-    Attributes:
-        answers: the text of each by its key, with `{slot}` or `{slot:form}`.
-        phrases: how rules are put into words, by `PHRASES`.
-        words: the forms of words, and the verbs of acts.
-        adverbs: the usual adverb of each confidence, empty for the default one.
-    """
-
-    answers: Mapping[str, str]
-    phrases: Mapping[str, str]
-    words: LexiconBuilder
+    answers: Mapping[str, str]  #: the text of each by its key, with `{slot}` or `{slot:form}`
+    phrases: Mapping[str, str]  #: how rules are put into words, by `PHRASES`
+    words: LexiconBuilder  #: the forms of words, and the verbs of acts
+    #: the usual adverb of each confidence, empty for the default one
     adverbs: Mapping[meaning.Confidence, str]
 
     def say(self, key: str, **slots: Slot) -> str:

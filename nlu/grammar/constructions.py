@@ -42,17 +42,11 @@ Piece = ConstructionGap | WordRun
 
 @dataclass(frozen=True)
 class Construction:
-    """One spelling of a construction, with one of its meanings.
+    """One spelling of a construction, with one of its meanings."""
 
-    Attributes:
-        pieces: its gaps and runs of words, in order.
-        result: the category of the whole phrase.
-        term: its meaning, in which the names of the gaps are constants.
-    """
-
-    pieces: tuple[Piece, ...]
-    result: Category
-    term: Term
+    pieces: tuple[Piece, ...]  #: its gaps and runs of words, in order
+    result: Category  #: the category of the whole phrase
+    term: Term  #: its meaning, in which the names of the gaps are constants
 
     @cached_property
     def anchor(self) -> int:

@@ -34,18 +34,13 @@ SPEECH_ACTS = ("STATEMENT", "INSTRUCT", "QUESTION", "CORRECT", "FRAGMENT", "REPL
 
 @dataclass(frozen=True)
 class UnaryRule:
-    """A change of category that needs no word.
-
-    Attributes:
-        term: the function from the old meaning to the new one, and `value` its evaluation.
-        cost: how unlikely the change is.
-    """
+    """A change of category that needs no word."""
 
     source: Category
     target: Category
-    term: Term
+    term: Term  #: the function from the old meaning to the new one, and `value` its evaluation
     value: Value
-    cost: float = 0.0
+    cost: float = 0.0  #: how unlikely the change is
 
     def __str__(self) -> str:
         return f"{self.source} => {self.target}"
@@ -53,28 +48,17 @@ class UnaryRule:
 
 @dataclass(frozen=True)
 class Grammar:
-    """What all words of a language share.
+    """What all words of a language share."""
 
-    Attributes:
-        types: the type of each atomic category.
-        descriptions: each atomic category in words, for messages.
-        signature: the types of the names that meanings are made of.
-        unary: the changes of category.
-        roots: the speech act of each category that is a whole utterance.
-        topic: the category of what is only named, for "it" to stand for.
-        general: the category of any object of a kind, like "a knife".
-        answer: the category of a short answer, like "the second one".
-        speaker: the categories of the speaker as who is given something: "me", "to me".
-    """
-
-    types: Mapping[str, Type]
-    descriptions: Mapping[str, str]
-    signature: Signature
-    unary: tuple[UnaryRule, ...]
-    roots: Mapping[Category, str]
-    topic: Category
-    general: Category
-    answer: Category
+    types: Mapping[str, Type]  #: the type of each atomic category
+    descriptions: Mapping[str, str]  #: each atomic category in words, for messages
+    signature: Signature  #: the types of the names that meanings are made of
+    unary: tuple[UnaryRule, ...]  #: the changes of category
+    roots: Mapping[Category, str]  #: the speech act of each category that is a whole utterance
+    topic: Category  #: the category of what is only named, for "it" to stand for
+    general: Category  #: the category of any object of a kind, like "a knife"
+    answer: Category  #: the category of a short answer, like "the second one"
+    #: the categories of the speaker as who is given something: "me", "to me"
     speaker: frozenset[Category]
 
     def entry(

@@ -26,26 +26,20 @@ from .tokenizer import BREAK, Token, Tokens
 
 @dataclass(frozen=True)
 class DiscourseMarkers:
-    """The phrases that may be removed from an utterance.
+    """The phrases that may be removed from an utterance."""
 
-    Attributes:
-        anywhere: phrases that add nothing in any position.
-        apart: phrases that add nothing between two pauses, breaks or ends.
-        question_tags: question tags, which make a question of a sentence.
-        statement_tags: tags with a question mark that ask for nothing, such as "okay?".
-        ending: phrases that are a sentence of their own before a pause: "forget that, ...".
-        request_tags: the beginning and the tag of a request, a break between them: "you could not
-            ..., could you?".
-        clauses: patterns of reasons that add nothing before a pause or the end.
-    """
-
-    anywhere: frozenset[Phrase] = frozenset()
+    anywhere: frozenset[Phrase] = frozenset()  #: phrases that add nothing in any position
+    #: phrases that add nothing between two pauses, breaks or ends
     apart: frozenset[Phrase] = frozenset()
+    #: question tags, which make a question of a sentence
     question_tags: frozenset[Phrase] = frozenset()
+    #: tags with a question mark that ask for nothing, such as "okay?"
     statement_tags: frozenset[Phrase] = frozenset()
+    #: phrases that are a sentence of their own before a pause: "forget that, ..."
     ending: frozenset[Phrase] = frozenset()
+    #: the beginning and the tag of a request, a break between them: "you could not ..., could you?"
     request_tags: frozenset[Phrase] = frozenset()
-    clauses: Steps = ()
+    clauses: Steps = ()  #: patterns of reasons that add nothing before a pause or the end
 
     def with_phrases(self, kind: str, field: YamlNode) -> DiscourseMarkers:
         """Return these phrases and further ones; `DataError` for a wrong kind or pattern."""

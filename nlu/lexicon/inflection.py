@@ -21,17 +21,11 @@ Rule: TypeAlias = tuple[re.Pattern[str], str]
 
 @dataclass(frozen=True)
 class FormTable:
-    """The irregular words and the rules (pattern, replacement) of one form.
+    """The irregular words and the rules (pattern, replacement) of one form."""
 
-    Attributes:
-        irregular: the forms of words that follow no rule.
-        rules: of these the first whose pattern is found in the word applies.
-        backwards: rules that guess the word from the form.
-    """
-
-    irregular: Mapping[str, str]
-    rules: tuple[Rule, ...]
-    backwards: tuple[Rule, ...] = ()
+    irregular: Mapping[str, str]  #: the forms of words that follow no rule
+    rules: tuple[Rule, ...]  #: of these the first whose pattern is found in the word applies
+    backwards: tuple[Rule, ...] = ()  #: rules that guess the word from the form
 
     def of(self, word: str) -> str:
         """This form of one word."""

@@ -22,25 +22,16 @@ from .misspelling import letter_clusters
 
 
 class Entry(NamedTuple):
-    """One reading of a word, or of several words that belong together.
+    """One reading of a word, or of several words that belong together."""
 
-    Attributes:
-        category: its syntactic category, and `sign` the combinator's number of it.
-        term: its meaning, and `value` the evaluation of that.
-        cost: how unlikely this reading is.
-        name: what the word names, in its dictionary form; empty for words of grammar.
-        role: of a word not in the lexicon, what it would be; empty for all others.
-        says: the words, or a pattern of them.
-    """
-
-    category: Category
-    term: Term
+    category: Category  #: its syntactic category, and `sign` the combinator's number of it
+    term: Term  #: its meaning, and `value` the evaluation of that
     value: Value
     sign: Sign
-    cost: float = 0.0
-    name: str = ""
-    role: str = ""
-    says: str = ""
+    cost: float = 0.0  #: how unlikely this reading is
+    name: str = ""  #: what the word names, in its dictionary form; empty for words of grammar
+    role: str = ""  #: of a word not in the lexicon, what it would be; empty for all others
+    says: str = ""  #: the words, or a pattern of them
 
 
 class LazyEntry(NamedTuple):
@@ -58,16 +49,11 @@ Places: TypeAlias = Sequence[tuple[str, Steps] | int]
 
 @dataclass(frozen=True)
 class EntryIndex:
-    """The entries of some words, sorted as a chart needs them.
+    """The entries of some words, sorted as a chart needs them."""
 
-    Attributes:
-        plain: those that are no part of a construction, by sign.
-        words: those that only are certain words of a construction.
-        heads: those that seek certain words, by one of the words that they seek.
-    """
-
-    plain: Mapping[Sign, Sequence[Entry]]
-    words: Sequence[Entry]
+    plain: Mapping[Sign, Sequence[Entry]]  #: those that are no part of a construction, by sign
+    words: Sequence[Entry]  #: those that only are certain words of a construction
+    #: those that seek certain words, by one of the words that they seek
     heads: Mapping[Sign, Sequence[Entry]]
 
     @classmethod

@@ -48,19 +48,13 @@ class Token:
 
 @dataclass(frozen=True)
 class Tokens:
-    """The tokens of one utterance.
+    """The tokens of one utterance."""
 
-    Attributes:
-        text: the utterance as it was written.
-        asks: whether the text ends with a question mark.
-        pauses: indices of the tokens that follow a comma or dash.
-        removed: the phrases that were taken out because they add nothing.
-    """
-
-    text: str
+    text: str  #: the utterance as it was written
     items: tuple[Token, ...]
-    asks: bool
-    pauses: tuple[int, ...] = ()
+    asks: bool  #: whether the text ends with a question mark
+    pauses: tuple[int, ...] = ()  #: indices of the tokens that follow a comma or dash
+    #: the phrases that were taken out because they add nothing
     removed: tuple[tuple[str, ...], ...] = ()
 
     @cached_property

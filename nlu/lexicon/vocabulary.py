@@ -18,25 +18,15 @@ ROLES = ("object", "part", "affordance", "context", "property", "person", "place
 
 @dataclass(frozen=True)
 class Vocabulary:
-    """Names by role, all in their dictionary form: singular, bare verb, gerund for affordances.
+    """Names by role, all in their dictionary form: singular, bare verb, gerund for affordances."""
 
-    Attributes:
-        objects: kinds of objects ("knife", "wine glass").
-        parts: kinds of parts ("handle").
-        affordances: gerunds of uses ("cutting").
-        contexts: bare verbs of acts on an object ("throw").
-        properties: what can be seen of an object ("sharp").
-        people: names of speakers, lower case.
-        places: where Hilt may be ("kitchen"), besides those of the language.
-    """
-
-    objects: tuple[str, ...] = ()
-    parts: tuple[str, ...] = ()
-    affordances: tuple[str, ...] = ()
-    contexts: tuple[str, ...] = ()
-    properties: tuple[str, ...] = ()
-    people: tuple[str, ...] = ()
-    places: tuple[str, ...] = ()
+    objects: tuple[str, ...] = ()  #: kinds of objects ("knife", "wine glass")
+    parts: tuple[str, ...] = ()  #: kinds of parts ("handle")
+    affordances: tuple[str, ...] = ()  #: gerunds of uses ("cutting")
+    contexts: tuple[str, ...] = ()  #: bare verbs of acts on an object ("throw")
+    properties: tuple[str, ...] = ()  #: what can be seen of an object ("sharp")
+    people: tuple[str, ...] = ()  #: names of speakers, lower case
+    places: tuple[str, ...] = ()  #: where Hilt may be ("kitchen"), besides those of the language
 
     def names(self, role: str) -> tuple[str, ...]:
         """The names that have a role, one of `ROLES`, which are in the order of the fields."""
@@ -45,17 +35,11 @@ class Vocabulary:
 
 @dataclass(frozen=True)
 class NewWord:
-    """A word that was not known, and the role that the rest of its sentence gives it.
+    """A word that was not known, and the role that the rest of its sentence gives it."""
 
-    Attributes:
-        word: its dictionary form: singular, bare verb for a context, gerund for an affordance.
-        role: `object`, `part`, `affordance`, `context` or `place`; `person` for somebody known.
-        said: the word as it was said.
-    """
-
-    word: str
-    role: str
-    said: str
+    word: str  #: its dictionary form: singular, bare verb for a context, gerund for an affordance
+    role: str  #: `object`, `part`, `affordance`, `context` or `place`; `person` for somebody known
+    said: str  #: the word as it was said
 
     def as_json(self) -> dict[str, object]:
         """This word as `new_words` lists it."""

@@ -106,14 +106,10 @@ _START, _END = "^", "$"
 
 @dataclass(frozen=True)
 class OfferModel:
-    """What was learned from utterances.
+    """What was learned from utterances."""
 
-    Attributes:
-        shapes: those of their meanings.
-        weights: by what an utterance or a filling has, and then by the trait of the meaning.
-    """
-
-    shapes: tuple[MeaningShape, ...]
+    shapes: tuple[MeaningShape, ...]  #: those of their meanings
+    #: by what an utterance or a filling has, and then by the trait of the meaning
     weights: Mapping[str, Mapping[str, float]]
 
     def probabilities(

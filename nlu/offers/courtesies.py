@@ -36,30 +36,22 @@ def answer_to(acknowledgement: str) -> str:
 
 @dataclass(frozen=True)
 class Courtesy:
-    """What is said by the way in an utterance, and what else it says.
+    """What is said by the way in an utterance, and what else it says."""
 
-    Attributes:
-        kind: `farewell`, `greeting`, `thanks`, `apology`, `blame` or `praise`; empty for chatter.
-        rest: the text of all else, from the first to the last part of it; empty when there is none.
-        is_formal: whether only greetings, thanks and goodbyes are said by the way.
-        name: how its speaker introduces himself or herself, empty when nobody does.
-    """
-
+    #: `farewell`, `greeting`, `thanks`, `apology`, `blame` or `praise`; empty for chatter
     kind: str
+    #: the text of all else, from the first to the last part of it; empty when there is none
     rest: str
-    is_formal: bool
-    name: str = ""
+    is_formal: bool  #: whether only greetings, thanks and goodbyes are said by the way
+    name: str = ""  #: how its speaker introduces himself or herself, empty when nobody does
 
 
 @dataclass(frozen=True)
 class CourtesyPhrases:
-    """The phrases by which courtesies are found, and the words that are known.
+    """The phrases by which courtesies are found, and the words that are known."""
 
-    Attributes:
-        words: the phrases of each kind, in the order in which they count; what parts begin with
-            that are only said by the way, praise or blame, or introduce the speaker; single words.
-    """
-
+    #: the phrases of each kind, in the order in which they count; what parts begin with that are
+    #: only said by the way, praise or blame, or introduce the speaker; single words
     words: WordLists
     known: KnownWords
 

@@ -66,22 +66,15 @@ class Mention:
 
 @dataclass(frozen=True)
 class Mentions:
-    """What one utterance names.
-
-    Attributes:
-        names: the names, in the order of the utterance.
-        degrees: the places and intervals of words for a degree of confidence.
-        it: the object mentioned last before the utterance.
-        last: the last rule before the utterance.
-        features: what its words say of doer, time, source and sign.
-    """
+    """What one utterance names."""
 
     tokens: Tokens
-    names: tuple[Mention, ...]
+    names: tuple[Mention, ...]  #: the names, in the order of the utterance
+    #: the places and intervals of words for a degree of confidence
     degrees: tuple[tuple[int, int, Confidence], ...] = ()
-    it: str | None = None
-    last: Rule | None = None
-    features: frozenset[str] = frozenset()
+    it: str | None = None  #: the object mentioned last before the utterance
+    last: Rule | None = None  #: the last rule before the utterance
+    features: frozenset[str] = frozenset()  #: what its words say of doer, time, source and sign
 
     @cached_property
     def by_role(self) -> Mapping[str, Mapping[str, tuple[Mention, ...]]]:

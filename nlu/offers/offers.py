@@ -56,20 +56,17 @@ MAX_SEGMENTS = 30  # how many segments are parsed
 
 @dataclass(frozen=True, repr=False)
 class OfferFinder:
-    """Finds meanings to offer.
-
-    Attributes:
-        degrees: the words for degrees of confidence, with their intervals.
-        tool_acts: the acts done with a tool, each with the affordance that the tool must have.
-        meaning_of: returns the meaning of a text that somebody says at some point.
-    """
+    """Finds meanings to offer."""
 
     model: OfferModel
     checks: OfferChecks
     known: KnownWords
+    #: the words for degrees of confidence, with their intervals
     degrees: Mapping[tuple[str, ...], Confidence]
+    #: the acts done with a tool, each with the affordance that the tool must have
     tool_acts: Mapping[str, str]
     realizer: Realizer
+    #: returns the meaning of a text that somebody says at some point
     meaning_of: Callable[[str, UtteranceContext], Meaning]
     segments: SegmentReader
 

@@ -26,15 +26,10 @@ _PERSONS = frozenset({OWN, HEARER})
 
 @dataclass(frozen=True)
 class SegmentReader:
-    """Finds the segments of utterances that may be all that is meant.
+    """Finds the segments of utterances that may be all that is meant."""
 
-    Attributes:
-        periphery: types what stands around a segment.
-        words: the words of each check on offers.
-    """
-
-    periphery: PeripheryReader
-    words: WordLists
+    periphery: PeripheryReader  #: types what stands around a segment
+    words: WordLists  #: the words of each check on offers
 
     def found(self, mentions: Mentions) -> Iterator[Span]:
         """Yield the segments beside which nothing else is meant, the longest first."""

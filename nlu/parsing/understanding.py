@@ -35,47 +35,35 @@ class UtteranceContext:
 
 @dataclass(frozen=True)
 class Reading:
-    """One reading of an utterance.
+    """One reading of an utterance."""
 
-    Attributes:
-        speech_act: `STATEMENT(sam,self,...)`.
-        intention: what the speaker wants, `wantBelieve(sam,self,...)`.
-        interval: how sure the intention is, by the pragmatic rules and by how well the speech was
-            recognised, as (lower, upper) in [0, 1].
-        cost: how unlikely the reading is; the lowest cost is the best.
-        features: those of its clauses, such as who does it and when.
-    """
-
-    speech_act: PredicateForm
-    intention: PredicateForm
+    speech_act: PredicateForm  #: `STATEMENT(sam,self,...)`
+    intention: PredicateForm  #: what the speaker wants, `wantBelieve(sam,self,...)`
+    #: how sure the intention is, by the pragmatic rules and by how well the speech was recognised,
+    #: as (lower, upper) in [0, 1]
     interval: Confidence
     meaning: Meaning
-    cost: float
+    cost: float  #: how unlikely the reading is; the lowest cost is the best
     derivation: Derivation
     new_words: tuple[NewWord, ...] = ()
+    #: those of its clauses, such as who does it and when
     features: UtteranceFeatures = field(default_factory=UtteranceFeatures)
 
 
 @dataclass(frozen=True)
 class Understanding:
-    """An utterance, who said it to whom, and its meaning.
-
-    Attributes:
-        meaning: a `Misunderstanding` or `AskBack` when it is not clear.
-        reading: the best reading, None when there is none.
-        readings: the number of different meanings.
-        new_words: the words that a statement teaches, with their roles in the sentence.
-        discourse: the discourse state after the utterance.
-    """
+    """An utterance, who said it to whom, and its meaning."""
 
     text: str
     speaker: str
     addressee: str
-    meaning: Meaning
-    reading: Reading | None = None
-    readings: int = 0
+    meaning: Meaning  #: a `Misunderstanding` or `AskBack` when it is not clear
+    reading: Reading | None = None  #: the best reading, None when there is none
+    readings: int = 0  #: the number of different meanings
+    #: the words that a statement teaches, with their roles in the sentence
     new_words: tuple[NewWord, ...] = ()
     words: tuple[str, ...] = ()
+    #: the discourse state after the utterance
     discourse: Discourse = field(default_factory=Discourse)
 
     @classmethod

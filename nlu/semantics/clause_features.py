@@ -40,16 +40,12 @@ _WORDS = ("part_words", "holding_words", "owners", "embedding", "determiners", "
 
 @dataclass(frozen=True)
 class UtteranceFeatures:
-    """The features of an utterance by clause.
+    """The features of an utterance by clause."""
 
-    Attributes:
-        main: those of the main clause.
-        condition: those of the clause that says when, or what for.
-        aside: those of the phrases that were taken to add nothing.
-    """
-
-    main: Values = field(default_factory=dict)
+    main: Values = field(default_factory=dict)  #: those of the main clause
+    #: those of the clause that says when, or what for
     condition: Values = field(default_factory=dict)
+    #: those of the phrases that were taken to add nothing
     aside: Values = field(default_factory=dict)
 
     def of(self, clause: str) -> Values:
@@ -64,24 +60,17 @@ class UtteranceFeatures:
 
 @dataclass(frozen=True)
 class FeatureReader:
-    """Reads features off words.
+    """Reads features off words."""
 
-    Attributes:
-        phrases: the phrases with features by their first word, the longest first.
-        values: all values of each feature.
-        nouns: the nouns of each kind: parts, what is no part, and what cannot be handled.
-        defaults: the value of a feature that no words show, where it has one.
-        categories: the names of the categories of conditions, of people and things, and of goals.
-        words: lists of words, by the keys of `features.yaml`, which says what they show.
-        endings: those of abstract nouns, of words that hardly ever name a person, and of places.
-    """
-
+    #: the phrases with features by their first word, the longest first
     phrases: Mapping[str, Sequence[tuple[tuple[str, ...], Values]]]
-    values: Values
-    nouns: Values
-    defaults: Values
+    values: Values  #: all values of each feature
+    nouns: Values  #: the nouns of each kind: parts, what is no part, and what cannot be handled
+    defaults: Values  #: the value of a feature that no words show, where it has one
+    #: the names of the categories of conditions, of people and things, and of goals
     categories: Values
-    words: Values
+    words: Values  #: lists of words, by the keys of `features.yaml`, which says what they show
+    #: those of abstract nouns, of words that hardly ever name a person, and of places
     endings: Mapping[str, tuple[str, ...]]
 
     def features(

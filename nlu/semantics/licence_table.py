@@ -43,16 +43,12 @@ _CLAUSES = (MAIN, CONDITION, ASIDE)
 
 @dataclass(frozen=True)
 class LicenceRow:
-    """A row of the table: for the kinds of meaning `of`, with these features, what follows.
-
-    Attributes:
-        clauses: for each clause the values of which it must have one, for each of some features.
-        then: `ACCEPT`, or the name of the answer that asks back.
-    """
+    """A row of the table: for the kinds of meaning `of`, with these features, what follows."""
 
     of: frozenset[str]
+    #: for each clause the values of which it must have one, for each of some features
     clauses: Mapping[str, Values]
-    then: str
+    then: str  #: `ACCEPT`, or the name of the answer that asks back
 
     def applies(self, kinds: frozenset[str], features: UtteranceFeatures) -> bool:
         """Whether the row decides on a meaning of some kinds with these features."""

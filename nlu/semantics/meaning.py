@@ -59,40 +59,27 @@ def _one_or_all(records: Sequence[_Record]) -> Json:
 
 @dataclass(frozen=True)
 class FunctionalRule(_Rule):
-    """An object is used for something: "a knife is often used for cutting".
-
-    Attributes:
-        object: the kind of object, or `ANY_OBJECT`.
-        affordance: the gerund of what it is used for.
-        confidence: (lower, upper) in [0, 1].
-        props: further properties that the object must have, sorted.
-        revises: whether it replaces what was taught before.
-        material: what it is used on ("bread", for cutting), or None for anything.
-        source: the person whose words the speaker reports ("anna"), or None for the speaker.
-    """
+    """An object is used for something: "a knife is often used for cutting"."""
 
     rule: ClassVar[str] = "functional"
-    object: str
-    affordance: str
-    confidence: Confidence
-    props: tuple[str, ...] = ()
-    revises: bool = False
-    material: str | None = None
+    object: str  #: the kind of object, or `ANY_OBJECT`
+    affordance: str  #: the gerund of what it is used for
+    confidence: Confidence  #: (lower, upper) in [0, 1]
+    props: tuple[str, ...] = ()  #: further properties that the object must have, sorted
+    revises: bool = False  #: whether it replaces what was taught before
+    material: str | None = None  #: what it is used on ("bread", for cutting), or None for anything
+    #: the person whose words the speaker reports ("anna"), or None for the speaker
     source: str | None = None
 
 
 @dataclass(frozen=True)
 class ActionRule(_Rule):
-    """In a context, an object is grasped by a part: "to pass a knife grab it by the blade".
-
-    Attributes:
-        context: the action during which the rule holds ("pass", "pickUp", ...).
-        object, confidence, props, revises, source: as of a `FunctionalRule`.
-    """
+    """In a context, an object is grasped by a part: "to pass a knife grab it by the blade"."""
 
     rule: ClassVar[str] = "action"
+    #: object, confidence, props, revises, source: as of a `FunctionalRule`
     object: str
-    context: str
+    context: str  #: the action during which the rule holds ("pass", "pickUp", ...)
     part: str
     confidence: Confidence
     props: tuple[str, ...] = ()
@@ -154,23 +141,16 @@ class Statement(_Statement[Rule]):
 
 @dataclass(frozen=True)
 class ObjectReference(_Record):
-    """The object that a command refers to: exactly one of the first three attributes is set.
+    """The object that a command refers to: exactly one of the first three attributes is set."""
 
-    Attributes:
-        object: a kind of object, or `ANY_OBJECT` when only properties are asked for.
-        used_for: an affordance it must have.
-        not_used_for: an affordance it must not have.
-        props: further properties that it must have, sorted.
-        material: what the affordance is wanted for ("bread", for cutting), or None for anything.
-        other: whether it is none of those that were chosen before: "the other one".
-    """
-
+    #: a kind of object, or `ANY_OBJECT` when only properties are asked for
     object: str | None = None
-    used_for: str | None = None
-    not_used_for: str | None = None
-    props: tuple[str, ...] = ()
+    used_for: str | None = None  #: an affordance it must have
+    not_used_for: str | None = None  #: an affordance it must not have
+    props: tuple[str, ...] = ()  #: further properties that it must have, sorted
+    #: what the affordance is wanted for ("bread", for cutting), or None for anything
     material: str | None = None
-    other: bool = False
+    other: bool = False  #: whether it is none of those that were chosen before: "the other one"
 
     def __post_init__(self) -> None:
         if sum(value is not None for value in (self.object, self.used_for, self.not_used_for)) != 1:
@@ -184,59 +164,38 @@ class ObjectReference(_Record):
 
 @dataclass(frozen=True)
 class Command(_Record):
-    """An act on one object: "pass me the knife by the blade".
-
-    Attributes:
-        goal: `pass`, `pickUp`, `pointTo`, `grasp` or `use`.
-        part: the part to grasp, when the speaker names it.
-        recipient: who gets it, when it is not the speaker.
-        negated: whether the act is forbidden; then it must never be executed.
-    """
+    """An act on one object: "pass me the knife by the blade"."""
 
     kind: ClassVar[str] = "command"
-    goal: str
+    goal: str  #: `pass`, `pickUp`, `pointTo`, `grasp` or `use`
     target: ObjectReference
-    part: str | None = None
-    recipient: str | None = None
-    negated: bool = False
+    part: str | None = None  #: the part to grasp, when the speaker names it
+    recipient: str | None = None  #: who gets it, when it is not the speaker
+    negated: bool = False  #: whether the act is forbidden; then it must never be executed
 
 
 @dataclass(frozen=True)
 class ToolCommand(_Record):
-    """An act on something with a tool: "pound the nail [with the hammer]".
-
-    Attributes:
-        goal: `pound`, `cut`, `poke`, ...
-        patient: what the tool is used on.
-        tool: the tool named, or the affordance that the act needs.
-        negated: whether the act is forbidden; then it must never be executed.
-    """
+    """An act on something with a tool: "pound the nail [with the hammer]"."""
 
     kind: ClassVar[str] = "command"
-    goal: str
-    patient: str
-    tool: ObjectReference
-    negated: bool = False
+    goal: str  #: `pound`, `cut`, `poke`, ...
+    patient: str  #: what the tool is used on
+    tool: ObjectReference  #: the tool named, or the affordance that the act needs
+    negated: bool = False  #: whether the act is forbidden; then it must never be executed
 
 
 @dataclass(frozen=True)
 class Norm(_Record):
-    """What must or must not be done from now on, or may be: "never hand knives to children".
+    """What must or must not be done from now on, or may be: "never hand knives to children"."""
 
-    Attributes:
-        norm: `forbidden`, `obliged` or `permitted`.
-        act: what is to be done; any object is `ANY_OBJECT`, and a tool that is not named, too. An
-            obligation with a part allows no other one.
-        confidence: (lower, upper) in [0, 1].
-        place: where it holds; None for anywhere.
-        before: what must be done before the act.
-    """
-
-    norm: str
+    norm: str  #: `forbidden`, `obliged` or `permitted`
+    #: what is to be done; any object is `ANY_OBJECT`, and a tool that is not named, too. An
+    #: obligation with a part allows no other one.
     act: Command | ToolCommand
-    confidence: Confidence
-    place: str | None = None
-    before: Command | None = None
+    confidence: Confidence  #: (lower, upper) in [0, 1]
+    place: str | None = None  #: where it holds; None for anywhere
+    before: Command | None = None  #: what must be done before the act
 
     def as_json(self) -> Json:
         """Return the norm as a JSON object, in which the act stands as a command does."""
@@ -258,15 +217,11 @@ class NormStatement:
 
 @dataclass(frozen=True)
 class KindRelation(_Rule):
-    """An object is of a more general kind: "a bread knife is a kind of knife".
-
-    Attributes:
-        kind_of: the more general kind.
-        object, confidence, revises, source: as of a `FunctionalRule`.
-    """
+    """An object is of a more general kind: "a bread knife is a kind of knife"."""
 
     props: ClassVar[tuple[str, ...]] = ()  # it holds of a kind as a whole
-    kind_of: str
+    kind_of: str  #: the more general kind
+    #: object, confidence, revises, source: as of a `FunctionalRule`
     object: str
     confidence: Confidence
     revises: bool = False
@@ -284,15 +239,11 @@ class KindStatement(_Statement[KindRelation]):
 
 @dataclass(frozen=True)
 class ActionCommand(_Record):
-    """A taught action on several objects, or on none: "swap the knife and the spoon", "tidy up".
-
-    Attributes:
-        objects: what to act on, in the order of its parameters.
-    """
+    """A taught action on several objects, or on none: "swap the knife and the spoon", "tidy up"."""
 
     kind: ClassVar[str] = "command"
     goal: str
-    objects: tuple[ObjectReference, ...] = ()
+    objects: tuple[ObjectReference, ...] = ()  #: what to act on, in the order of its parameters
 
 
 Act = Command | ToolCommand | ActionCommand
@@ -312,59 +263,37 @@ class Plan:
 
 @dataclass(frozen=True)
 class ActionCondition(_Record):
-    """What must be so before an action: "only if it is empty", "unless you hold a knife".
+    """What must be so before an action: "only if it is empty", "unless you hold a knife"."""
 
-    Attributes:
-        state: `is`, `sees` or `holds`.
-        object: the kind of object that it is about.
-        property: the property that it must have, for `is`.
-        negated: whether it must not be so.
-    """
-
-    state: str
-    object: str
-    property: str | None = None
-    negated: bool = False
+    state: str  #: `is`, `sees` or `holds`
+    object: str  #: the kind of object that it is about
+    property: str | None = None  #: the property that it must have, for `is`
+    negated: bool = False  #: whether it must not be so
 
 
 @dataclass(frozen=True)
 class FailureReaction(_Record):
-    """What to do when a step of an action fails: exactly one of the last four is set.
+    """What to do when a step of an action fails: exactly one of the last four is set."""
 
-    Attributes:
-        after: the failures, of those that branches of action trees handle, or `any`.
-        again: how often to try again.
-        other: whether to take another object.
-        steps: what to do instead.
-        stop: whether the action ends there, as failed.
-    """
-
-    after: tuple[str, ...]
-    again: int = 0
-    other: bool = False
-    steps: tuple[Act, ...] = ()
-    stop: bool = False
+    after: tuple[str, ...]  #: the failures, of those that branches of action trees handle, or `any`
+    again: int = 0  #: how often to try again
+    other: bool = False  #: whether to take another object
+    steps: tuple[Act, ...] = ()  #: what to do instead
+    stop: bool = False  #: whether the action ends there, as failed
 
 
 @dataclass(frozen=True)
 class ActionDefinition(_Record):
-    """An action that is taught: "to serve a mug, first pick it up, then put it down".
-
-    Attributes:
-        action: its verb, with its particle.
-        parameters: the kinds of the objects that it is about, in order; `ANY_OBJECT` for any.
-        steps: the commands that it consists of, in order.
-        only_if: what must be so before the first of them.
-        if_fails: what to do when one of them fails.
-        links: the words between its objects, as "with"; none where they are all "and".
-    """
+    """An action that is taught: "to serve a mug, first pick it up, then put it down"."""
 
     kind: ClassVar[str] = "statement"
-    action: str
+    action: str  #: its verb, with its particle
+    #: the kinds of the objects that it is about, in order; `ANY_OBJECT` for any
     parameters: tuple[str, ...]
-    steps: tuple[Act, ...]
-    only_if: tuple[ActionCondition, ...] = ()
-    if_fails: tuple[FailureReaction, ...] = ()
+    steps: tuple[Act, ...]  #: the commands that it consists of, in order
+    only_if: tuple[ActionCondition, ...] = ()  #: what must be so before the first of them
+    if_fails: tuple[FailureReaction, ...] = ()  #: what to do when one of them fails
+    #: the words between its objects, as "with"; none where they are all "and"
     links: tuple[str, ...] = ()
 
     @property
@@ -379,50 +308,40 @@ class ActionDefinition(_Record):
 
 @dataclass(frozen=True)
 class Question(_Record):
-    """A question of the speaker.
-
-    Attributes:
-        ask: `about`, `best_for`, `capabilities`, `confidence`, `exceptions`, `first_told`,
-            `hearing`, `holding`, `how`, `identity`, `is_kind_of`, `is_used_for`, `known`,
-            `last_asked`, `last_done`, `last_spoken_of`, `last_told`, `objects_for`, `repeated`,
-            `see`, `source`, `told`, `trust`, `uses_of`, `wellbeing`, `what_if`, `which_context`,
-            `why`, `why_not`, `forbidden` or `may`.
-        object, affordance, context, part, speaker: what the question names, else None.
-        material: what the affordance is asked for ("bread", for cutting), or None for anything.
-        norm: the permission that it asks for: "may you pick up the mug?".
-        kind_of: the more general kind that it asks about: "is a spoon a tool?".
-    """
+    """A question of the speaker."""
 
     kind: ClassVar[str] = "question"
+    #: `about`, `best_for`, `capabilities`, `confidence`, `exceptions`, `first_told`, `hearing`,
+    #: `holding`, `how`, `identity`, `is_kind_of`, `is_used_for`, `known`, `last_asked`,
+    #: `last_done`, `last_spoken_of`, `last_told`, `objects_for`, `repeated`, `see`, `source`,
+    #: `told`, `trust`, `uses_of`, `wellbeing`, `what_if`, `which_context`, `why`, `why_not`,
+    #: `forbidden` or `may`
     ask: str
+    #: object, affordance, context, part, speaker: what the question names, else None
     object: str | None = None
     affordance: str | None = None
     context: str | None = None
     part: str | None = None
     speaker: str | None = None
+    #: what the affordance is asked for ("bread", for cutting), or None for anything
     material: str | None = None
-    norm: Norm | None = None
-    kind_of: str | None = None
+    norm: Norm | None = None  #: the permission that it asks for: "may you pick up the mug?"
+    kind_of: str | None = None  #: the more general kind that it asks about: "is a spoon a tool?"
 
 
 @dataclass(frozen=True)
 class Retraction:
-    """The speaker retracts a rule: "forget that"; or all that they said about an object.
-
-    Attributes:
-        rule: the rule to retract; None stands for the rule taught last.
-        about: the object all of whose rules are retracted instead, or `ANY_OBJECT`.
-        part: the part that the last rule to hold something by it is retracted instead.
-        is_of_told: whether it names what the speaker told: "forget what I said".
-        action: the taught action that is retracted instead: "forget how to serve".
-    """
+    """The speaker retracts a rule: "forget that"; or all that they said about an object."""
 
     kind: ClassVar[str] = "correction"
+    #: the rule to retract; None stands for the rule taught last
     rule: Rule | KindRelation | None = None
+    #: the object all of whose rules are retracted instead, or `ANY_OBJECT`
     about: str | None = None
+    #: the part that the last rule to hold something by it is retracted instead
     part: str | None = None
-    is_of_told: bool = False
-    action: str | None = None
+    is_of_told: bool = False  #: whether it names what the speaker told: "forget what I said"
+    action: str | None = None  #: the taught action that is retracted instead: "forget how to serve"
 
     def as_json(self) -> Json:
         """Return the retraction as a JSON object."""
@@ -451,30 +370,21 @@ class TrustStatement(_Record):
 
 @dataclass(frozen=True)
 class Acknowledgement(_Record):
-    """An utterance that only keeps the conversation going.
-
-    Attributes:
-        ack: `okay`, `thanks`, `praise`, `yes`, `no`, `greeting`, `farewell`, `apology` or `blame`.
-        name: how the speaker of a greeting is introduced, None when not.
-    """
+    """An utterance that only keeps the conversation going."""
 
     kind: ClassVar[str] = "acknowledgement"
+    #: `okay`, `thanks`, `praise`, `yes`, `no`, `greeting`, `farewell`, `apology` or `blame`
     ack: str
-    name: str | None = None
+    name: str | None = None  #: how the speaker of a greeting is introduced, None when not
 
 
 @dataclass(frozen=True)
 class Control(_Record):
-    """A control word, obeyed at any time: "stop", "wait", "put it down".
-
-    Attributes:
-        control: `stop`, `wait`, `release`, `putDown`, `putBack` or `continue`.
-        object: the object to let go of or to put down, when it is named.
-    """
+    """A control word, obeyed at any time: "stop", "wait", "put it down"."""
 
     kind: ClassVar[str] = "control"
-    control: str
-    object: str | None = None
+    control: str  #: `stop`, `wait`, `release`, `putDown`, `putBack` or `continue`
+    object: str | None = None  #: the object to let go of or to put down, when it is named
 
     @property
     def is_halt(self) -> bool:
@@ -484,21 +394,14 @@ class Control(_Record):
 
 @dataclass(frozen=True)
 class Answer(_Record):
-    """A short answer to a question of Hilt: "the red one", "the second", "neither".
+    """A short answer to a question of Hilt: "the red one", "the second", "neither"."""
 
-    Attributes:
-        name: the object, part or use that it names; `ANY_OBJECT` when it names properties only.
-        props: the properties that it names, sorted.
-        is_use: whether the name is that of a use.
-        number: which of the choices that were offered, from 1.
-        choice: `none`, `any` or `unknown` ("I don't know").
-    """
-
+    #: the object, part or use that it names; `ANY_OBJECT` when it names properties only
     name: str | None = None
-    props: tuple[str, ...] = ()
-    is_use: bool = False
-    number: int | None = None
-    choice: str | None = None
+    props: tuple[str, ...] = ()  #: the properties that it names, sorted
+    is_use: bool = False  #: whether the name is that of a use
+    number: int | None = None  #: which of the choices that were offered, from 1
+    choice: str | None = None  #: `none`, `any` or `unknown` ("I don't know")
 
     @property
     def is_dismissal(self) -> bool:
@@ -525,20 +428,13 @@ class AskBack:
 
 @dataclass(frozen=True)
 class Misunderstanding:
-    """The utterance is not understood, with the reason.
-
-    Attributes:
-        message: one sentence for the speaker.
-        where: the longest span that was understood; empty when nothing was.
-        expected: what was expected after it.
-        nearest: similar sentences that would be understood, best first.
-    """
+    """The utterance is not understood, with the reason."""
 
     kind: ClassVar[str] = "error"
-    message: str
-    where: str = ""
-    expected: tuple[str, ...] = ()
-    nearest: tuple[str, ...] = ()
+    message: str  #: one sentence for the speaker
+    where: str = ""  #: the longest span that was understood; empty when nothing was
+    expected: tuple[str, ...] = ()  #: what was expected after it
+    nearest: tuple[str, ...] = ()  #: similar sentences that would be understood, best first
 
     def as_json(self) -> Json:
         """Return the failure as a JSON object."""

@@ -44,18 +44,15 @@ class World(AbstractContextManager["World"]):
     """The room with the objects of one scene.
 
     Use it in a `with` block, or `close` it.
-
-    Attributes:
-        kinds: type of each object on the table, by the object's name.
-        supports: name of the object that an object stands in; loose ones are not in it.
     """
 
     scene: Scene
     engine: PhysicsEngine
     objects: Mapping[str, ObjectType]
-    kinds: Mapping[str, ObjectType]
+    kinds: Mapping[str, ObjectType]  #: type of each object on the table, by the object's name
     models: Mapping[str, ObjectModel]
     watcher: Callable[[], None] | None = None
+    #: name of the object that an object stands in; loose ones are not in it
     supports: dict[str, str] = field(default_factory=dict[str, str])
 
     @classmethod

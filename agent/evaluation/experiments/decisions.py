@@ -35,15 +35,10 @@ MAX_SCENES = 255  # the non-empty subsets of eight objects
 
 @dataclass(frozen=True)
 class DecisionExperiment(Experiment):
-    """An experiment that gives each command in each scene to an agent taught each scenario.
+    """An experiment that gives each command in each scene to an agent taught each scenario."""
 
-    Attributes:
-        sim: whether a simulated robot executes its decisions.
-        gap: smallest distance between two objects on its table [m].
-    """
-
-    sim: bool = False
-    gap: float = GAP
+    sim: bool = False  #: whether a simulated robot executes its decisions
+    gap: float = GAP  #: smallest distance between two objects on its table [m]
 
     @property
     def actions(self) -> Sequence[str]:

@@ -46,19 +46,14 @@ Outcome = Literal["right", "wrong", "declined"]
 
 @dataclass(frozen=True)
 class AccuracyCurve:
-    """Accuracy as a function of one kind of noise.
-
-    Attributes:
-        values: the noise levels; the first is no noise.
-        lines: label of a line -> inference setting ("fusion=mean"), or another variant.
-        sound: the lines that must be right in every case without noise.
-    """
+    """Accuracy as a function of one kind of noise."""
 
     name: str
     label: str
-    values: tuple[float, ...]
+    values: tuple[float, ...]  #: the noise levels; the first is no noise
+    #: label of a line -> inference setting ("fusion=mean"), or another variant
     lines: Mapping[str, str]
-    sound: tuple[str, ...]
+    sound: tuple[str, ...]  #: the lines that must be right in every case without noise
     is_sensor_noise: bool
 
 

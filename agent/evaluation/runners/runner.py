@@ -166,17 +166,12 @@ def _import_ray() -> Any:
 
 @dataclass(frozen=True)
 class RayRunner:
-    """Runs cases on a Ray cluster; MissingExtraError if Ray is not installed.
+    """Runs cases on a Ray cluster; MissingExtraError if Ray is not installed."""
 
-    Attributes:
-        address: the address of its head node, "auto", or "local" to start a cluster.
-        workers: maximum number of cases at the same time; None is the number of processors.
-        timeout_s: how long a case may take before it is stopped [s].
-    """
-
-    address: str
+    address: str  #: the address of its head node, "auto", or "local" to start a cluster
+    #: maximum number of cases at the same time; None is the number of processors
     workers: int | None = None
-    timeout_s: float = TIMEOUT_S
+    timeout_s: float = TIMEOUT_S  #: how long a case may take before it is stopped [s]
     _ray: Any = field(default_factory=_import_ray, repr=False, compare=False)
 
     def __call__(self, experiment: Experiment, cases: Sequence[Case]) -> Iterator[TimedResult]:
