@@ -4,7 +4,7 @@ A norm belongs to who said it. It can be lifted by that speaker, or by somebody 
 A prohibition of the moment, "don't pass me the knife", holds for this conversation only.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import cast
 
@@ -45,6 +45,7 @@ class NormDialogue:
             if new.functor == PERMITTED and not conversation.people.may_end(turn.speaker, old):
                 return conversation.spoken(turn, self._told("not_yours_to_lift", old))
         opposite = [old.id for new, old in contrary if _premises(new) == _premises(old)]
+        opposite += [old.id for new in rules for old in self._denials_lifted(new, turn.speaker)]
         active = {old.id for new in rules for old in self._base.rules_at_nodes([new.node])}
         key = "known_already" if all(rule.id in active for rule in rules) else "learned"
         slots = {"rules": tuple(map(conversation.describe, rules)), "speaker": turn.speaker}
@@ -66,6 +67,13 @@ class NormDialogue:
             and {each for each in old.contexts if each.kind != "action"} <= new.contexts
             and _is_contrary_argument(old, new)
         ]
+
+    def _denials_lifted(self, new: Rule, speaker: str) -> Iterator[Rule]:
+        """Yield the rules against holding an object by a part that is permitted from now on."""
+        if new.functor == PERMITTED and new.part and new.object and len(new.contexts) == 1:
+            told = self._base.rules(object=new.object, context=new.context, part=new.part)
+            may_end = self._conversation.people.may_end
+            yield from (each for each in told if not each.asserts and may_end(speaker, each))
 
     # --- Prohibitions of the moment -------------------------------------------------------------
 

@@ -247,6 +247,8 @@ def why(question: Question, known: Conversation) -> Answered:
     if known.prohibition and not question.part:
         return _as_said(known.prohibition), ()
     rules = _reasons(question, known)
+    if not rules and question.part and (question.context or known.last_done is None):
+        rules = _grasps(rule for rule in _meant(question, known) if rule.asserts)
     if rules:
         return _because(rules, known)
     if known.last_done is None:
@@ -276,7 +278,9 @@ def why_not(question: Question, known: Conversation) -> Answered:
     if not question.part and not question.object:
         is_failed = known.last_done is not None and not known.last_done.is_done
         return why(question, known) if is_failed else (spoken("not_told"), ())
-    if question.part and not question.object and (known.last_done or _grasps(known.topic)):
+    best = known.decision and known.decision.object.best
+    is_of_deed = question.object in {None, best and best.object}
+    if question.part and is_of_deed and (known.last_done or _grasps(known.topic)):
         return _why_not_part(question.part, known)
     if known.last_done is None:
         return spoken("nothing_done"), ()
@@ -316,7 +320,10 @@ def _why_not_part(part: str, known: Conversation) -> Answered:
     spoken_of = _grasps(known.topic)
     denied = tuple(rule for rule in spoken_of if rule.part == part and not rule.asserts)
     others = tuple(rule for rule in spoken_of if rule.part != part and rule.asserts)
-    rules = denied or _denials(decision and decision.part, part) or others
+    best = decision and decision.object.best
+    told = known.base.rules(object=best.object, part=part) if best else []
+    never = tuple(rule for rule in told if not rule.asserts)
+    rules = denied or _denials(decision and decision.part, part) or never or others
     if rules:
         return spoken("why_not_part", done=True, part=part, **_sources(rules, known)), rules
     return spoken("why_not_part_told", done=True, part=part), ()

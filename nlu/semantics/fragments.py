@@ -65,6 +65,10 @@ def complete(fragment: FragmentValues, discourse: Discourse) -> Meaning:
     completed, rule = _completed(fragment, discourse), discourse.rule
     if discourse.asks_why and fragment.asks and isinstance(rule, ActionRule):
         completed = Question("how", object=rule.object, context=rule.context)
+    if isinstance(completed, Question) and discourse.command and _is_other(fragment):
+        completed = discourse.command  # "why that one?", "no, the other one"
+    if fragment.material and not fragment.use:
+        fragment = _with_use_of(completed, fragment)
     match completed:
         case FunctionalRule() | ActionRule() as rule:
             return _as_rule(fragment, rule)
@@ -192,8 +196,6 @@ def _as_question(  # noqa: PLR0911 - a case per slot
         raise _nothing()
     if fragment.confidence:
         return _as_answer(fragment, question)
-    if fragment.material and not fragment.use:
-        fragment = _with_use_of(question, fragment)
     if fragment.target:
         name, props = _kind(fragment.target)
         if fragment.mode == "too" and not fragment.asks and question.affordance:
@@ -232,10 +234,10 @@ def _as_answer(fragment: FragmentValues, question: Question) -> AskBack:
     return AskBack(choices=(Statement((rule,)),))
 
 
-def _with_use_of(question: Question, fragment: FragmentValues) -> FragmentValues:
-    if question.ask not in _OF_OBJECTS or question.material is None:
+def _with_use_of(last: object, fragment: FragmentValues) -> FragmentValues:
+    if not isinstance(last, (FunctionalRule, Question)) or last.material is None:
         raise _nothing()
-    return replace(fragment, use=question.affordance)
+    return replace(fragment, use=last.affordance)
 
 
 def _as_command(
@@ -253,7 +255,11 @@ def _as_command(
     if fragment.context:
         command = replace(command, goal=fragment.context, recipient=None)
     if fragment.target:
-        target = _meant(fragment.target, command.target)
+        target = fragment.target
+        is_described = fragment.mode == "other" and command.target.object is None
+        if target.object == ANY_OBJECT or is_described:
+            props = target.props or command.target.props
+            target = replace(command.target, props=props, other=target.other)
         return replace(command, target=target, part=fragment.part, negated=False)
     if fragment.part:
         return replace(command, part=fragment.part)
@@ -263,12 +269,6 @@ def _as_command(
         target = replace(command.target, used_for=fragment.use, material=fragment.material)
         return replace(command, target=replace(target, other=False))
     raise _nothing()
-
-
-def _meant(target: ObjectReference, before: ObjectReference) -> ObjectReference:
-    if target.object != ANY_OBJECT:
-        return target
-    return replace(before, props=target.props or before.props, other=target.other)
 
 
 def _kind(target: ObjectReference) -> tuple[str, tuple[str, ...]]:
