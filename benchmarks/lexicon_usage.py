@@ -322,7 +322,7 @@ class Recorder:
         def construction(self: LexiconBuilder, field: YamlNode) -> None:
             add_head(self, field)
             from hilt.nlu.grammar.constructions import Construction, pieces_of
-            from hilt.nlu.grammar.notation_reader import read_entry
+            from hilt.nlu.grammar.notation import read_entry
 
             parts = field.entries(required=("says", "is"), optional=())
             for line in parts["is"].listed():

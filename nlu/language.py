@@ -25,7 +25,7 @@ from .grammar.word_patterns import load_word_lists
 from .language_tables import language_folder, load_tables
 from .lexicon.discourse_markers import ControlPhrases
 from .lexicon.inflection import Inflection
-from .lexicon.learned_lexicon import ImmutableIndex, LearnedLexicon
+from .lexicon.learned_lexicon import LearnedLexicon
 from .lexicon.lexicon import Lexicon
 from .lexicon.loader import LexiconBuilder
 from .lexicon.tokenizer import Tokens, tokenize
@@ -107,11 +107,8 @@ class Language:
             builder.read(extra_lexicon)
         names = vocabulary if vocabulary is not None else household_vocabulary()
         lexicon = LearnedLexicon(Lexicon(builder.vocabulary(names), builder.lexicon), builder)
-        interpreter = Interpreter(
-            degrees.intervals,
-            ImmutableIndex(builder.tool_acts.items()),
-            ImmutableIndex((name, name) for name in names.contexts),
-        )
+        acts = frozenset(names.contexts)
+        interpreter = Interpreter(degrees.intervals, builder.tool_acts, acts)
         combinator, readers = builder.combinator, tables[3:]
         parser = SentenceParser(tables.grammar, lexicon, combinator, interpreter, *readers)
         adverbs = {degrees.intervals[name]: each[0] for name, each in builder.qualifiers.items()}
@@ -141,15 +138,13 @@ class Language:
         lexicon = self.lexicon.with_words(added)
         if lexicon is self.lexicon:
             return self
-        gerunds = [word.word for word in added if word.role == "affordance"]
-        uses = [(self.builder.bare_verb(gerund), gerund) for gerund in gerunds]
-        acts = [(word.word, word.word) for word in added if word.role == "context"]
         interpreter = self.parser.interpreter
-        interpreter = replace(
-            interpreter,
-            tool_acts=interpreter.tool_acts.with_items(uses),
-            acts=interpreter.acts.with_items(acts),
-        )
+        tool_acts = dict(interpreter.tool_acts)
+        for word in added:
+            if word.role == "affordance":
+                tool_acts.setdefault(self.builder.bare_verb(word.word), word.word)
+        acts = interpreter.acts.union(word.word for word in added if word.role == "context")
+        interpreter = replace(interpreter, tool_acts=tool_acts, acts=acts)
         return replace(self, parser=replace(self.parser, lexicon=lexicon, interpreter=interpreter))
 
     @paused_garbage_collection()
@@ -383,7 +378,7 @@ class Language:
     @property
     def acts(self) -> Collection[str]:
         """The acts on an object that the vocabulary has or that were learned."""
-        return self.parser.interpreter.acts.keys()
+        return self.parser.interpreter.acts
 
     @property
     def known_words(self) -> frozenset[str]:

@@ -14,7 +14,7 @@ from typing import TypeAlias
 
 from ...ontology.confidence import distance
 from ...ontology.errors import UnknownNameError
-from ...ontology.yaml_reader import YamlNode, read_yaml
+from ...ontology.yaml_reader import read_yaml
 from ..lexicon.loader import LexiconBuilder
 from ..semantics import meaning
 
@@ -119,18 +119,17 @@ class AnswerTemplates:
             patient = said["any_object"] if is_any else self._in_general(act.patient)
             if act.tool.object in {None, meaning.ANY_OBJECT} and not act.tool.props:
                 return f"{verb} {patient}"
-            slots = {"act": f"{verb} {patient}", "tool": self._named(act.tool)}
+            tool = self.noun_phrase(act.tool.object or meaning.ANY_OBJECT, act.tool.props)
+            slots = {"act": f"{verb} {patient}", "tool": tool}
             return self.fill(said["with_tool"], slots)
-        text = f"{verb} {self._named(act.target)}"
+        target = self.noun_phrase(act.target.object or meaning.ANY_OBJECT, act.target.props)
+        text = f"{verb} {target}"
         if act.recipient is None:
             return text
         is_role = act.recipient in self.words.nouns["human"]
         named = self.words.inflection.with_article if is_role else proper_name
         person = named(act.recipient)
         return self.fill(said["to_whom"], {"act": text, "recipient": person})
-
-    def _named(self, thing: meaning.ObjectReference) -> str:
-        return self.noun_phrase(thing.object or meaning.ANY_OBJECT, thing.props)
 
     def use_phrase(self, affordance: str, *materials: str | None) -> str:
         """Return what something is used for: "cutting", "cutting bread", "painting walls"."""
@@ -228,17 +227,14 @@ def load_answers(
     """Load the answers of a language; `DataError` where the file or a form in it is wrong."""
     entries = read_yaml(path).entries(required=("answers", "phrases"), optional=())
     phrases = entries["phrases"].entries(required=PHRASES, optional=())
-    answers = {key: _answer(field) for key, field in entries["answers"].entries().items()}
-    said = {name: field.text() for name, field in phrases.items()}
-    return AnswerTemplates(answers, said, words, adverbs)
-
-
-def _answer(field: YamlNode) -> str:
-    for _, form in SLOT.findall(field.text()):
-        if form and form not in _SLOT_FORMS:
-            known = ", ".join(sorted(_SLOT_FORMS))
-            raise field.fail(f'there is no form "{form}"; expected one of {known}.')
-    return field.text()
+    answers = entries["answers"].entries()
+    for field in answers.values():
+        for _, form in SLOT.findall(field.text()):
+            if form and form not in _SLOT_FORMS:
+                known = ", ".join(sorted(_SLOT_FORMS))
+                raise field.fail(f'there is no form "{form}"; expected one of {known}.')
+    texts, said = ({key: f.text() for key, f in each.items()} for each in (answers, phrases))
+    return AnswerTemplates(texts, said, words, adverbs)
 
 
 def _items(value: Slot) -> Sequence[object]:

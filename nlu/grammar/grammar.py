@@ -5,7 +5,7 @@ checked when it is read: each category must be declared and each term must have 
 category demands. A mistake is a `DataError`, which says where.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
@@ -23,8 +23,7 @@ from .categories import (
     check_type,
     type_of,
 )
-from .constructions import ConstructionGap
-from .notation_reader import read_entry, read_type, read_unary
+from .notation import read_entry, read_type, read_unary
 from .terms import Term, Value, evaluate
 from .word_patterns import compile_pattern, expand
 
@@ -91,15 +90,21 @@ class Grammar:
     ) -> None:
         """Check the type of a term; `DataError` if it or an atom does not fit the category."""
         signature = {**self.signature, **extra} if extra else self.signature
-        expected = _type_of(category, self.types, field)
+        expected = self.type_of(category, field)
         try:
             check_type(term, expected, signature)
         except TypeMismatchError as error:
             raise field.fail(f"{category} : {term} does not fit its category: {error}.") from error
 
-    def types_of(self, gaps: Sequence[ConstructionGap], field: YamlNode) -> Signature:
-        """The types of the gaps of a construction, which are constants of its term."""
-        return {gap.name: [_type_of(gap.category, self.types, field)] for gap in gaps}
+    def type_of(self, category: Category, field: YamlNode) -> Type:
+        """The type of the meanings of a category; `DataError` for an atom that is not declared."""
+        try:
+            return type_of(category, self.types)
+        except KeyError as error:
+            known = ", ".join(sorted(self.types))
+            raise field.fail(
+                f'the category "{error.args[0]}" is not declared; expected one of {known}.'
+            ) from error
 
     def described(self, category: Category) -> str:
         """A category in words for messages; empty where nobody expects it."""
@@ -156,8 +161,7 @@ def _roots(field: YamlNode, types: Mapping[str, Type]) -> Mapping[Category, str]
 
 def _unary(field: YamlNode, grammar: Grammar) -> UnaryRule:
     source, target, term = read_unary(field)
-    source_type, target_type = (_type_of(each, grammar.types, field) for each in (source, target))
-    expected = FunctionType(source_type, target_type)
+    expected = FunctionType(grammar.type_of(source, field), grammar.type_of(target, field))
     try:
         check_type(term, expected, grammar.signature)
     except TypeMismatchError as error:
@@ -175,14 +179,4 @@ def _refuse_cycles(unary: tuple[UnaryRule, ...], field: YamlNode) -> None:
         source, target, *_ = error.args[1]
         raise field.fail(
             f"expected changes that end, but {source} => {target} comes back to itself."
-        ) from error
-
-
-def _type_of(category: Category, types: Mapping[str, Type], field: YamlNode) -> Type:
-    try:
-        return type_of(category, types)
-    except KeyError as error:
-        known = ", ".join(sorted(types))
-        raise field.fail(
-            f'the category "{error.args[0]}" is not declared; expected one of {known}.'
         ) from error

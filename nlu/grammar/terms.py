@@ -18,51 +18,46 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import partial
 from itertools import chain, count
-from typing import TypeAlias
+from typing import TypeAlias, cast
 
 VARIABLE_NAMES = "xyzuvwpqrs"
 
 
+class _Shown:
+    __slots__ = ()
+
+    def __str__(self) -> str:
+        return show(cast("Term", self))
+
+
 @dataclass(frozen=True, slots=True)
-class BoundVariable:
+class BoundVariable(_Shown):
     """A variable, as the number of binders between it and its own."""
 
     index: int
 
-    def __str__(self) -> str:
-        return show(self)
-
 
 @dataclass(frozen=True, slots=True)
-class Constant:
+class Constant(_Shown):
     """A name that no function binds: `knife`, `implies`, `self`."""
 
     name: str
 
-    def __str__(self) -> str:
-        return self.name
-
 
 @dataclass(frozen=True, slots=True)
-class Lambda:
+class Lambda(_Shown):
     """A function; `hint` is only the name its variable is shown with."""
 
     body: Term
     hint: str = field(default="x", compare=False)
 
-    def __str__(self) -> str:
-        return show(self)
-
 
 @dataclass(frozen=True, slots=True)
-class Application:
+class Application(_Shown):
     """A function applied to one argument."""
 
     function: Term
     argument: Term
-
-    def __str__(self) -> str:
-        return show(self)
 
 
 Leaf: TypeAlias = BoundVariable | Constant

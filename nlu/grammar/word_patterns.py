@@ -6,9 +6,8 @@ without silent moves, after Glushkov 1961): it is as long as the text, however m
 """
 
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from functools import cache, cached_property, lru_cache
+from collections.abc import Iterator, Mapping, Sequence
+from functools import cache, lru_cache
 from itertools import chain, islice
 from pathlib import Path
 from types import MappingProxyType
@@ -120,21 +119,16 @@ def match_pattern(
 def spellings(field: YamlNode) -> list[tuple[str, ...]]:
     """All that a pattern stands for, each as its words; `DataError` for over `MAX_SPELLINGS`."""
     found: dict[tuple[str, ...], None] = {}
-    for words in expand(read_pattern(field)):
+    for words in expand(compile_pattern(read_words(field))):
         found[words] = None
         if len(found) > MAX_SPELLINGS:
             raise field.fail(_TOO_MANY)
     return list(found)
 
 
-def read_pattern(field: YamlNode) -> Steps:
-    """The graph of a pattern in a file; raises as `read_words`."""
-    return compile_pattern(read_words(field))
-
-
 def read_patterns(field: YamlNode) -> tuple[Steps, ...]:
     """The graphs of a list of patterns; raises as `read_words`."""
-    return tuple(map(read_pattern, field.listed()))
+    return tuple(compile_pattern(read_words(item)) for item in field.listed())
 
 
 def read_phrases(field: YamlNode) -> frozenset[tuple[str, ...]]:
@@ -216,20 +210,20 @@ Phrase = tuple[str, ...]
 _Step: TypeAlias = tuple[str, Steps]
 
 
-@dataclass(frozen=True)
 class WordLists:
     """What one file lists, each key read when it is first asked for.
 
     A list has patterns, or phrases, which are spelled out; a mapping has what patterns stand for,
     with the patterns. `DataError` where a key is missing or its value is not as expected.
+
+    Attributes:
+        phrases: returns the single words and phrases of a key.
     """
 
-    file: YamlNode
-
-    @cached_property
-    def phrases(self) -> Callable[[str], frozenset[Phrase]]:
-        """Returns the single words and phrases of a key."""
-        return cache(self._read_phrases)
+    def __init__(self, file: YamlNode) -> None:
+        self.file = file
+        self.phrases = cache(self._phrases)
+        self._by_first_word = cache(self._steps_by_first_word)
 
     def of_group(
         self, key: str, words: Sequence[str], start: int = 0
@@ -275,14 +269,10 @@ class WordLists:
     def _field(self, key: str) -> YamlNode:
         return self.file.entries(required=(key,))[key]
 
-    def _read_phrases(self, key: str) -> frozenset[Phrase]:
+    def _phrases(self, key: str) -> frozenset[Phrase]:
         return read_phrases(self._field(key))
 
-    @cached_property
-    def _by_first_word(self) -> Callable[[str], Mapping[str, Sequence[tuple[str, _Step]]]]:
-        return cache(self._read_by_first_word)
-
-    def _read_by_first_word(self, key: str) -> Mapping[str, Sequence[tuple[str, _Step]]]:
+    def _steps_by_first_word(self, key: str) -> Mapping[str, Sequence[tuple[str, _Step]]]:
         field = self._field(key)
         groups = field.entries() if isinstance(field.value, dict) else {"": field}
         steps = [

@@ -1,77 +1,26 @@
 """Learned lexicon: a lexicon to which words are added while people speak, without any limit.
 
 The words that were learned stand in one flat index by all their forms, however they were learned.
-So a lookup takes the same time after 100,000 words, and a new word costs what it has of forms. The
-entries of a word are made when it is heard.
-
-All versions of an index write to one log and see it up to their own size (a fully persistent
-append-only list after Driscoll et al. 1989, without the version tree). Only what is added to a
-version that is not the newest is preceded by a copy.
+So a lookup takes the same time after 100,000 words. The entries of a word are made when it is
+heard.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cached_property, lru_cache
-from itertools import chain, islice
 from typing import TypeVar
 
 from .lexicon import LazyEntry, Lexicon, LexiconNode
 from .loader import LexiconBuilder
 from .vocabulary import NewWord
 
-Key = TypeVar("Key")
 Item = TypeVar("Item")
 
 Name = tuple[str, str]  # the role of a name, and its dictionary form
 
 _CACHED_FORMS = 512
 """So many forms are kept with their entries, of which the gerund of a use has a hundred."""
-
-
-class ImmutableIndex(Mapping[Key, Item]):
-    """A mapping from each key to its first item, which also has the later ones."""
-
-    def __init__(self, items: Iterable[tuple[Key, Item]] = ()) -> None:
-        self._log: list[Key] = []  # the key of each item, in the order in which they were added
-        self._items: dict[Key, list[tuple[int, Item]]] = {}
-        self._size = 0
-        self._append(items)
-
-    def with_items(self, items: Iterable[tuple[Key, Item]]) -> ImmutableIndex[Key, Item]:
-        """Return this index with further items; an item that a key has already is left out."""
-        if len(self._log) > self._size:  # another version has written to the log
-            own = ((key, item) for key in self for item in self.all(key))
-            return ImmutableIndex(chain(own, items))
-        added = ImmutableIndex[Key, Item]()
-        added._log, added._items, added._size = self._log, self._items, self._size
-        added._append(items)
-        return added
-
-    def all(self, key: Key) -> tuple[Item, ...]:
-        """All items of a key in the order in which they were added."""
-        found = self._items.get(key, ())
-        return tuple(item for number, item in found if number < self._size)
-
-    def __getitem__(self, key: Key) -> Item:
-        number, item = self._items[key][0]
-        if number >= self._size:
-            raise KeyError(key)
-        return item
-
-    def __iter__(self) -> Iterator[Key]:
-        written = enumerate(islice(self._log, self._size))
-        return (key for number, key in written if self._items[key][0][0] == number)
-
-    def __len__(self) -> int:
-        return sum(1 for _ in self)
-
-    def _append(self, items: Iterable[tuple[Key, Item]]) -> None:
-        for key, item in items:
-            if item not in self.all(key):
-                self._items.setdefault(key, []).append((self._size, item))
-                self._log.append(key)
-                self._size += 1
 
 
 class LearnedLexicon(Lexicon):
@@ -83,33 +32,28 @@ class LearnedLexicon(Lexicon):
     def __init__(self, base: Lexicon, builder: LexiconBuilder) -> None:
         super().__init__(base=base)
         self._static, self._builder = base, builder
-        self.learned: ImmutableIndex[Name, NewWord] = ImmutableIndex()
-        self._forms: ImmutableIndex[str, Name] = ImmutableIndex()
+        self.learned: Mapping[Name, NewWord] = {}
+        self._forms: Mapping[str, tuple[Name, ...]] = {}
         # Of names of several words: their lengths by the first word, their roles by each word.
-        self._lengths: ImmutableIndex[str, int] = ImmutableIndex()
-        self._within: ImmutableIndex[str, str] = ImmutableIndex()
+        self._lengths: Mapping[str, tuple[int, ...]] = {}
+        self._within: Mapping[str, tuple[str, ...]] = {}
         self._lexicon_of = lru_cache(_CACHED_FORMS)(self._made)
 
     def with_words(self, words: Iterable[NewWord]) -> LearnedLexicon:
         """Return this lexicon with further words, itself when it has learned all of them."""
-        added = {(word.role, word.word): word for word in words}
-        forms = [
-            (form, name)
-            for name in added
-            if name not in self.learned
-            for form in self._builder.forms(*name)
-        ]
-        if not forms:
+        given = {(word.role, word.word): word for word in words}
+        added = {name: word for name, word in given.items() if name not in self.learned}
+        if not added:
             return self
+        forms = [(form, name) for name in added for form in self._builder.forms(*name)]
         lexicon = LearnedLexicon(self._static, self._builder)
         lexicon._lexicon_of = self._lexicon_of
-        lexicon.learned = self.learned.with_items(added.items())
-        lexicon._forms = self._forms.with_items(forms)
+        lexicon.learned = {**self.learned, **added}
+        lexicon._forms = _extended(self._forms, forms)
         split = [(form.split(" "), role) for form, (role, _) in forms if " " in form]
-        lexicon._lengths = self._lengths.with_items((each[0], len(each)) for each, _ in split)
-        lexicon._within = self._within.with_items(
-            (word, role) for each, role in split for word in each
-        )
+        lexicon._lengths = _extended(self._lengths, ((each[0], len(each)) for each, _ in split))
+        within = ((word, role) for each, role in split for word in each)
+        lexicon._within = _extended(self._within, within)
         return lexicon
 
     def __contains__(self, word: object) -> bool:
@@ -129,14 +73,14 @@ class LearnedLexicon(Lexicon):
 
     def name_categories(self, words: str) -> frozenset[str]:
         """The categories of the names of which some words are a form."""
-        names = self._forms.all(words)
+        names = self._forms.get(words, ())
         own = self._lexicon_of(words, names).name_categories(words) if names else frozenset()
         return own | self._static.name_categories(words)
 
     def is_in_name(self, word: str, categories: Iterable[str]) -> bool:
         """Whether a word occurs in a name that has one of some categories."""
         kinds = frozenset(categories)
-        roles = (*(role for role, _ in self._forms.all(word)), *self._within.all(word))
+        roles = (*(role for role, _ in self._forms.get(word, ())), *self._within.get(word, ()))
         if any(kinds & self._builder.categories(role) for role in roles):
             return True
         return self._static.is_in_name(word, kinds)
@@ -148,9 +92,9 @@ class LearnedLexicon(Lexicon):
 
     def nodes(self, tokens: Sequence[str], start: int) -> Iterator[tuple[int, LexiconNode]]:
         """The nodes of all spans that begin at a token and have entries, with their ends."""
-        for length in (1, *self._lengths.all(tokens[start])):
+        for length in (1, *self._lengths.get(tokens[start], ())):
             words = " ".join(tokens[start : start + length])
-            names = self._forms.all(words)
+            names = self._forms.get(words, ())
             if names:
                 yield from self._lexicon_of(words, names).nodes(tokens, start)
         yield from self._static.nodes(tokens, start)
@@ -158,3 +102,13 @@ class LearnedLexicon(Lexicon):
     def _made(self, words: str, names: tuple[Name, ...]) -> Lexicon:
         senses = (sense for name in names for sense in self._builder.name(*name))
         return Lexicon(sense for sense in senses if sense.says == words)
+
+
+def _extended(
+    index: Mapping[str, tuple[Item, ...]], items: Iterable[tuple[str, Item]]
+) -> Mapping[str, tuple[Item, ...]]:
+    extended = dict(index)
+    for key, item in items:
+        known = extended.get(key, ())
+        extended[key] = known if item in known else (*known, item)
+    return extended

@@ -18,7 +18,7 @@ from ..grammar.categories import AtomicCategory, Category, Functor
 from ..grammar.combinators import CombinationTable
 from ..grammar.constructions import Construction, Piece, WordRun, pieces_of
 from ..grammar.grammar import Grammar, UnaryRule
-from ..grammar.notation_reader import read_entry, read_type
+from ..grammar.notation import read_entry, read_type
 from ..grammar.terms import Constant, Term, evaluate, replace_constants
 from .discourse_markers import DiscourseMarkers
 from .inflection import Inflection
@@ -93,7 +93,7 @@ class LexiconBuilder:
         self.discourse_markers = DiscourseMarkers()
         self.naming: frozenset[str] = frozenset()
         self.joining: frozenset[str] = frozenset()
-        self.insisting: tuple[word_patterns.Steps, ...] = ()
+        self.insisting: word_patterns.Steps = ()
         self.denying: frozenset[str] = frozenset()
         self.denied: frozenset[str] = frozenset()
         self.homographs: frozenset[str] = frozenset()
@@ -115,7 +115,8 @@ class LexiconBuilder:
             self._templates[name] = self._template(field)
         for field in _items(parts, "verbs"):
             self._read_verb(field)
-        self.insisting += tuple(map(word_patterns.read_pattern, _items(parts, "insisting")))
+        graphs = map(word_patterns.read_patterns, _items(parts, "insisting"))
+        self.insisting += tuple(chain.from_iterable(chain.from_iterable(graphs)))
         for degree, field in _entries(parts, "qualifiers"):
             self._read_qualifier(degree, field)
         for kind, field in _entries(parts, "nouns"):
@@ -135,8 +136,7 @@ class LexiconBuilder:
         """Whether some words insist on one that was taken for a slip: "no, lifting"."""
         return any(
             end == len(words) and words[slice(*slots.get("WORD", (0, 0)))] in ((), (word,))
-            for steps in self.insisting
-            for end, slots in word_patterns.match_pattern(steps, words, 0)
+            for end, slots in word_patterns.match_pattern(self.insisting, words, 0)
         )
 
     def expand_endings(self, tokens: Tokens) -> Tokens:
@@ -355,7 +355,8 @@ class LexiconBuilder:
     ) -> None:
         found = [Construction(pieces, category, term) for pieces in spelt]
         for gaps in dict.fromkeys(construction.gaps for construction in found):
-            self._grammar.verify(category, term, line, self._grammar.types_of(gaps, line))
+            types = {gap.name: [self._grammar.type_of(gap.category, line)] for gap in gaps}
+            self._grammar.verify(category, term, line, types)
         for construction in found:
             self._add_head(construction, cost)
 

@@ -11,24 +11,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, cast
 
-from ..semantics.meaning import (
-    Acknowledgement,
-    ActionCommand,
-    ActionCondition,
-    ActionDefinition,
-    ActionRule,
-    Command,
-    FailureReaction,
-    FunctionalRule,
-    Json,
-    Meaning,
-    ObjectReference,
-    Question,
-    Retraction,
-    Rule,
-    Statement,
-    ToolCommand,
-)
+from ..semantics import meaning as meanings
+from ..semantics.meaning import Json
 from .mentions import Mentions
 
 SLOT_ROLES = ("object", "material", "part", "property", "person", "affordance", "act")
@@ -100,20 +84,15 @@ def shape_of(meaning: Json, mentions: Mentions, tool_acts: Mapping[str, str]) ->
     """Return the shape of a meaning; a name that the utterance does not have stays as it is."""
     taken: dict[tuple[str, str], str] = {}
 
-    def slotted(value: object, key: str, within: Json) -> object:
-        if isinstance(value, list):
-            return degree(cast("list[object]", value), within)
-        return slot(key, value, within) if isinstance(value, str) else value
-
-    def degree(value: list[object], within: Json) -> object:
-        if any(tuple(value) == interval for _, _, interval in mentions.degrees):
-            return "?degree"
-        last = mentions.last
-        if last is not None and _is_last(last, within) and value == list(last.confidence):
-            return "?last.confidence"
-        return value
-
-    def slot(key: str, value: str, within: Json) -> str:
+    def slotted(value: Any, key: str, within: Json) -> object:
+        last = mentions.last if mentions.last and mentions.last.rule == within.get("rule") else None
+        if isinstance(value, list):  # a degree
+            interval = tuple(cast("list[float]", value))
+            is_last = last is not None and interval == last.confidence
+            is_said = any(interval == said for _, _, said in mentions.degrees)
+            return "?degree" if is_said else "?last.confidence" if is_last else value
+        if not isinstance(value, str):
+            return value
         for role in _ROLES_OF_KEYS.get(key, ()):
             if value in mentions.by_role.get(role, {}):
                 number = sum(known == role for known, _ in taken)
@@ -121,7 +100,7 @@ def shape_of(meaning: Json, mentions: Mentions, tool_acts: Mapping[str, str]) ->
                 return taken.setdefault((role, value), name)
         if value == tool_acts.get(str(meaning.get("goal"))) and key == "usedFor":
             return "?tool"
-        if _is_last(mentions.last, within) and value == getattr(mentions.last, key, None):
+        if last and value == getattr(last, key, None):
             return f"?last.{key}"
         return "?it" if key == "object" and value == mentions.it else value
 
@@ -131,10 +110,6 @@ def shape_of(meaning: Json, mentions: Mentions, tool_acts: Mapping[str, str]) ->
 def shape_from(template: Json) -> MeaningShape:
     """Return the shape that is this JSON object with slots."""
     return MeaningShape(json.dumps(template, separators=(",", ":")))
-
-
-def _is_last(last: Rule | None, within: Json) -> bool:
-    return last is not None and last.rule == within.get("rule")
 
 
 def _is_slot(value: object) -> bool:
@@ -177,17 +152,17 @@ def _leaves(value: object, key: str = "") -> Iterator[tuple[str, object]]:
             yield key, value
 
 
-def meaning_from_json(json_object: Json) -> Meaning:
+def meaning_from_json(json_object: Json) -> meanings.Meaning:
     """Return the meaning of a JSON object of the schema; `ValueError` for one without a shape."""
     match json_object:
         case {"all": list(rules)}:
-            return Statement(tuple(map(_record, rules)))
+            return meanings.Statement(tuple(map(_record, rules)))
         case {"rule": str()}:
-            return Statement((_record(json_object),))
+            return meanings.Statement((_record(json_object),))
         case {"retract": {"about": str(about)}}:
-            return Retraction(about=about)
+            return meanings.Retraction(about=about)
         case {"retract": rule}:
-            return Retraction(_record(rule) if isinstance(rule, dict) else None)
+            return meanings.Retraction(_record(rule) if isinstance(rule, dict) else None)
         case {"parameters": _} | {"goal": _} | {"ask": _} | {"ack": _}:
             return _record(json_object)
         case _:
@@ -195,24 +170,25 @@ def meaning_from_json(json_object: Json) -> Meaning:
 
 
 _RECORDS: Mapping[str, Callable[..., Any]] = {
-    "parameters": ActionDefinition,
-    "patient": ToolCommand,
-    "target": Command,
-    "goal": ActionCommand,
-    "ask": Question,
-    "ack": Acknowledgement,
-    "state": ActionCondition,
-    "after": FailureReaction,
-    **dict.fromkeys(("object", "usedFor", "notUsedFor"), ObjectReference),
+    "parameters": meanings.ActionDefinition,
+    "patient": meanings.ToolCommand,
+    "target": meanings.Command,
+    "goal": meanings.ActionCommand,
+    "ask": meanings.Question,
+    "ack": meanings.Acknowledgement,
+    "state": meanings.ActionCondition,
+    "after": meanings.FailureReaction,
+    "part": meanings.ActionRule,
+    "affordance": meanings.FunctionalRule,
+    **dict.fromkeys(("object", "usedFor", "notUsedFor"), meanings.ObjectReference),
 }
 """The values of the schema, each by a key that only it and later ones have."""
 
-_RULES: Mapping[object, Callable[..., Any]] = {"functional": FunctionalRule, "action": ActionRule}
 _NAMES = {"usedFor": "used_for", "notUsedFor": "not_used_for"}
 
 
 def _record(values: Json) -> Any:
-    kind = _RULES.get(values.get("rule")) or next(v for k, v in _RECORDS.items() if k in values)
+    kind = next(kind for key, kind in _RECORDS.items() if key in values)
     return kind(**{_NAMES.get(k, k): _value(v) for k, v in values.items() if k != "rule"})
 
 

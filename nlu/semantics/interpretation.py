@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from ..lexicon.learned_lexicon import ImmutableIndex
 from ..lexicon.vocabulary import NewWord
 from .discourse import SOMETHING, Discourse
 from .fragments import FragmentValues, complete, question_on
@@ -56,8 +55,8 @@ class Interpreter:
     """
 
     intervals: Mapping[str, Confidence]
-    tool_acts: ImmutableIndex[str, str]
-    acts: ImmutableIndex[str, str]
+    tool_acts: Mapping[str, str]
+    acts: frozenset[str]
     new_acts: frozenset[str] = frozenset()
     is_general: bool = False
 

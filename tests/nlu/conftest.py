@@ -7,7 +7,7 @@ from typing import cast
 import pytest
 
 from hilt.nlu import Language
-from hilt.nlu.grammar.notation_parser import parse
+from hilt.nlu.grammar.notation import parse
 from hilt.nlu.grammar.terms import Term
 from hilt.ontology.yaml_reader import YamlNode
 

@@ -6,7 +6,7 @@ import pytest
 
 from hilt.nlu.grammar.categories import BasicType, Type, TypeMismatchError, check_type, type_of
 from hilt.nlu.grammar.combinators import BinaryRule, CombinationTable
-from hilt.nlu.grammar.notation_reader import read_entry, read_type
+from hilt.nlu.grammar.notation import read_entry, read_type
 from hilt.ontology.yaml_reader import YamlNode
 
 from ..conftest import parse_term

@@ -6,7 +6,7 @@ import pytest
 
 from hilt.nlu import Language
 from hilt.nlu.grammar.constructions import Construction, ConstructionGap, WordRun, pieces_of
-from hilt.nlu.grammar.notation_reader import read_entry
+from hilt.nlu.grammar.notation import read_entry
 from hilt.nlu.grammar.word_patterns import variants
 from hilt.ontology.errors import DataError
 from hilt.ontology.yaml_reader import YamlNode

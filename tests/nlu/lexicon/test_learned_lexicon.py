@@ -6,7 +6,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hilt.nlu import Language, NewWord
-from hilt.nlu.lexicon.learned_lexicon import ImmutableIndex
 
 ROLES = {"object": "zorp", "part": "blick", "affordance": "florping", "context": "quux"}
 words = st.builds(
@@ -45,6 +44,20 @@ def test_to_learn_a_word_again_changes_nothing(
     assert list(language.lexicon.learned) == []
 
 
+@given(st.lists(words, max_size=3), st.lists(words, max_size=3), st.lists(words, max_size=3))
+def test_each_language_has_its_own_words(
+    language: Language, first: list[NewWord], second: list[NewWord], third: list[NewWord]
+) -> None:
+    """Two languages made from the same one share nothing but what it has."""
+    known = language.with_words(first)
+
+    known.with_words(second)
+    known.with_words(third)
+
+    assert known.lexicon.learned == language.with_words(first).lexicon.learned
+    assert {*known.with_words(second).lexicon.learned} == {(w.role, w.word) for w in first + second}
+
+
 def test_thousands_of_words_are_learned_one_by_one(language: Language) -> None:
     """There is no limit to how often a language grows."""
     taught = language
@@ -71,46 +84,3 @@ def test_a_word_has_all_its_roles(language: Language) -> None:
         understood = taught.understand(text)
         assert meaning.items() <= understood.meaning.as_json().items()
         assert understood.new_words == ()
-
-
-Items = list[tuple[str, int]]
-
-items = st.lists(st.tuples(st.sampled_from("abc"), st.integers(0, 3)), max_size=8)
-
-
-def listed(index: ImmutableIndex[str, int]) -> dict[str, tuple[int, ...]]:
-    """All items of an index by their keys."""
-    return {key: index.all(key) for key in index}
-
-
-def expected(given_items: Items) -> dict[str, tuple[int, ...]]:
-    """What an index of these items lists."""
-    found: dict[str, dict[int, None]] = {}
-    for key, item in given_items:
-        found.setdefault(key, {})[item] = None
-    return {key: tuple(each) for key, each in found.items()}
-
-
-@given(items, items, items)
-def test_each_version_has_its_own_items(first: Items, second: Items, third: Items) -> None:
-    """Two indices made from the same one share nothing but what it has."""
-    index = ImmutableIndex(first)
-    one, other = index.with_items(second), index.with_items(third)
-
-    assert listed(index) == expected(first)
-    assert listed(one) == expected(first + second)
-    assert listed(other) == expected(first + third)
-
-
-@given(items)
-def test_a_key_is_mapped_to_its_first_item(given_items: Items) -> None:
-    """As a mapping it has one item for each key."""
-    assert ImmutableIndex(given_items) == dict(reversed(given_items))
-
-
-@given(items, items)
-def test_items_are_added_once(first: Items, second: Items) -> None:
-    """To add what an index has already changes nothing."""
-    index = ImmutableIndex(first + second)
-
-    assert listed(index.with_items(first)) == listed(index)

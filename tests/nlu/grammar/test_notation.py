@@ -5,13 +5,7 @@ from __future__ import annotations
 import pytest
 
 from hilt.nlu.grammar.categories import Category
-from hilt.nlu.grammar.notation_reader import (
-    MAX_CHARACTERS,
-    read_entry,
-    read_rule,
-    read_type,
-    read_unary,
-)
+from hilt.nlu.grammar.notation import MAX_CHARACTERS, read_entry, read_rule, read_type, read_unary
 from hilt.nlu.grammar.terms import Application, BoundVariable, Constant, Lambda, evaluate, quote
 from hilt.ontology.errors import DataError
 from hilt.ontology.yaml_reader import YamlNode
