@@ -132,7 +132,16 @@ class Striking(PickAndPlace):
         path = next((path for path in paths if path is not None), None)
         if path is None:
             return "unreachable"
-        self.robot.follow(path, pace=BLOW_PACE, stop=self._hit_check(held.name))
+        after = 0
+
+        def is_done() -> bool:
+            nonlocal after
+            contacts = self.robot.engine.bodies.contacts(held.name)
+            hit = any(c.force > BLOW_FORCE and c.other != NAME for c in contacts)
+            after += bool(after) or hit
+            return after > FOLLOW_STEPS
+
+        self.robot.follow(path, pace=BLOW_PACE, stop=is_done)
         reason = "" if self.robot.finger_contacts().holds(held.name) else "dropped"
         self.robot.advance(round(AFTER_BLOW / TIME_STEP))
         return reason
@@ -164,18 +173,6 @@ class Striking(PickAndPlace):
     def _can_strike(self, held: HeldObject, joints: Array, start: Array) -> bool:
         below = poses.translation(0, 0, -START_HEIGHT - THROUGH[0]) @ start
         return held.planner.plan_straight(below, start=start, joints=joints) is not None
-
-    def _hit_check(self, name: str) -> Callable[[], bool]:
-        after = 0
-
-        def is_done() -> bool:
-            nonlocal after
-            contacts = self.robot.engine.bodies.contacts(name)
-            hit = any(c.force > BLOW_FORCE and c.other != NAME for c in contacts)
-            after += bool(after) or hit
-            return after > FOLLOW_STEPS
-
-        return is_done
 
 
 @dataclass(frozen=True)
