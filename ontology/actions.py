@@ -69,8 +69,7 @@ class Loop:
 class Precondition:
     """A precondition of an action tree."""
 
-    #: "sees", the object is in view; "holds", it is in the hand; or "is", it has a property
-    kind: str
+    kind: str  #: "sees" (it is in view), "holds" (it is in the hand) or "is" (it has a property)
     parameter: str  #: the argument it is about, or "=object"
     property: str | None = None  #: the property that "is" asks for
     negated: bool = False  #: whether it must not be so
@@ -83,8 +82,7 @@ class FailureBranch:
     after: frozenset[str]  #: the failures it handles, some of `Actions.failures` or "any"
     next: str | None = None  #: the parameter for which the next best candidate is tried
     again: int = 0  #: how often the steps are repeated
-    #: other steps; a tree that contains this one goes on when they succeed
-    steps: tuple[Step | Loop, ...] = ()
+    steps: tuple[Step | Loop, ...] = ()  #: other steps; when they succeed, the tree above goes on
 
     @property
     def is_end(self) -> bool:
@@ -106,8 +104,7 @@ class ActionTree:
     defaults: Mapping[str, str | ArgumentByAffordance]
     steps: tuple[Step | Loop, ...]  #: executed in preorder
     requires: tuple[Precondition, ...] = ()
-    #: branches for failures; the first that handles a failure is taken
-    otherwise: tuple[FailureBranch, ...] = ()
+    otherwise: tuple[FailureBranch, ...] = ()  #: the first that handles a failure is taken
     is_a: str | None = None  #: the more general action whose rules it inherits
     #: parameter -> the kind of object that it was taught for; None if it is of a file
     objects: Mapping[str, str] | None = None

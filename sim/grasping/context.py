@@ -41,10 +41,7 @@ class LabelledPointCloud:
         return self.points[self.labels == PointLabel.TARGET]
 
     def downsampled(self, cell: float, *, reach: float, limit: int) -> LabelledPointCloud:
-        """Return fewer, evenly spread points within `reach` [m] of the part.
-
-        The voxels of side `cell` [m] grow until at most `limit` points have the same label.
-        """
+        """At most `limit` points of each label within `reach` [m], in voxels of `cell` [m]."""
         low, high = self.target.min(axis=0) - reach, self.target.max(axis=0) + reach
         near = np.all((self.points >= low) & (self.points <= high), axis=1)
         kept: list[np.ndarray] = []

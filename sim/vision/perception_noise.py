@@ -48,8 +48,7 @@ class NoiseLevels:
     confused: float = 0.0  #: probability that an object is detected as another type
     confidence: float = 0.0  #: largest share of its confidence that a percept loses, in [0, 1]
     depth_m: float = 0.0  #: standard deviation of each pixel's depth [m]
-    #: errors of a stereo depth camera; 1 for those of a RealSense D435, at most 2
-    camera: float = 0.0
+    camera: float = 0.0  #: errors of a stereo camera; 1 for those of a RealSense D435, at most 2
     seed: int = 0
 
     def __post_init__(self) -> None:
