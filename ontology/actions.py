@@ -69,8 +69,7 @@ class Loop:
 class Precondition:
     """A precondition of an action tree."""
 
-    #: "sees", the object is in view; "holds", it is in the hand; or "is", it has a property
-    kind: str
+    kind: str  #: "sees" (it is in view), "holds" (it is in the hand) or "is" (it has a property)
     parameter: str  #: the argument it is about, or "=object"
     property: str | None = None  #: the property that "is" asks for
     negated: bool = False  #: whether it must not be so
@@ -83,8 +82,7 @@ class FailureBranch:
     after: frozenset[str]  #: the failures it handles, some of `Actions.failures` or "any"
     next: str | None = None  #: the parameter for which the next best candidate is tried
     again: int = 0  #: how often the steps are repeated
-    #: other steps; a tree that contains this one goes on when they succeed
-    steps: tuple[Step | Loop, ...] = ()
+    steps: tuple[Step | Loop, ...] = ()  #: other steps; when they succeed, the tree above goes on
 
     @property
     def is_end(self) -> bool:
@@ -106,8 +104,7 @@ class ActionTree:
     defaults: Mapping[str, str | ArgumentByAffordance]
     steps: tuple[Step | Loop, ...]  #: executed in preorder
     requires: tuple[Precondition, ...] = ()
-    #: branches for failures; the first that handles a failure is taken
-    otherwise: tuple[FailureBranch, ...] = ()
+    otherwise: tuple[FailureBranch, ...] = ()  #: the first that handles a failure is taken
     is_a: str | None = None  #: the more general action whose rules it inherits
     #: parameter -> the kind of object that it was taught for; None if it is of a file
     objects: Mapping[str, str] | None = None
@@ -193,9 +190,13 @@ def load_actions(path: Path = ACTIONS_FILE, *, added_to: Actions | None = None) 
     trees = dict(known.trees)
     for name, each in keys.items():
         trees[name] = _TreeReader(name, each, signatures, failures).read()
+    actions = Actions(primitives, trees, failures)
     for name, spec in specs.items():
-        _reject_cycles(name, spec, Actions(primitives, trees))
-    return Actions(primitives, trees, failures)
+        if name in actions.used_by(name):
+            raise spec.fail(f'the tree "{name}" contains itself.')
+        if name in _reached(name, lambda tree: [tree.is_a] if tree.is_a else [], trees):
+            raise spec.fail(f'the tree "{name}" would be a kind of itself.')
+    return actions
 
 
 @dataclass(frozen=True)
@@ -209,13 +210,15 @@ class _TreeReader:
         keys, parameters = self.keys, self.signatures[self.name]
         others = self.signatures.keys() - {self.name}
         defaults = keys["defaults"].entries(optional=parameters) if "defaults" in keys else {}
+        lists = ("requires", "otherwise")
+        given = {key: keys[key].items() if key in keys else () for key in lists}
         return ActionTree(
             self.name,
             parameters,
             {parameter: self._default(value) for parameter, value in defaults.items()},
             self._steps(keys["steps"]),
-            tuple(self._condition(item) for item in _items(keys, "requires")),
-            tuple(self._branch(item) for item in _items(keys, "otherwise")),
+            tuple(self._condition(item) for item in given["requires"]),
+            tuple(self._branch(item) for item in given["otherwise"]),
             keys["is_a"].text(choices=others) if "is_a" in keys else None,
         )
 
@@ -288,17 +291,6 @@ def _single_entry(item: YamlNode, what: str) -> tuple[YamlNode, YamlNode]:
     if len(keys) != 1:
         raise item.fail(f"expected one {what} with its argument, found {len(keys)} keys.")
     return item.keys[0], keys[item.keys[0].value]
-
-
-def _items(keys: Mapping[str, YamlNode], key: str) -> tuple[YamlNode, ...]:
-    return keys[key].items() if key in keys else ()
-
-
-def _reject_cycles(name: str, spec: YamlNode, actions: Actions) -> None:
-    if name in actions.used_by(name):
-        raise spec.fail(f'the tree "{name}" contains itself.')
-    if name in _reached(name, lambda tree: [tree.is_a] if tree.is_a else [], actions.trees):
-        raise spec.fail(f'the tree "{name}" would be a kind of itself.')
 
 
 def _reached(

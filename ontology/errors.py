@@ -70,10 +70,7 @@ class ConflictError(HiltError, ValueError):
 
 
 class UnknownNameError(HiltError, LookupError):
-    """A name does not exist.
-
-    The kind is that of the thing looked up ("object", "query"); `known` are existing names, sorted.
-    """
+    """A name does not exist; `kind` is that of the thing, `known` are existing names, sorted."""
 
     def __init__(self, kind: str, name: str, known: Iterable[str]) -> None:
         from difflib import get_close_matches  # imported only when an error is reported
@@ -156,16 +153,7 @@ class WorkersUnavailableError(HiltError, RuntimeError):
 
 @contextmanager
 def extra_required(extra: str, package: str) -> Generator[None]:
-    """Context manager for imports of an optional package.
-
-    >>> with extra_required("report", "no_such_package"):
-    ...     import no_such_package
-    Traceback (most recent call last):
-    ...
-    hilt.ontology.errors.MissingExtraError: "no_such_package" is not installed. Run: ...
-
-    The extra of Hilt installs the package of this name. MissingExtraError if an import failed.
-    """
+    """Wrap imports of an optional package; MissingExtraError names the extra that has it."""
     try:
         yield
     except ImportError as error:

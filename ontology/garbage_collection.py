@@ -1,4 +1,7 @@
-"""The garbage collector of Python, paused while many values are made that all stay in use."""
+"""The garbage collector of Python, paused while many values are made that all stay in use.
+
+It would look through thousands of values without cycles again and again.
+"""
 
 import gc
 from collections.abc import Generator
@@ -7,11 +10,7 @@ from contextlib import contextmanager
 
 @contextmanager
 def paused_garbage_collection() -> Generator[None]:
-    """Pause the cyclic garbage collector; also a decorator.
-
-    It pays where thousands of values without cycles are made, which the collector would look
-    through again and again. A collector that is switched off already stays off.
-    """
+    """Pause the cyclic garbage collector, if it is on; also a decorator."""
     was_enabled = gc.isenabled()
     gc.disable()
     try:

@@ -60,8 +60,7 @@ class Fixture:
     """How an object is fixed in another one, as a nail in its block."""
 
     support: str  #: the type of the object in which it is fixed
-    #: where it enters the support, in the frame of the support [m]; its direction is its -z
-    at: Point3
+    at: Point3  #: where it enters the support, in the frame of that [m]; its direction is its -z
     depth: float  #: its initial depth in the support [m]
     deepest: float  #: the depth to which it can be driven [m]
     resistance: float  #: the force with which the support holds it, in both directions [N]
@@ -80,11 +79,9 @@ class ObjectType:
     is_a: str | None  #: its superclass, an object or one of the file's classes; None for a root
     properties: frozenset[str]  #: the perceptible properties of the whole object
     graspable: bool  #: whether it can be picked up; False for fixtures
-    #: its parts by name, in the order of the file
-    parts: Mapping[str, PartType] = field(hash=False)
+    parts: Mapping[str, PartType] = field(hash=False)  #: in the order of the file
     rests: tuple[RestingPose, ...]  #: how it can lie or stand; at least one is usual
-    #: how it is fixed in another object, if it is not placed loose; None for most
-    mount: Fixture | None = None
+    mount: Fixture | None = None  #: how it is fixed in another object; None if it is loose
 
     @cached_property
     def mass(self) -> float:

@@ -81,8 +81,7 @@ class PlacedSolid:
 
     form: Form
     at: Point3  #: origin of its frame [m]
-    #: roll, pitch, yaw of its frame [rad], about the fixed x, y and z axes in this order
-    turn: Point3
+    turn: Point3  #: roll, pitch, yaw of its frame [rad], about the fixed x, y, z axes in this order
     colour: Colour | None  #: its own colour; None for that of the part
     visible: bool  #: whether cameras see it
     collides: bool  #: whether it can be touched, by fingers or the table

@@ -21,10 +21,7 @@ _PLACE = re.compile(r" \(at (?:line (\d+), column (\d+)|end of document)\)$")
 
 
 def read_toml(path: Path) -> YamlNode:
-    """Read a file: a mapping of the values, with their positions.
-
-    DataError if it cannot be read, is not UTF-8 or TOML, or has a table.
-    """
+    """Read a mapping of values with their places; `DataError` if it is no TOML or has a table."""
     text, source = read_text(path), str(path)
     keys: list[YamlNode] = []
     entries: dict[str, YamlNode] = {}

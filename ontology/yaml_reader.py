@@ -20,8 +20,6 @@ from .errors import DataError
 
 MAX_BYTES = 64 * 2**20
 MAX_DEPTH = 64
-_OPENING = frozenset({"SequenceStartEvent", "MappingStartEvent"})
-_CLOSING = frozenset({"SequenceEndEvent", "MappingEndEvent"})
 
 
 @dataclass(frozen=True)
@@ -148,10 +146,7 @@ def read_yaml(path: Path) -> YamlNode:
 
 
 def read_text(path: Path, *, most_bytes: int | None = None) -> str:
-    """Return the text of a file in UTF-8, without a byte order mark.
-
-    `DataError` where it cannot be read, is larger than `most_bytes`, or is not UTF-8.
-    """
+    """Return the text of a file in UTF-8; `DataError` if it is larger or cannot be read."""
     try:
         if most_bytes is not None and path.stat().st_size > most_bytes:
             raise DataError(f"the file is larger than {most_bytes} bytes.", source=str(path))
@@ -192,11 +187,11 @@ class _NodeReader:
         depth = documents = 0
         for event in events:
             kind = type(event).__name__
-            depth += (kind in _OPENING) - (kind in _CLOSING)
+            depth += kind.endswith("StartEvent") - kind.endswith("EndEvent")
             documents += kind == "DocumentStartEvent"
             if kind == "AliasEvent":
                 raise self.node(event.start_mark, None).fail("aliases are not allowed.")
-            if depth > MAX_DEPTH:
+            if depth > MAX_DEPTH + 2:  # the stream and the document begin, too
                 raise self.node(event.start_mark, None).fail("nested too deeply.")
             if documents > 1:
                 problem = "expected one document, found a second one."

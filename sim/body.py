@@ -1,9 +1,7 @@
 """The robot's body: vision, one arm with a hand, and the world it acts in.
 
-It searches for features, takes objects by the part it is told, lifts, hands over, puts down, points
-and strikes. It knows nothing of rules: which object and which part is decided elsewhere. Every
-motion returns a `MotionReport`: a motion that fails is tried again with another grasp where that
-can help, and what cannot be done is reported without trying it.
+It knows nothing of rules: which object and which part is decided elsewhere. A motion that fails is
+tried again with another grasp where that can help; what cannot be done is reported without trying.
 """
 
 from __future__ import annotations

@@ -41,10 +41,7 @@ class LabelledPointCloud:
         return self.points[self.labels == PointLabel.TARGET]
 
     def downsampled(self, cell: float, *, reach: float, limit: int) -> LabelledPointCloud:
-        """Return fewer, evenly spread points within `reach` [m] of the part.
-
-        The voxels of side `cell` [m] grow until at most `limit` points have the same label.
-        """
+        """At most `limit` points of each label within `reach` [m], in voxels of `cell` [m]."""
         low, high = self.target.min(axis=0) - reach, self.target.max(axis=0) + reach
         near = np.all((self.points >= low) & (self.points <= high), axis=1)
         kept: list[np.ndarray] = []
@@ -81,12 +78,14 @@ class GraspContext:
     @property
     def target(self) -> Array:
         """Points on the allowed parts (n, 3) [m]."""
-        return self._cloud(allowed=True)
+        parts = self.percept.parts.items()
+        return np.vstack([_EMPTY, *(each for name, each in parts if name in self.allowed_parts)])
 
     @property
     def other_parts(self) -> Array:
         """Points on the other parts of the object (n, 3) [m]."""
-        return self._cloud(allowed=False)
+        parts, allowed = self.percept.parts.items(), self.allowed_parts
+        return np.vstack([_EMPTY, *(each for name, each in parts if name not in allowed)])
 
     @property
     def scene(self) -> Array:
@@ -112,8 +111,3 @@ class GraspContext:
         labels = np.repeat(np.array(list(PointLabel)), [len(group) for group in groups])
         mass = self.kind.mass
         return LabelledPointCloud(np.vstack(groups), labels, table, self.centre_of_mass, mass)
-
-    def _cloud(self, *, allowed: bool) -> Array:
-        parts = self.percept.parts.items()
-        clouds = [cloud for name, cloud in parts if (name in self.allowed_parts) == allowed]
-        return np.vstack([_EMPTY, *clouds])

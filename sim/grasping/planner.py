@@ -1,8 +1,6 @@
 """Grasp planning for one part of an object: sample candidates, score, refine, rank, and select.
 
-The part constraint is a filter: both contact bands must lie wholly on the part. When no grasp is
-left, `RankedGrasps.reason` says why. The grasp to execute is the best one that can be reached and
-has not failed before.
+The part constraint is a filter: both contact bands must lie wholly on the part.
 """
 
 from __future__ import annotations
@@ -95,11 +93,8 @@ class GraspAttempts:
 
     def has_tried(self, grasp: Grasp) -> bool:
         """Whether the gripper has closed at this place before."""
-        at = grasp.world_from_grip[:3, 3]
-        return any(
-            float(np.linalg.norm(at - other.world_from_grip[:3, 3])) < SAME_PLACE
-            for other in self.tried
-        )
+        aside = (grasp.world_from_grip - other.world_from_grip for other in self.tried)
+        return any(float(np.linalg.norm(each[:3, 3])) < SAME_PLACE for each in aside)
 
 
 def select_grasp(

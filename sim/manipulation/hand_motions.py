@@ -61,8 +61,7 @@ class HeldObject:
     points: Array  #: point cloud of the object (n, 3) in the hand frame [m]
     torque: float  #: largest torque of gravity about the line between the fingers [N m]
     others: Array  #: points of the other parts (n, 3) in the hand frame [m]
-    #: vector (3,) from the grip to their middle, in the hand frame; zero without any [m]
-    free: Array
+    free: Array  #: from the grip to their middle (3,), in the hand frame; zero without any [m]
     is_offered: bool = False  #: whether it was brought to the receiver last
 
     @property

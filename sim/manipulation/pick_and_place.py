@@ -1,7 +1,7 @@
 """Pick and place: grasp an object by a part, lift it, hand it over, put it down, or point at it.
 
-Each action returns a `MotionReport`. A failed grasp is followed by another one until the attempts
-are used up, and a lost object is grasped again; what is impossible is reported without trying.
+A failed grasp is followed by another one until the attempts are used up, and a lost object is
+grasped again; what is impossible is reported without trying.
 """
 
 from collections.abc import Callable, Collection

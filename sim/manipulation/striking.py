@@ -125,14 +125,21 @@ class Striking(PickAndPlace):
 
     def _blow(self, held: HeldObject, _: Array) -> str:
         grip = self.robot.world_from_grip
-        paths = (
-            held.planner.plan_straight(poses.translation(0, 0, -START_HEIGHT - through) @ grip)
-            for through in THROUGH
-        )
+        ends = (poses.translation(0, 0, -START_HEIGHT - through) @ grip for through in THROUGH)
+        paths = map(held.planner.plan_straight, ends)
         path = next((path for path in paths if path is not None), None)
         if path is None:
             return "unreachable"
-        self.robot.follow(path, pace=BLOW_PACE, stop=self._hit_check(held.name))
+        after = 0
+
+        def is_done() -> bool:
+            nonlocal after
+            contacts = self.robot.engine.bodies.contacts(held.name)
+            hit = any(c.force > BLOW_FORCE and c.other != NAME for c in contacts)
+            after += bool(after) or hit
+            return after > FOLLOW_STEPS
+
+        self.robot.follow(path, pace=BLOW_PACE, stop=is_done)
         reason = "" if self.robot.finger_contacts().holds(held.name) else "dropped"
         self.robot.advance(round(AFTER_BLOW / TIME_STEP))
         return reason
@@ -142,18 +149,15 @@ class Striking(PickAndPlace):
         own = spheres.link == len(self.robot.chain.links) - 1
         around = np.vstack([np.eye(3), -np.eye(3)]) * spheres.radius[own, None, None]
         points = (spheres.centre[own, None] + around).reshape(-1, 3)
-        grip_from_hand = poses.inverse(self.robot.hand_from_grip)
-        hand = poses.transform(grip_from_hand, points)
+        hand = poses.transform(poses.inverse(self.robot.hand_from_grip), points)
         return find_strike_poses(self._points_in_grip(held), hand)
 
     def _points_in_grip(self, held: HeldObject) -> Array:
         """The points (n, 3) of the object as it was seen, in the grip frame now [m]."""
         grip_from_hand = poses.inverse(self.robot.gripper.hand_from_grip)
-        object_from_seen = poses.inverse(held.world_from_start)
-        hand_from_object = self._motion.hand_from_object(held.name)
-        return poses.transform(
-            grip_from_hand @ hand_from_object @ object_from_seen, held.context.percept.cloud
-        )
+        grip_from_object = grip_from_hand @ self._motion.hand_from_object(held.name)
+        grip_from_seen = grip_from_object @ poses.inverse(held.world_from_start)
+        return poses.transform(grip_from_seen, held.context.percept.cloud)
 
     def _plan_strike(self, held: HeldObject, goal: Array) -> Array | None:
         answer = held.planner.inverse_kinematics(goal[None])
@@ -164,18 +168,6 @@ class Striking(PickAndPlace):
     def _can_strike(self, held: HeldObject, joints: Array, start: Array) -> bool:
         below = poses.translation(0, 0, -START_HEIGHT - THROUGH[0]) @ start
         return held.planner.plan_straight(below, start=start, joints=joints) is not None
-
-    def _hit_check(self, name: str) -> Callable[[], bool]:
-        after = 0
-
-        def is_done() -> bool:
-            nonlocal after
-            contacts = self.robot.engine.bodies.contacts(name)
-            hit = any(c.force > BLOW_FORCE and c.other != NAME for c in contacts)
-            after += bool(after) or hit
-            return after > FOLLOW_STEPS
-
-        return is_done
 
 
 @dataclass(frozen=True)

@@ -38,8 +38,7 @@ class ObjectModel:
 
     kind: ObjectType
     urdf: Path  #: its URDF file, with the meshes beside it
-    #: corners (n, 3) of the collision pieces of each part, in the object's frame [m]
-    corners: Mapping[str, Array]
+    corners: Mapping[str, Array]  #: of each part's pieces (n, 3), in the object's frame [m]
     silhouette: float  #: mean area that it shows to a camera above the table [m^2]
 
     @property

@@ -72,7 +72,10 @@ def _pieces(form: forms.Form) -> Sequence[Array]:
         case forms.Lathe():
             return _segments(_lathe_rings(form, form.sides or COLLISION_SIDES, COLLISION_STEPS))
         case forms.Extrusion():
-            return _plate_pieces(form)
+            rings = _plate_rings(form, COLLISION_STEPS)
+            rim = rings[len(rings) // 2][:, :2]  # which is not bevelled
+            prisms = [np.vstack([ring[each] for ring in rings]) for each in triangulate(rim)]
+            return meshes.merge(prisms, tolerance=MERGE_TOLERANCE)
         case forms.Sweep():
             return _segments(_sweep_rings(form, COLLISION_SECTION, COLLISION_STEPS))
         case forms.MeshFile():
@@ -163,13 +166,6 @@ def _mitres(ahead: Array, neighbours: Sequence[int]) -> Array:
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
     both = normals + normals[list(neighbours)]
     return both / np.einsum("ij,ij->i", normals, both)[:, None]
-
-
-def _plate_pieces(plate: forms.Extrusion) -> list[Array]:
-    rings = _plate_rings(plate, COLLISION_STEPS)
-    rim = rings[len(rings) // 2]  # which is not bevelled
-    prisms = [np.vstack([ring[each] for ring in rings]) for each in triangulate(rim[:, :2])]
-    return meshes.merge(prisms, tolerance=MERGE_TOLERANCE)
 
 
 def _sweep_rings(sweep: forms.Sweep, corners: int, steps: int) -> list[Array]:

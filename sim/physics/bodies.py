@@ -228,10 +228,7 @@ class Joints:
     def drive_at(
         self, body: str, joint: str, speed: float, *, force: float, to: float | None = None
     ) -> None:
-        """Let a motor keep a joint at a speed [rad/s] or [m/s] from now on, with a force limit.
-
-        With a position `to` [rad] or [m] it goes there, at most at that speed, and stays.
-        """
+        """Let a motor turn a joint at a speed [rad/s] or [m/s], up to a position `to` if given."""
         number, (index,) = self._bodies.joint_ids(body, [joint])
         options = {"targetVelocity": speed}
         if to is not None:

@@ -67,14 +67,11 @@ class RobotType:
     urdf: Path  #: URDF file of the arm
     hand: str  #: name of the link at the end of the arm
     home: Array  #: posture (k,) in which the arm waits [rad]
-    #: angles added to the first joint for more starts of inverse kinematics [rad]
-    turns: tuple[float, ...]
+    turns: tuple[float, ...]  #: angles of the first joint in more starts for solutions [rad]
     gripper: Gripper | None  #: the gripper; None for an arm without one
-    #: centres and radii (n, 4) of the collision spheres of each link [m]
-    spheres: Mapping[str, Array]
+    spheres: Mapping[str, Array]  #: centres, radii (n, 4) of collision spheres by link [m]
     attachment: HandFile | None = None  #: the hand, when it comes from another file
-    #: speed limits of the joints, instead of those of the URDF [rad/s]
-    speeds: tuple[float, ...] = ()
+    speeds: tuple[float, ...] = ()  #: limits of the joints; none for those of the URDF [rad/s]
     accelerations: tuple[float, ...] = ()  #: limits of the joints; none when empty [rad/s^2]
 
     @cached_property

@@ -60,9 +60,9 @@ def _place_loose(
     rng: np.random.Generator,
 ) -> dict[str, DropPose]:
     laid = [_lay(placement, models[placement.object], rng) for placement in placements]
-    extents = [np.ptp(shapely.get_coordinates(each.footprint), axis=0) for each in laid]
-    order = np.argsort([-float(np.linalg.norm(extent)) for extent in extents], kind="stable")
-    pieces = sorted((laid[i] for i in order), key=lambda each: each.placement.at is None)
+    corners = ((each, shapely.get_coordinates(each.footprint)) for each in laid)
+    sizes = {each.placement.name: float(np.linalg.norm(np.ptp(at, axis=0))) for each, at in corners}
+    pieces = sorted(laid, key=lambda e: (e.placement.at is None, -sizes[e.placement.name]))
     for _ in range(MAX_ROUNDS):
         spots: dict[str, DropPose] = {}
         for piece in pieces:

@@ -115,10 +115,8 @@ def _random_scene(text: str, objects: Mapping[str, ObjectType]) -> Scene:
 
 def _read_number(text: str, *, low: int, high: int, after: str) -> int:
     if not (text.isascii() and text.isdecimal()) or not low <= int(text) <= high:
-        raise DataError(
-            f'expected a whole number from {low} to {high} after "{after}", found "{text}".',
-            source="--scene",
-        )
+        problem = f'expected a whole number from {low} to {high} after "{after}", found "{text}".'
+        raise DataError(problem, source="--scene")
     return int(text)
 
 
@@ -133,10 +131,8 @@ def _drawn(names: Sequence[str], count: int, rng: np.random.Generator) -> list[s
 def _read_scene(spec: str, seed: int, objects: Mapping[str, ObjectType]) -> Scene:
     path = Path(spec)
     if path.suffix not in {".yaml", ".yml"}:
-        raise DataError(
-            f'expected a YAML file, "objects:knife,mug", "random:SEED" or "all", found "{spec}".',
-            source="--scene",
-        )
+        known = '"objects:knife,mug", "random:SEED" or "all"'
+        raise DataError(f'expected a YAML file, {known}, found "{spec}".', source="--scene")
     keys = read_yaml(path).entries(required={"objects"}, optional={"seed", "clutter"})
     items = keys["objects"].items()
     if len(items) > MAX_OBJECTS:
@@ -214,9 +210,7 @@ def _mounted(
             support = Placement(name, mount.support, placement.at, placement.yaw)
             result.append(support)
         elif placement.at is not None or placement.yaw is not None:
-            raise DataError(
-                f'"{placement.name}" stands in "{support.name}". Give the position of that.',
-                source="--scene",
-            )
+            problem = f'"{placement.name}" stands in "{support.name}". Give the position of that.'
+            raise DataError(problem, source="--scene")
         result[index] = replace(placement, at=None, yaw=None, within=support.name)
     return tuple(result)

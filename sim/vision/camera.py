@@ -42,8 +42,7 @@ class Camera:
     field: float = radians(46)  #: vertical angle of view [rad]
     width: int = 640  #: of the image [pixels]
     height: int = 480  #: the same
-    #: `intrinsics` that go before the field; empty for a field with the axis in the middle
-    calibration: tuple[float, ...] = ()
+    calibration: tuple[float, ...] = ()  #: its `intrinsics`, which go before the field; or none
 
     @cached_property
     def world_from_camera(self) -> Array:

@@ -1,8 +1,7 @@
 """Object detection by trained classifiers, from colours and depths only.
 
 Depths are segmented into objects; one classifier recognises each segment, another assigns its
-points to parts. Both were trained on rendered images (`examples/train_recognition.py`) and are
-stored in `recognition.npz`. Inputs are standardised, hidden units are tanh, outputs a softmax.
+points to parts. Both were trained on rendered images (`examples/train_recognition.py`).
 
 The confidence of a percept is the calibrated probability of its type: of all percepts with 0.8,
 eight in ten are right. Networks are overconfident: dividing the logits by a temperature found on

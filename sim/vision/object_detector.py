@@ -61,15 +61,13 @@ class ObjectDetector(ABC):
 
     def capture(self) -> tuple[CameraImage, ...]:
         """Take one image with each camera, with its depth noise."""
-        step, images = self.world.engine.steps, self._render()
-        seen = (with_depth_noise(i, self.noise, step, self._shine(i)) for i in images)
-        return tuple(map(without_mixed_pixels, seen) if self.noise.camera else seen)
-
-    def _shine(self, image: CameraImage) -> dict[int, float]:
-        kinds = self.world.kinds.items()
+        kinds, seen = self.world.kinds.items(), list[CameraImage]()
         parts = {(name, part.name): part for name, kind in kinds for part in kind.parts.values()}
-        shown = ((label, parts.get(link)) for label, link in image.names.items())
-        return {label: part.material.shine for label, part in shown if part}
+        for image in self._render():
+            shown = ((label, parts.get(link)) for label, link in image.names.items())
+            shine = {label: part.material.shine for label, part in shown if part}
+            seen.append(with_depth_noise(image, self.noise, self.world.engine.steps, shine))
+        return tuple(map(without_mixed_pixels, seen) if self.noise.camera else seen)
 
     def _render(self) -> Iterable[CameraImage]:
         return (camera.capture(self.world.engine) for camera in self.cameras)

@@ -25,8 +25,7 @@ class Percept:
     name: str  #: name under which the object is tracked
     object: str  #: its detected type
     confidence: float  #: confidence in that type, in [0, 1]
-    #: the visible parts: points on the surface of each (n, 3), in the world [m]; read-only
-    parts: Mapping[str, Array]
+    parts: Mapping[str, Array]  #: points on the visible ones (n, 3), in the world [m]; read-only
     #: properties of the object as a whole
     properties: frozenset[str] = field(default_factory=frozenset[str])
 

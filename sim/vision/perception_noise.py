@@ -1,9 +1,8 @@
 """Seeded perception noise: missed and confused objects, lower confidence, noisy depths.
 
 Section 4.1 of the paper measures without sensor noise and attributes further errors in the world to
-it. `NoiseLevels` holds its amounts; `NoisyDetector` applies it to the percepts of any detector. An
-object is misperceived in the same way in every search of a run, so that a seed gives the same run.
-Depth noise is applied by the cameras and drawn anew for every image.
+it. An object is misperceived in the same way in every search of a run, so that a seed gives the
+same run. Depth noise is drawn anew for every image.
 
 The errors of a stereo depth camera follow those of an Intel RealSense D435 (data sheet, and "Best
 known methods for tuning Intel RealSense depth cameras"): they arise in the disparity, in pixels, so
@@ -49,8 +48,7 @@ class NoiseLevels:
     confused: float = 0.0  #: probability that an object is detected as another type
     confidence: float = 0.0  #: largest share of its confidence that a percept loses, in [0, 1]
     depth_m: float = 0.0  #: standard deviation of each pixel's depth [m]
-    #: errors of a stereo depth camera; 1 for those of a RealSense D435, at most 2
-    camera: float = 0.0
+    camera: float = 0.0  #: errors of a stereo camera; 1 for those of a RealSense D435, at most 2
     seed: int = 0
 
     def __post_init__(self) -> None:
@@ -72,15 +70,13 @@ class NoiseLevels:
         for item in filter(None, (piece.strip() for piece in text.split(","))):
             name, _, number = item.partition("=")
             if name not in _MAX:
-                raise DataError(
-                    f'expected one of {", ".join(_MAX)}, found "{name}".', source="--noise"
-                )
+                problem = f'expected one of {", ".join(_MAX)}, found "{name}".'
+                raise DataError(problem, source="--noise")
             try:
                 values[name] = float(number)
             except ValueError:
-                raise DataError(
-                    f'expected a number after "{name}=", found "{number}".', source="--noise"
-                ) from None
+                problem = f'expected a number after "{name}=", found "{number}".'
+                raise DataError(problem, source="--noise") from None
         return cls(**values, seed=seed)
 
     def generator(self, name: str, *numbers: int) -> np.random.Generator:
