@@ -47,13 +47,10 @@ class FormTable:
         irregular = [word for word, changed in self.irregular.items() if changed == form]
         if irregular:
             return irregular
-        guesses = [
-            pattern.sub(replacement, form, count=1)
-            for pattern, replacement in self.backwards
-            if pattern.search(form)
-        ]
-        regular = (guess for guess in guesses if guess != form and self.of(guess) == form)
-        return list(dict.fromkeys(regular))
+        guesses = dict.fromkeys(
+            pattern.sub(replacement, form, count=1) for pattern, replacement in self.backwards
+        )
+        return [guess for guess in guesses if guess != form and self.of(guess) == form]
 
     def choice(self, word: str) -> str:
         """The replacement of the first rule that matches, without the word."""
@@ -96,8 +93,7 @@ class Inflection:
 
 def load_inflection(path: Path) -> Inflection:
     """Read the tables of a language; `DataError` says where the file is not as expected."""
-    tables = {name: _table(field) for name, field in read_yaml(path).entries().items()}
-    return Inflection(tables)
+    return Inflection({name: _table(field) for name, field in read_yaml(path).entries().items()})
 
 
 def _table(field: YamlNode) -> FormTable:

@@ -165,14 +165,10 @@ def find_mentions(
     found = dict.fromkeys((*_known(tokens.words, known.lexicon), *_new(tokens, known)))
     found |= dict.fromkeys(_as_acts(found, known.lexicon))
     names = _without_places(_without_parts(found), tokens.words)
+    ordered = tuple(sorted(names, key=lambda each: (each.start, each.end)))
     it = discourse.object.said if discourse.object else None
-    return Mentions(
-        tokens,
-        tuple(sorted(names, key=lambda each: (each.start, each.end))),
-        tuple(_degrees(tokens.words, degrees)),
-        it,
-        discourse.rule,
-    )
+    said = tuple(_degrees(tokens.words, degrees))
+    return Mentions(tokens, ordered, said, it, discourse.rule)
 
 
 def _label(names: Mapping[str, str], word: str) -> str:
