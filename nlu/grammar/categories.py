@@ -30,6 +30,11 @@ class AtomicCategory:
         """Whether it stands for certain words of a construction, and nothing else."""
         return self.name.startswith('"')
 
+    @property
+    def words(self) -> str:
+        """The pattern of these words."""
+        return self.name.strip('"')
+
 
 @dataclass(frozen=True, slots=True)
 class Functor:
@@ -60,16 +65,6 @@ def _bracketed(category: Category) -> str:
 
 
 @dataclass(frozen=True, slots=True)
-class BasicType:
-    """A type that is not a function: `e`, `t` or `d`."""
-
-    name: str
-
-    def __str__(self) -> str:
-        return self.name
-
-
-@dataclass(frozen=True, slots=True)
 class FunctionType:
     """The type of functions from `source` to `target`."""
 
@@ -81,7 +76,7 @@ class FunctionType:
         return f"{source} -> {self.target}"
 
 
-Type: TypeAlias = BasicType | FunctionType
+Type: TypeAlias = str | FunctionType  # a type that is no function is `e`, `t` or `d`
 Signature: TypeAlias = Mapping[str, Sequence[Type]]
 
 

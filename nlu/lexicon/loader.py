@@ -16,7 +16,7 @@ from ...ontology.yaml_reader import YamlNode, read_yaml
 from ..grammar import word_patterns
 from ..grammar.categories import AtomicCategory, Category, Functor
 from ..grammar.combinators import CombinationTable
-from ..grammar.constructions import Construction, Piece, WordRun, pieces_of
+from ..grammar.constructions import Construction, ConstructionPiece, pieces_of
 from ..grammar.grammar import Grammar, UnaryRule
 from ..grammar.notation import read_entry, read_type
 from ..grammar.terms import Constant, Term, evaluate, replace_constants
@@ -335,40 +335,36 @@ class LexiconBuilder:
         for line in parts["is"].listed():
             self._add_constructions(spelt, *read_entry(line), line)
 
-    def _spelt(self, says: YamlNode) -> Iterable[tuple[Piece, ...]]:
-        found = (
+    def _spelt(self, says: YamlNode) -> Iterable[tuple[ConstructionPiece, ...]]:
+        spelt = dict.fromkeys(
             pieces_of(each, one) for one in says.listed() for each in word_patterns.variants(one)
         )
-        spelt = dict.fromkeys(found)
-        runs = ([piece for piece in pieces if isinstance(piece, WordRun)] for pieces in spelt)
-        for run in dict.fromkeys(chain.from_iterable(each[1:] for each in runs)):
-            self._add(self._constructions, run.category, _NOTHING, 0.0, run.text)
+        kinds = ([piece.category for piece in pieces] for pieces in spelt)
+        runs = ([kind for kind in each if kind.is_words][1:] for each in kinds)
+        for run in dict.fromkeys(chain.from_iterable(runs)):
+            self._add(self._constructions, run, _NOTHING, 0.0, run.words)
         return spelt
 
     def _add_constructions(
         self,
-        spelt: Iterable[tuple[Piece, ...]],
+        spelt: Iterable[tuple[ConstructionPiece, ...]],
         category: Category,
         term: Term,
         cost: float,
         line: YamlNode,
     ) -> None:
-        found = [Construction(pieces, category, term) for pieces in spelt]
-        for gaps in dict.fromkeys(construction.gaps for construction in found):
+        for gaps in dict.fromkeys(tuple(each for each in pieces if each.name) for pieces in spelt):
             types = {gap.name: [self._grammar.type_of(gap.category, line)] for gap in gaps}
             self._grammar.verify(category, term, line, types)
-        for construction in found:
-            self._add_head(construction, cost)
-
-    def _add_head(self, construction: Construction, cost: float) -> None:
-        head, category = construction.head, construction.category
-        self.combinator.sign(category)
-        if isinstance(head, WordRun):
-            make = partial(self._head_entry, construction, cost, head.text)
-            self._constructions.add([LazyEntry(head.text, category, "", make)])
-        else:
-            term = construction.functor()
-            self.combinator.add(UnaryRule(head.category, category, term, evaluate(term), cost))
+        for construction in (Construction(pieces, category, term) for pieces in spelt):
+            head, taking = construction.head.category, construction.category
+            self.combinator.sign(taking)
+            if head.is_words:
+                make = partial(self._head_entry, construction, cost, head.words)
+                self._constructions.add([LazyEntry(head.words, taking, "", make)])
+            else:
+                functor = construction.functor()
+                self.combinator.add(UnaryRule(head, taking, functor, evaluate(functor), cost))
 
     def _head_entry(self, construction: Construction, cost: float, says: str) -> Entry:
         return self._entry(construction.category, construction.functor(), cost, says)
