@@ -47,7 +47,11 @@ class Functor:
 
     def __str__(self) -> str:
         slash = ("/" if self.forward else "\\") + ("^" if self.composes else "")
-        return f"{_bracketed(self.result)}{slash}{_bracketed(self.argument)}"
+        result, argument = (
+            f"({each})" if isinstance(each, Functor) else str(each)
+            for each in (self.result, self.argument)
+        )
+        return f"{result}{slash}{argument}"
 
 
 Category: TypeAlias = AtomicCategory | Functor
@@ -58,10 +62,6 @@ def type_of(category: Category, atoms: Mapping[str, Type]) -> Type:
     if isinstance(category, AtomicCategory):
         return atoms[category.name]
     return FunctionType(type_of(category.argument, atoms), type_of(category.result, atoms))
-
-
-def _bracketed(category: Category) -> str:
-    return f"({category})" if isinstance(category, Functor) else str(category)
 
 
 @dataclass(frozen=True, slots=True)

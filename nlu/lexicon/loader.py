@@ -115,8 +115,8 @@ class LexiconBuilder:
             self._templates[name] = self._template(field)
         for field in _items(parts, "verbs"):
             self._read_verb(field)
-        graphs = map(word_patterns.read_patterns, _items(parts, "insisting"))
-        self.insisting += tuple(chain.from_iterable(chain.from_iterable(graphs)))
+        insisting = map(word_patterns.read_patterns, _items(parts, "insisting"))
+        self.insisting += tuple(chain.from_iterable(insisting))
         for degree, field in _entries(parts, "qualifiers"):
             self._read_qualifier(degree, field)
         for kind, field in _entries(parts, "nouns"):
