@@ -40,8 +40,6 @@ def candidates(
 ) -> Iterator[CandidateMeaning]:
     """Yield the ways in which the names of an utterance fill the shapes."""
     for shape in shapes:
-        if mentions.fewest > len(shape.slots):
-            continue
         given = _given(shape, mentions)
         if given is None or any(
             len(slots) > len(mentions.by_role.get(role, ())) for role, slots in shape.roles.items()

@@ -93,21 +93,21 @@ class Mentions:
         return found
 
     @cached_property
-    def required(self) -> Mapping[Span, frozenset[str]]:
-        """The known names that a meaning must use: for each of their places, the names it has."""
-        spans: dict[Span, dict[str, str]] = {}
+    def _roles(self) -> Mapping[Span, Mapping[str, str]]:
+        found: dict[Span, dict[str, str]] = {}
         for each in self.names:
-            if not each.is_new:
-                spans.setdefault((each.start, each.end), {})[each.role] = each.name
-        return {
-            span: frozenset(names.values()) for span, names in spans.items() if _is_required(names)
-        }
+            role = "new" if each.is_new else each.role
+            found.setdefault((each.start, each.end), {})[role] = each.name
+        return found
 
     @cached_property
-    def fewest(self) -> int:
-        """The least number of slots that the names a meaning must use can fill."""
-        longer = any(each.is_new and each.end - each.start > 1 for each in self.names)
-        return 0 if longer else len(set(self.required.values()))
+    def required(self) -> Mapping[Span, frozenset[str]]:
+        """The known names that a meaning must use: for each of their places, the names it has."""
+        return {
+            span: frozenset(name for role, name in names.items() if role != "new")
+            for span, names in self._roles.items()
+            if _is_required(names)
+        }
 
     def required_beside(self, used: Iterable[Sequence[Mention]]) -> Iterator[frozenset[str]]:
         """Yield what a meaning must use that is no part of the longer names it uses."""
@@ -143,12 +143,8 @@ class Mentions:
     def labels(self) -> tuple[str, ...]:
         """The tokens, with a label for its roles instead of each name."""
         labels = list(self.tokens.words)
-        roles: dict[Span, dict[str, str]] = {}
-        for each in self.names:
-            role = "new" if each.is_new else each.role
-            roles.setdefault((each.start, each.end), {})[role] = each.name
-        for start, end, _ in self.degrees:
-            roles[start, end] = {"degree": ""}
+        degrees = {(start, end): {"degree": ""} for start, end, _ in self.degrees}
+        roles = {**self._roles, **degrees}
         for start, end in sorted(roles, key=lambda span: span[1] - span[0]):
             label = _label(roles[start, end], self.tokens.words[end - 1])
             labels[start:end] = [label, *[""] * (end - start - 1)]

@@ -74,7 +74,7 @@ def test_a_root_category_has_type_t(tmp_path: Path) -> None:
         ("wurds: []", 'unknown key "wurds" (did you mean "words"?)'),
         (
             "templates: {t: {constants: {A: [e]}, forms: {dual: ['N : A']}}}",
-            'unknown key "dual"; expected',
+            'unknown key "dual" (did you mean "plural"?)',
         ),
     ],
 )
