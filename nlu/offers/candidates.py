@@ -8,7 +8,7 @@ from itertools import islice, pairwise, permutations, product
 
 from ..lexicon.tokenizer import BREAK
 from ..semantics.meaning import Json
-from .meaning_shapes import MeaningShape
+from .meaning_shapes import MeaningShape, role_of
 from .mentions import Mention, Mentions, Span
 
 MAX_FILLINGS = 12
@@ -52,10 +52,7 @@ def candidates(
                 if goal not in tool_acts:
                     continue
                 values["?tool"] = tool_acts[str(goal)]
-            used = {
-                slot: mentions.by_role[slot[1:].rstrip("23456789")][name]
-                for slot, name in names.items()
-            }
+            used = {slot: mentions.by_role[role_of(slot)][name] for slot, name in names.items()}
             said = {value for value in values.values() if isinstance(value, str)}
             required = mentions.required_beside(used.values())
             if _apart(used) and not any(map(said.isdisjoint, required)):

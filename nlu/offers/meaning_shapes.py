@@ -58,9 +58,8 @@ class MeaningShape:
         """The slots that a name fills, by its role."""
         found: dict[str, tuple[str, ...]] = {}
         for slot in self.slots:
-            role = slot[1:].rstrip("23456789")
-            if role in SLOT_ROLES:
-                found[role] = (*found.get(role, ()), slot)
+            if role_of(slot) in SLOT_ROLES:
+                found[role_of(slot)] = (*found.get(role_of(slot), ()), slot)
         return found
 
     @cached_property
@@ -110,6 +109,11 @@ def shape_of(meaning: Json, mentions: Mentions, tool_acts: Mapping[str, str]) ->
 def shape_from(template: Json) -> MeaningShape:
     """Return the shape that is this JSON object with slots."""
     return MeaningShape(json.dumps(template, separators=(",", ":")))
+
+
+def role_of(slot: str) -> str:
+    """The role of a slot without its number: `object` of `?object2`."""
+    return slot[1:].rstrip("23456789")
 
 
 def _is_slot(value: object) -> bool:
