@@ -176,12 +176,9 @@ class ControlPhrases:
         found: dict[str, str | None] = {}
         place = 0
         while place < len(words):
-            if words[place] == BREAK:
-                place += 1
-                continue
             control, end, thing = self._control(tokens, place, named)
             if end == place:
-                end = self.words.end("polite", words, place)
+                end = self.words.end("polite", words, place) + (words[place] == BREAK)
             if end == place:
                 return None
             place = end

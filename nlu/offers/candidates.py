@@ -55,7 +55,9 @@ def candidates(
             used = {slot: mentions.by_role[role_of(slot)][name] for slot, name in names.items()}
             said = {value for value in values.values() if isinstance(value, str)}
             required = mentions.required_beside(used.values())
-            if _apart(used) and not any(map(said.isdisjoint, required)):
+            spans = [[(each.start, each.end) for each in mentions] for mentions in used.values()]
+            is_apart = any(len(set(chosen)) == len(spans) for chosen in product(*spans))
+            if is_apart and not any(map(said.isdisjoint, required)):
                 yield CandidateMeaning(shape, values, used)
 
 
@@ -65,8 +67,8 @@ def _given(shape: MeaningShape, mentions: Mentions) -> dict[str, object] | None:
         if slot == "?it":
             values[slot] = mentions.it
         elif slot == "?degree":
-            intervals = dict.fromkeys(interval for _, _, interval in mentions.degrees)
-            values[slot] = list(next(iter(intervals))) if len(intervals) == 1 else None
+            intervals = {interval for _, _, interval in mentions.degrees}
+            values[slot] = list(*intervals) if len(intervals) == 1 else None
         elif slot.startswith("?last."):
             retracted = shape.template.get("retract")
             said = retracted if isinstance(retracted, dict) else shape.template
@@ -89,11 +91,6 @@ def _fillings(shape: MeaningShape, mentions: Mentions) -> Iterator[dict[str, str
         yield {slot: name for names in chosen for slot, name in names.items()}
 
 
-def _apart(used: Mapping[str, tuple[Mention, ...]]) -> bool:
-    spans = [[(each.start, each.end) for each in mentions] for mentions in used.values()]
-    return any(len(set(chosen)) == len(spans) for chosen in product(*spans))
-
-
 NONE = "none"  # the trait of the choice that no candidate was meant
 
 _START, _END = "^", "$"
@@ -101,11 +98,9 @@ _START, _END = "^", "$"
 
 @dataclass(frozen=True)
 class OfferModel:
-    """What was learned from utterances.
+    """What was learned from utterances: the shapes of their meanings, and weights.
 
-    Attributes:
-        shapes: those of their meanings.
-        weights: by what an utterance or a filling has, and then by the trait of the meaning.
+    A weight is by what an utterance or a filling has, and then by the trait of the meaning.
     """
 
     shapes: tuple[MeaningShape, ...]

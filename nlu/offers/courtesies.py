@@ -53,11 +53,9 @@ class Courtesy:
 
 @dataclass(frozen=True)
 class CourtesyPhrases:
-    """The phrases by which courtesies are found, and the words that are known.
+    """The phrases by which courtesies are found (`courtesies.yaml`), and the words that are known.
 
-    Attributes:
-        words: the phrases of each kind, in the order in which they count; what parts begin with
-            that are only said by the way, praise or blame, or introduce the speaker; single words.
+    Of several courtesies in an utterance that counts whose phrases come first.
     """
 
     words: WordLists

@@ -193,12 +193,11 @@ class OfferFinder:
 def _with_object_before(
     place: int, mentions: Mentions, context: UtteranceContext
 ) -> UtteranceContext:
-    before = [m for m in mentions.names if m.role == "object" and m.end <= place]
+    before = {m.name: m for m in mentions.names if m.role == "object" and m.end <= place}
     if not before:
         return context
-    names = {m.name for m in before}
-    is_one = len(names) == 1 and not before[0].is_new
-    return context.with_object(PredicateForm(names.pop()) if is_one else None)
+    (name, first), *others = before.items()
+    return context.with_object(None if others or first.is_new else PredicateForm(name))
 
 
 def _revising(meaning: Meaning, context: UtteranceContext) -> Meaning:
