@@ -93,18 +93,15 @@ class Inflection:
 
 def load_inflection(path: Path) -> Inflection:
     """Read the tables of a language; `DataError` says where the file is not as expected."""
-    return Inflection({name: _table(field) for name, field in read_yaml(path).entries().items()})
-
-
-def _table(field: YamlNode) -> FormTable:
-    entries = field.entries(required=("rules",), optional=("irregular", "origins"))
-    irregular = entries["irregular"].entries() if "irregular" in entries else {}
-    backwards = entries["origins"].items() if "origins" in entries else ()
-    return FormTable(
-        {word: form.text() for word, form in irregular.items()},
-        tuple(_rule(rule) for rule in entries["rules"].items()),
-        tuple(_rule(rule) for rule in backwards),
-    )
+    tables: dict[str, FormTable] = {}
+    for name, field in read_yaml(path).entries().items():
+        entries = field.entries(required=("rules",), optional=("irregular", "origins"))
+        irregular = entries["irregular"].entries() if "irregular" in entries else {}
+        backwards = entries["origins"].items() if "origins" in entries else ()
+        forms = {word: form.text() for word, form in irregular.items()}
+        rules = tuple(map(_rule, entries["rules"].items()))
+        tables[name] = FormTable(forms, rules, tuple(map(_rule, backwards)))
+    return Inflection(tables)
 
 
 def _rule(field: YamlNode) -> Rule:

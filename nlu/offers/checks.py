@@ -59,12 +59,12 @@ class OfferChecks:
         return next((name for name, keeps in kept.items() if not keeps()), "")
 
     def _is_licensed(self, meaning: Meaning, mentions: Mentions, asides: Sequence[Span]) -> bool:
-        features = self.clause_features(mentions, asides)
-        if isinstance(meaning, (Command, ToolCommand)) and (
-            "tense" in features.main or self._is_done_by_others(meaning, mentions)
-        ):
-            return False
-        words = mentions.tokens.words
+        words, features = mentions.tokens.words, self.clause_features(mentions, asides)
+        if isinstance(meaning, (Command, ToolCommand)):
+            acts = [place for place in _places_of_act(meaning, mentions) if place]
+            doers = [self.reader.of_words(words[n - 1 : n]).get("agent", _HEARER) for n in acts]
+            if "tense" in features.main or any(doer != _HEARER for doer in doers):
+                return False
         new = [
             NewWord(each.name, each.role, " ".join(words[each.start : each.end]))
             for each in mentions.names
@@ -73,12 +73,6 @@ class OfferChecks:
         named = dict(features_of_names(self.reader, words, meaning, new))
         features = replace(features, main={**features.main, **named})
         return self.licence.outcome(meaning, features) == ACCEPT
-
-    def _is_done_by_others(self, meaning: Command | ToolCommand, mentions: Mentions) -> bool:
-        words = mentions.tokens.words
-        acts = _places_of_act(meaning, mentions)
-        subjects = [self.reader.of_words(words[place - 1 : place]) for place in acts if place]
-        return any(each.get("agent", _HEARER) != _HEARER for each in subjects)
 
     def is_licensed_beside(self, meaning: Meaning, around: Sequence[Phrase]) -> bool:
         """Whether a meaning stays what it is beside some words that are said by the way."""
@@ -93,9 +87,16 @@ class OfferChecks:
 
     def clause_features(self, mentions: Mentions, asides: Sequence[Span]) -> UtteranceFeatures:
         """The features of the clauses of an utterance that names this."""
-        words = mentions.tokens.words
+        words, pauses = mentions.tokens.words, mentions.tokens.pauses
+        named = {n for m in mentions.known for n in range(m.start, m.end)}
         beside = {place for span in asides for place in range(*span)}
-        main = [each for n, each in enumerate(self._clauses(mentions)) if n not in beside]
+        main: list[tuple[str, str]] = []
+        clause = MAIN
+        for place, word in enumerate(words):
+            clause = MAIN if place in pauses or word == BREAK else clause
+            clause = CONDITION if self.words.has("condition", word) else clause
+            if place not in beside:
+                main.append((word, "" if place in named else clause))
         return self.reader.features(main, [words[start:end] for start, end in asides])
 
     def signs(self, mentions: Mentions) -> frozenset[str]:
@@ -224,16 +225,6 @@ class OfferChecks:
             if not is_held or not (is_part or self._has("before_part", said)):
                 return False
         return True
-
-    def _clauses(self, mentions: Mentions) -> Iterator[tuple[str, str]]:
-        named = {n for m in mentions.known for n in range(m.start, m.end)}
-        clause = MAIN
-        for place, word in enumerate(mentions.tokens.words):
-            if place in mentions.tokens.pauses or word == BREAK:
-                clause = MAIN
-            if self.words.has("condition", word):
-                clause = CONDITION
-            yield word, "" if place in named else clause
 
     def _has(self, kind: str, words: Sequence[str]) -> bool:
         return any(True for _ in self._places(kind, words))

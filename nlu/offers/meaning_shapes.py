@@ -65,7 +65,14 @@ class MeaningShape:
     @cached_property
     def traits(self) -> tuple[str, ...]:
         """What the shape has in common with others: the kind, the sign, the act, the degree."""
-        return tuple(dict.fromkeys((self.text, *_traits(self.template))))
+        template = self.template
+        rules = template.get("all")
+        kinds = {"all", "goal", "patient", "retract", "kind_of", "action", "plan"} & template.keys()
+        named = template.keys() & {"rule", "ask", "ack", "norm", "control"}
+        kind = "kind=" + "+".join(sorted(kinds | {str(template[key]) for key in named}))
+        size = f"size={len(rules) if isinstance(rules, list) else 1}"
+        leaves = sorted({f"{key}={json.dumps(value)}" for key, value in _leaves(template)})
+        return tuple(dict.fromkeys((self.text, kind, size, *leaves)))
 
     def values_in(self, meaning: Json) -> dict[str, object]:
         """The values that the slots have in a meaning of this shape."""
@@ -133,15 +140,6 @@ def _changed(
             return [_changed(each, change, key, within) for each in value]
         case _:
             return change(value, key, within or {})
-
-
-def _traits(template: Json) -> Iterator[str]:
-    rules = template.get("all")
-    kinds = {"all", "goal", "patient", "retract", "kind_of", "action", "plan"} & template.keys()
-    named = template.keys() & {"rule", "ask", "ack", "norm", "control"}
-    yield "kind=" + "+".join(sorted(kinds | {str(template[key]) for key in named}))
-    yield f"size={len(rules) if isinstance(rules, list) else 1}"
-    yield from sorted({f"{key}={json.dumps(value)}" for key, value in _leaves(template)})
 
 
 def _leaves(value: object, key: str = "") -> Iterator[tuple[str, object]]:

@@ -158,12 +158,18 @@ def find_mentions(
     discourse: Discourse,
 ) -> Mentions:
     """Return what an utterance names; `degrees` has the words for degrees of confidence."""
-    found = dict.fromkeys((*_known(tokens.words, known.lexicon), *_new(tokens, known)))
+    words = tokens.words
+    found = dict.fromkeys((*_known(words, known.lexicon), *_new(tokens, known)))
     found |= dict.fromkeys(_as_acts(found, known.lexicon))
-    names = _without_places(_without_parts(found), tokens.words)
+    # Of what stands within a longer known name, and of objects behind "on" and the like, none.
+    known_places = {range(each.start, each.end) for each in found if not each.is_new}
+    whole = [m for m in found if not any({*range(m.start, m.end)} < {*p} for p in known_places)]
+    things = {each for each in whole if each.role == "object"}
+    places = {m for m in things if _ON.intersection(words[max(0, m.start - 2) : m.start])}
+    names = (each for each in whole if places == things or each not in places)
     ordered = tuple(sorted(names, key=lambda each: (each.start, each.end)))
     it = discourse.object.said if discourse.object else None
-    said = tuple(_degrees(tokens.words, degrees))
+    said = tuple(_degrees(words, degrees))
     return Mentions(tokens, ordered, said, it, discourse.rule)
 
 
@@ -188,13 +194,6 @@ def _as_acts(found: Iterable[Mention], lexicon: Lexicon) -> Iterator[Mention]:
             for other in _known((each.name,), lexicon):
                 if other.role == "act" and other.name in GOALS:
                     yield replace(each, role="act", name=other.name)
-
-
-def _without_places(found: Iterable[Mention], words: tuple[str, ...]) -> Iterator[Mention]:
-    mentions = list(found)
-    things = {each for each in mentions if each.role == "object"}
-    places = {m for m in things if _ON.intersection(words[max(0, m.start - 2) : m.start])}
-    return (each for each in mentions if places == things or each not in places)
 
 
 def _known(words: tuple[str, ...], lexicon: Lexicon) -> Iterator[Mention]:
@@ -239,15 +238,6 @@ def _fits(role: str, entry: Entry, words: tuple[str, ...], start: int) -> bool:
     # "Mixing" is a form of "mix", and no verb of its own.
     of_itself = {"act": entry.says, "affordance": f"{entry.says}ing"}[role]
     return is_verb and not (is_gerund and entry.name == of_itself)
-
-
-def _without_parts(found: Iterable[Mention]) -> Iterator[Mention]:
-    mentions = list(found)
-    known = {range(each.start, each.end) for each in mentions if not each.is_new}
-    for each in mentions:
-        own = range(each.start, each.end)
-        if not any(one != own and set(own) <= set(one) for one in known):
-            yield each
 
 
 def _degrees(

@@ -77,7 +77,11 @@ class OfferFinder:
         choices = self.meanings(tokens, context)
         if not choices:
             return None
-        said = [self._aloud(meaning) for meaning in choices]
+        said: list[str] = []
+        for meaning in choices:
+            first, *rest = self.realizer.realize(meaning).rstrip("?").split(" ")
+            aloud = (w.upper() if self.checks.words.has("negative", w) else w for w in rest)
+            said.append(" ".join([first, *aloud]))
         if len(said) == 1:
             return AskBack(self.realizer.answers.say("offer", choice=said[0]), choices)
         numbered = " ".join(f"{number}. {each}." for number, each in enumerate(said, start=1))
@@ -167,11 +171,6 @@ class OfferFinder:
         chances = self.model.probabilities(mentions, some)
         ranked = sorted(zip(chances, some, strict=True), key=lambda each: -each[0])
         return ranked[:MAX_TRIED]
-
-    def _aloud(self, meaning: Meaning) -> str:
-        first, *rest = self.realizer.realize(meaning).rstrip("?").split(" ")
-        has = self.checks.words.has
-        return " ".join([first, *(w.upper() if has("negative", w) else w for w in rest)])
 
     def is_text(self, tokens: Tokens) -> bool:
         """Whether an utterance consists of words, not of too many, and most of them known."""
