@@ -191,7 +191,7 @@ class Chat:
 
     def completable(self) -> set[str]:
         """Return the words that the Tab key can complete."""
-        return {*self.agent.dialogue.conversation.language.known_words, *_COMMANDS, QUIT}
+        return {*self.agent.dialogue.conversation.language.lexicon.words(), *_COMMANDS, QUIT}
 
     def interrupt(self) -> None:
         """Stop what is being done, and drop the lines that wait to be heard."""

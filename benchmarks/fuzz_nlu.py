@@ -37,7 +37,7 @@ def sentences() -> list[str]:
 
 def inputs(language: Language, count: int, rng: random.Random) -> Iterator[str]:
     """Random inputs, the four kinds in turn."""
-    good, words = sentences(), sorted(language.known_words)
+    good, words = sentences(), sorted({*language.lexicon.words()})
     makers = (
         lambda: "".join(chr(rng.randrange(0x11000)) for _ in range(rng.randrange(200))),
         lambda: " ".join(rng.choices(words, k=rng.randrange(41))),

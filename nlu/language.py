@@ -56,7 +56,6 @@ from .semantics.meaning import (
     Control,
     Meaning,
     Misunderstanding,
-    TrustStatement,
 )
 
 MAX_CONTROL_WORDS = 12
@@ -170,7 +169,8 @@ class Language:
         is_heard = self.parser.pragmatics.is_enough(context.recognition)
         control = self.control(text)
         if not (control and control.is_halt):
-            control = (control or self._trust(tokens)) if is_heard else None
+            start = self.controls.after_polite(tokens.words)
+            control = (control or self._courtesies.trust(tokens, start)) if is_heard else None
         if control:
             return Understanding(text, speaker, addressee, control, discourse=context.discourse)
         introduction = self.introduction(text)
@@ -185,7 +185,9 @@ class Language:
     ) -> Understanding:
         found = self.utterance_parser.understand(text, context, accepted)
         if _is_not_understood(found.meaning, text):
-            aside = self._halt_within(text) or self._only_courtesy(text)
+            aside, courtesy = self._halt_within(text), self._courtesies.find(self._tokens(text))
+            if courtesy and courtesy.kind and not courtesy.rest:
+                aside = aside or Acknowledgement(courtesy.kind)
             if aside:
                 return replace(found, meaning=aside, discourse=context.discourse)
             found = self._by_phrase(text, context) or self._with_offers(found, context)
@@ -293,15 +295,6 @@ class Language:
         """Return who a speaker claims to be in a text and what else it says, None for nobody."""
         return self._courtesies.introduction(self._tokens(text))
 
-    def _trust(self, tokens: Tokens) -> TrustStatement | None:
-        start = self.controls.after_polite(tokens.words)
-        return self._courtesies.trust(tokens, start)
-
-    def _only_courtesy(self, text: str) -> Acknowledgement | None:
-        courtesy = self._courtesies.find(self._tokens(text))
-        is_whole = courtesy and courtesy.kind and not courtesy.rest
-        return Acknowledgement(courtesy.kind) if courtesy and is_whole else None
-
     @cached_property
     def _courtesies(self) -> CourtesyPhrases:
         words = load_word_lists(self.folder / "courtesies.yaml")
@@ -310,8 +303,7 @@ class Language:
     def _halt_within(self, text: str) -> Control | None:
         tokens = self._tokens(text)
         found = [tokens.part(*span) for span in parts(tokens)]
-        controls = (self.control(each.span(0, len(each.items))) for each in found)
-        halts = {each.control for each in controls if each}
+        halts = {c.control for each in found if (c := self.control(each.span(0, len(each.items))))}
         if "stop" in halts:
             return Control("stop")
         is_bare = not any(self._courtesies.has_content(each) or each.asks for each in found)
@@ -375,11 +367,6 @@ class Language:
     def acts(self) -> Collection[str]:
         """The acts on an object that the vocabulary has or that were learned."""
         return self.parser.interpreter.acts
-
-    @property
-    def known_words(self) -> frozenset[str]:
-        """Every single word that the lexicon has."""
-        return frozenset(self.lexicon.words())
 
     def insists_on(self, word: str, text: str) -> bool:
         """Whether a text insists on a word that was taken for a slip: "no, lifting"."""

@@ -30,6 +30,11 @@ class AtomicCategory:
         """Whether it stands for certain words of a construction, and nothing else."""
         return self.name.startswith('"')
 
+    @property
+    def words(self) -> str:
+        """The pattern of these words."""
+        return self.name.strip('"')
+
 
 @dataclass(frozen=True, slots=True)
 class Functor:
@@ -42,7 +47,11 @@ class Functor:
 
     def __str__(self) -> str:
         slash = ("/" if self.forward else "\\") + ("^" if self.composes else "")
-        return f"{_bracketed(self.result)}{slash}{_bracketed(self.argument)}"
+        result, argument = (
+            f"({each})" if isinstance(each, Functor) else str(each)
+            for each in (self.result, self.argument)
+        )
+        return f"{result}{slash}{argument}"
 
 
 Category: TypeAlias = AtomicCategory | Functor
@@ -53,20 +62,6 @@ def type_of(category: Category, atoms: Mapping[str, Type]) -> Type:
     if isinstance(category, AtomicCategory):
         return atoms[category.name]
     return FunctionType(type_of(category.argument, atoms), type_of(category.result, atoms))
-
-
-def _bracketed(category: Category) -> str:
-    return f"({category})" if isinstance(category, Functor) else str(category)
-
-
-@dataclass(frozen=True, slots=True)
-class BasicType:
-    """A type that is not a function: `e`, `t` or `d`."""
-
-    name: str
-
-    def __str__(self) -> str:
-        return self.name
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,7 +76,7 @@ class FunctionType:
         return f"{source} -> {self.target}"
 
 
-Type: TypeAlias = BasicType | FunctionType
+Type: TypeAlias = str | FunctionType  # a type that is no function is `e`, `t` or `d`
 Signature: TypeAlias = Mapping[str, Sequence[Type]]
 
 

@@ -13,7 +13,6 @@ from pathlib import Path
 from ...ontology.yaml_reader import YamlNode, read_yaml
 from .categories import (
     AtomicCategory,
-    BasicType,
     Category,
     FunctionType,
     Functor,
@@ -96,7 +95,7 @@ class Grammar:
             category = category.result
         said = self.descriptions.get(category.name)
         if said is None:  # words of a construction, shown in the first of their spellings
-            spellings = map(" ".join, expand(compile_pattern(category.name.strip('"'))))
+            spellings = map(" ".join, expand(compile_pattern(category.words)))
             said = f'"{next(filter(None, spellings))}"'
         return said
 
@@ -109,7 +108,7 @@ def load_grammar(
     entries = read_yaml(path).entries(required=keys, optional=())
     atoms = {name: _atom(field) for name, field in entries["categories"].entries().items()}
     types = {name: kind for name, (kind, _) in atoms.items()}
-    signature: dict[str, list[Type]] = {name: [BasicType("d")] for name in degrees}
+    signature: dict[str, list[Type]] = {name: ["d"] for name in degrees}
     names = read_yaml(predicates).entries(required=("types",))["types"].entries()
     signature |= {name: list(map(read_type, field.items())) for name, field in names.items()}
     named = {key: entries[key].text(choices=types) for key in ("topic", "general", "answer")}
@@ -129,7 +128,7 @@ def load_grammar(
 
 def _atom(field: YamlNode) -> tuple[Type, str]:
     if isinstance(field.value, str):
-        return BasicType("e"), field.text()
+        return "e", field.text()
     parts = field.entries(required=("type",), optional=("means",))
     return read_type(parts["type"]), parts["means"].text() if "means" in parts else ""
 
@@ -137,7 +136,7 @@ def _atom(field: YamlNode) -> tuple[Type, str]:
 def _roots(field: YamlNode, types: Mapping[str, Type]) -> Mapping[Category, str]:
     roots: dict[Category, str] = {}
     for name, act in field.entries().items():
-        if types.get(name) != BasicType("t"):
+        if types.get(name) != "t":
             raise act.fail(f'expected a category of type t, found "{name}".')
         roots[AtomicCategory(name)] = act.text(choices=SPEECH_ACTS)
     return roots

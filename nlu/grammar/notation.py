@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias, cast, get_args
 
 from ...ontology.errors import DataError
 from ...ontology.yaml_reader import YamlNode
-from .categories import AtomicCategory, BasicType, Category, FunctionType, Functor, Type
+from .categories import AtomicCategory, Category, FunctionType, Functor, Type
 from .terms import Application, Constant, Term, bind
 
 if TYPE_CHECKING:
@@ -113,7 +113,7 @@ _MAKERS: dict[str, Callable[..., object]] = {
     "name": _of_text(lambda name: [Constant(name)]),
     "arguments": lambda *terms: list(terms),
     "arrow": FunctionType,
-    "basic": _of_text(BasicType),
+    "basic": str,
 }
 """What each rule of the grammar makes of its parts."""
 

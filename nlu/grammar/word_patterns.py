@@ -126,9 +126,9 @@ def spellings(field: YamlNode) -> list[tuple[str, ...]]:
     return list(found)
 
 
-def read_patterns(field: YamlNode) -> tuple[Steps, ...]:
-    """The graphs of a list of patterns; raises as `read_words`."""
-    return tuple(compile_pattern(read_words(item)) for item in field.listed())
+def read_patterns(field: YamlNode) -> Steps:
+    """The graph of a list of patterns; raises as `read_words`."""
+    return tuple(chain.from_iterable(compile_pattern(read_words(i)) for i in field.listed()))
 
 
 def read_phrases(field: YamlNode) -> frozenset[tuple[str, ...]]:
@@ -278,7 +278,7 @@ class WordLists:
         steps = [
             (name, step)
             for name, patterns in groups.items()
-            for step in chain.from_iterable(read_patterns(patterns))
+            for step in read_patterns(patterns)
             if isinstance(step, tuple)
         ]
         return {

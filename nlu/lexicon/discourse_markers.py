@@ -10,17 +10,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection
 from dataclasses import dataclass, fields, replace
-from itertools import chain
 
 from ...ontology.yaml_reader import YamlNode
-from ..grammar.word_patterns import (
-    Phrase,
-    Steps,
-    WordLists,
-    match_pattern,
-    read_patterns,
-    read_phrases,
-)
+from ..grammar import word_patterns
+from ..grammar.word_patterns import Phrase, Steps, WordLists
 from .tokenizer import BREAK, Token, Tokens
 
 
@@ -47,9 +40,9 @@ class DiscourseMarkers:
         if kind not in kinds:
             raise field.fail(f'expected one of {kinds}, found "{kind}".')
         known = getattr(self, kind)
-        if isinstance(known, tuple):
-            return replace(self, **{kind: (*known, *chain.from_iterable(read_patterns(field)))})
-        return replace(self, **{kind: known | read_phrases(field)})
+        if kind == "clauses":
+            return replace(self, clauses=known + word_patterns.read_patterns(field))
+        return replace(self, **{kind: known | word_patterns.read_phrases(field)})
 
     def mark_boundaries(self, tokens: Tokens) -> Tokens:
         """Put a break after the phrases that are a sentence of their own before a pause."""
@@ -106,7 +99,8 @@ class DiscourseMarkers:
         return replace(_begun_once(tokens.only(kept)), removed=(*tokens.removed, *removed))
 
     def _end(self, words: Phrase, start: int, edges: Collection[int], *, has_pauses: bool) -> int:
-        ends = [end for end, _ in match_pattern(self.clauses, words, start) if end in edges]
+        clauses = word_patterns.match_pattern(self.clauses, words, start)
+        ends = [end for end, _ in clauses if end in edges]
         for end in range(min(len(words), start + _LONGEST), start, -1):
             phrase = words[start:end]
             apart = (start in edges and end in edges) or (not has_pauses and end - start > 2)
@@ -176,12 +170,9 @@ class ControlPhrases:
         found: dict[str, str | None] = {}
         place = 0
         while place < len(words):
-            if words[place] == BREAK:
-                place += 1
-                continue
             control, end, thing = self._control(tokens, place, named)
             if end == place:
-                end = self.words.end("polite", words, place)
+                end = self.words.end("polite", words, place) + (words[place] == BREAK)
             if end == place:
                 return None
             place = end

@@ -41,13 +41,10 @@ class FormTable:
         irregular = [word for word, changed in self.irregular.items() if changed == form]
         if irregular:
             return irregular
-        guesses = [
-            pattern.sub(replacement, form, count=1)
-            for pattern, replacement in self.backwards
-            if pattern.search(form)
-        ]
-        regular = (guess for guess in guesses if guess != form and self.of(guess) == form)
-        return list(dict.fromkeys(regular))
+        guesses = dict.fromkeys(
+            pattern.sub(replacement, form, count=1) for pattern, replacement in self.backwards
+        )
+        return [guess for guess in guesses if guess != form and self.of(guess) == form]
 
     def choice(self, word: str) -> str:
         """The replacement of the first rule that matches, without the word."""
@@ -90,19 +87,15 @@ class Inflection:
 
 def load_inflection(path: Path) -> Inflection:
     """Read the tables of a language; `DataError` says where the file is not as expected."""
-    tables = {name: _table(field) for name, field in read_yaml(path).entries().items()}
+    tables: dict[str, FormTable] = {}
+    for name, field in read_yaml(path).entries().items():
+        entries = field.entries(required=("rules",), optional=("irregular", "origins"))
+        irregular = entries["irregular"].entries() if "irregular" in entries else {}
+        backwards = entries["origins"].items() if "origins" in entries else ()
+        forms = {word: form.text() for word, form in irregular.items()}
+        rules = tuple(map(_rule, entries["rules"].items()))
+        tables[name] = FormTable(forms, rules, tuple(map(_rule, backwards)))
     return Inflection(tables)
-
-
-def _table(field: YamlNode) -> FormTable:
-    entries = field.entries(required=("rules",), optional=("irregular", "origins"))
-    irregular = entries["irregular"].entries() if "irregular" in entries else {}
-    backwards = entries["origins"].items() if "origins" in entries else ()
-    return FormTable(
-        {word: form.text() for word, form in irregular.items()},
-        tuple(_rule(rule) for rule in entries["rules"].items()),
-        tuple(_rule(rule) for rule in backwards),
-    )
 
 
 def _rule(field: YamlNode) -> Rule:

@@ -199,10 +199,9 @@ class Lexicon:
         """The node of some places, the same one for the same places."""
         distinct = {id(place): place for place in places}
         key = tuple(distinct)
-        found = self._nodes.get(key)
-        if found is None:
-            found = self._nodes[key] = LexiconNode(tuple(distinct.values()), self)
-        return found
+        if key not in self._nodes:
+            self._nodes[key] = LexiconNode(tuple(distinct.values()), self)
+        return self._nodes[key]
 
     def entries_at(self, number: int) -> Iterator[Entry]:
         """The entries at the end of a pattern, by its number."""

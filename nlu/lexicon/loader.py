@@ -5,7 +5,7 @@ lines are checked when they are read; the entries are made when their words are 
 """
 
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from itertools import chain
@@ -16,7 +16,7 @@ from ...ontology.yaml_reader import YamlNode, read_yaml
 from ..grammar import word_patterns
 from ..grammar.categories import AtomicCategory, Category, Functor
 from ..grammar.combinators import CombinationTable
-from ..grammar.constructions import Construction, Piece, WordRun, pieces_of
+from ..grammar.constructions import Construction, ConstructionPiece, pieces_of
 from ..grammar.grammar import Grammar, UnaryRule
 from ..grammar.notation import read_entry, read_type
 from ..grammar.terms import Constant, Term, evaluate, replace_constants
@@ -115,12 +115,13 @@ class LexiconBuilder:
             self._templates[name] = self._template(field)
         for field in _items(parts, "verbs"):
             self._read_verb(field)
-        graphs = map(word_patterns.read_patterns, _items(parts, "insisting"))
-        self.insisting += tuple(chain.from_iterable(chain.from_iterable(graphs)))
+        insisting = map(word_patterns.read_patterns, _items(parts, "insisting"))
+        self.insisting += tuple(chain.from_iterable(insisting))
         for degree, field in _entries(parts, "qualifiers"):
             self._read_qualifier(degree, field)
-        for kind, field in _entries(parts, "nouns"):
-            self._read_nouns(kind, field)
+        for kind, field in _entries(parts, "nouns", self._templates):
+            self.nouns[kind] |= set(field.texts())
+            self.lexicon.add(chain.from_iterable(self.noun(kind, name) for name in field.texts()))
         for field in _items(parts, "words"):
             self._read_word(field)
         for field in _items(parts, "constructions"):
@@ -149,14 +150,14 @@ class LexiconBuilder:
         gerund = self.inflection.form(verb.verb, "ing")
         names = {"ACT": verb.means or _constant(verb.verb), "USE": _constant(gerund)}
         for name in verb.templates:
-            yield from self._senses(self._templates[name], verb.verb, names, role, cost)
+            yield from self._senses(name, verb.verb, names, role, cost)
 
     def noun(self, kind: str, name: str, role: str = "", cost: float = 0.0) -> Iterator[LazyEntry]:
         """The senses of a noun, part, property or person, by the name of its template."""
         constant = _constant(name)
         if constant in self._grammar.signature:
             constant += "_"  # a speaker that plays music is not who speaks
-        yield from self._senses(self._templates[kind], name, {"THIS": constant}, role, cost)
+        yield from self._senses(kind, name, {"THIS": constant}, role, cost)
 
     def vocabulary(self, vocabulary: Vocabulary) -> Iterator[LazyEntry]:
         """The senses of all names of a vocabulary."""
@@ -244,8 +245,9 @@ class LexiconBuilder:
         return self.bare_verb(name), ("affordance",) if is_known else ("affordance", "tool")
 
     def _senses(
-        self, template: WordTemplate, word: str, names: Mapping[str, str], role: str, cost: float
+        self, kind: str, word: str, names: Mapping[str, str], role: str, cost: float
     ) -> Iterator[LazyEntry]:
+        template = self._templates[kind]
         named = next((names[one] for one in _NAMING if one in template.constants), "")
         name = named.replace("_", " ").rstrip()
         for form, lines in template.forms.items():
@@ -267,41 +269,23 @@ class LexiconBuilder:
 
     def _template(self, field: YamlNode) -> WordTemplate:
         parts = field.entries(required=("constants", "forms"), optional=())
+        known_forms = ("base", *self.inflection.tables)
         constants = {
             constant: [read_type(item) for item in types.items()]
             for constant, types in parts["constants"].entries().items()
         }
         forms = {
             form: tuple(self._grammar.entry(line, constants) for line in lines.items())
-            for form, lines in parts["forms"].entries().items()
+            for form, lines in parts["forms"].entries(optional=known_forms).items()
         }
-        for form, lines in parts["forms"].entries().items():
-            if form != "base" and form not in self.inflection.tables:
-                known = ", ".join(("base", *self.inflection.tables))
-                raise lines.fail(f'there is no form "{form}"; expected one of {known}.')
         for category, _, _ in chain.from_iterable(forms.values()):
             self.combinator.sign(category)
         return WordTemplate(tuple(constants), forms)
 
-    def _template_named(self, name: str, field: YamlNode) -> WordTemplate:
-        if name not in self._templates:
-            known = ", ".join(sorted(self._templates))
-            raise field.fail(f'there is no template "{name}"; expected one of {known}.')
-        return self._templates[name]
-
-    def _read_nouns(self, kind: str, field: YamlNode) -> None:
-        self._template_named(kind, field)
-        for name in field.texts():
-            self.lexicon.add(self.noun(kind, name))
-        self.nouns[kind] |= set(field.texts())
-
     def _read_verb(self, field: YamlNode) -> None:
         parts = field.entries(required=("verb", "templates"), optional=("means",))
-        templates = parts["templates"].listed()
-        for item in templates:
-            self._template_named(item.text(), item)
+        names = tuple(each.text(choices=self._templates) for each in parts["templates"].listed())
         means = parts["means"].text() if "means" in parts else None
-        names = tuple(item.text() for item in templates)
         for item in parts["verb"].listed():
             verb = Verb(item.text(), names, means)
             self.verbs.append(verb)
@@ -310,11 +294,10 @@ class LexiconBuilder:
     def _read_qualifier(self, degree: str, field: YamlNode) -> None:
         if degree not in self._grammar.signature:
             raise field.fail(f'"{degree}" is no degree of confidence.')
-        template = self._template_named("qualifier", field)
         words = (" ".join(each) for item in field.items() for each in word_patterns.spellings(item))
         self.qualifiers[degree] = tuple(dict.fromkeys(words))
         for word in self.qualifiers[degree]:
-            self.lexicon.add(self._senses(template, word, {"DEG": degree}, "", 0.0))
+            self.lexicon.add(self._senses("qualifier", word, {"DEG": degree}, "", 0.0))
 
     def _read_word(self, field: YamlNode) -> None:
         parts = field.entries(required=("says",), optional=("is", "like"))
@@ -323,11 +306,11 @@ class LexiconBuilder:
         given = parts["is"].listed() if "is" in parts else ()
         lines = [self._grammar.entry(line) for line in given]
         for name in parts["like"].listed() if "like" in parts else ():
-            lines += self._template_named(name.text(), name).forms["base"]
+            lines += self._templates[name.text(choices=self._templates)].forms["base"]
         for says in parts["says"].listed():
             text = word_patterns.read_words(says)
             for line in lines:
-                self._add(self.lexicon, *line, text)
+                self._add(self.lexicon, line, text)
 
     def _read_construction(self, field: YamlNode) -> None:
         parts = field.entries(required=("says", "is"), optional=())
@@ -335,59 +318,50 @@ class LexiconBuilder:
         for line in parts["is"].listed():
             self._add_constructions(spelt, *read_entry(line), line)
 
-    def _spelt(self, says: YamlNode) -> Iterable[tuple[Piece, ...]]:
-        found = (
+    def _spelt(self, says: YamlNode) -> Iterable[tuple[ConstructionPiece, ...]]:
+        spelt = dict.fromkeys(
             pieces_of(each, one) for one in says.listed() for each in word_patterns.variants(one)
         )
-        spelt = dict.fromkeys(found)
-        runs = ([piece for piece in pieces if isinstance(piece, WordRun)] for pieces in spelt)
-        for run in dict.fromkeys(chain.from_iterable(each[1:] for each in runs)):
-            self._add(self._constructions, run.category, _NOTHING, 0.0, run.text)
+        kinds = ([piece.category for piece in pieces] for pieces in spelt)
+        runs = ([kind for kind in each if kind.is_words][1:] for each in kinds)
+        for run in dict.fromkeys(chain.from_iterable(runs)):
+            self._add(self._constructions, (run, _NOTHING, 0.0), run.words)
         return spelt
 
     def _add_constructions(
         self,
-        spelt: Iterable[tuple[Piece, ...]],
+        spelt: Iterable[tuple[ConstructionPiece, ...]],
         category: Category,
         term: Term,
         cost: float,
         line: YamlNode,
     ) -> None:
-        found = [Construction(pieces, category, term) for pieces in spelt]
-        for gaps in dict.fromkeys(construction.gaps for construction in found):
+        for gaps in dict.fromkeys(tuple(each for each in pieces if each.name) for pieces in spelt):
             types = {gap.name: [self._grammar.type_of(gap.category, line)] for gap in gaps}
             self._grammar.verify(category, term, line, types)
-        for construction in found:
-            self._add_head(construction, cost)
+        for construction in (Construction(pieces, category, term) for pieces in spelt):
+            head, taking = construction.head.category, construction.category
+            functor = construction.functor()
+            if head.is_words:
+                self._add(self._constructions, (taking, functor, cost), head.words)
+            else:
+                self.combinator.sign(taking)
+                self.combinator.add(UnaryRule(head, taking, functor, evaluate(functor), cost))
 
-    def _add_head(self, construction: Construction, cost: float) -> None:
-        head, category = construction.head, construction.category
-        self.combinator.sign(category)
-        if isinstance(head, WordRun):
-            make = partial(self._head_entry, construction, cost, head.text)
-            self._constructions.add([LazyEntry(head.text, category, "", make)])
-        else:
-            term = construction.functor()
-            self.combinator.add(UnaryRule(head.category, category, term, evaluate(term), cost))
-
-    def _head_entry(self, construction: Construction, cost: float, says: str) -> Entry:
-        return self._entry(construction.category, construction.functor(), cost, says)
-
-    def _add(
-        self, lexicon: Lexicon, category: Category, term: Term, cost: float, says: str
-    ) -> None:
-        self.combinator.sign(category)
-        make = partial(self._entry, category, term, cost, says)
-        lexicon.add([LazyEntry(says, category, "", make)])
+    def _add(self, lexicon: Lexicon, line: Line, says: str) -> None:
+        self.combinator.sign(line[0])
+        lexicon.add([LazyEntry(says, line[0], "", partial(self._entry, *line, says))])
 
 
 def _constant(name: str) -> str:
     return name.replace(" ", "_")
 
 
-def _entries(parts: Mapping[str, YamlNode], key: str) -> Iterator[tuple[str, YamlNode]]:
+def _entries(
+    parts: Mapping[str, YamlNode], key: str, known: Collection[str] | None = None
+) -> Iterator[tuple[str, YamlNode]]:
     if key in parts:
-        yield from parts[key].entries().items()
+        yield from parts[key].entries(optional=known).items()
 
 
 def _items(parts: Mapping[str, YamlNode], key: str) -> Iterator[YamlNode]:

@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from functools import lru_cache
 from itertools import chain, pairwise
 
-from .inflection import Inflection
 from .learned_lexicon import LearnedLexicon
 from .lexicon import Entry, LazyEntry
 from .loader import NOUN_ROLES, LexiconBuilder, Verb
@@ -145,8 +144,11 @@ class KnownWords:
         return place > 0 and words[place - 1] in self.builder.naming
 
     def _guesses(self, word: str, cost: float, *, is_capital: bool) -> list[Entry]:
-        roles = self._open_roles(word)
-        entries = _entries(self.builder, word, is_capital, roles)
+        kinds = self.lexicon.name_categories(word)
+        taken = {"object": {"N", "NS"}, "part": NOUNS, "affordance": {"K", "KB"}}
+        taken |= {"context": kinds - NOUNS, "place": PLACES}
+        open_roles = frozenset(role for role, of_role in taken.items() if not of_role & kinds)
+        entries = _entries(self.builder, word, is_capital, open_roles)
         return [entry._replace(cost=entry.cost + cost) for entry in entries]
 
     def _recipients(self, tokens: Tokens, place: int) -> Iterator[Entry]:
@@ -161,12 +163,6 @@ class KnownWords:
             for each in self.builder.noun(kind, word, role=RECIPIENT, cost=_RECIPIENT_COST):
                 yield each.entry()
 
-    def _open_roles(self, word: str) -> frozenset[str]:
-        kinds = self.lexicon.name_categories(word)
-        taken = {"object": {"N", "NS"}, "part": NOUNS, "affordance": {"K", "KB"}}
-        taken |= {"context": kinds - NOUNS, "place": PLACES}
-        return frozenset(role for role, categories in taken.items() if not categories & kinds)
-
     def _may_be_clause(self, tokens: Tokens, place: int) -> bool:
         words, end = tokens.words, place + 2
         is_joined = place > 0 and words[place - 1] in self.builder.joining
@@ -174,7 +170,9 @@ class KnownWords:
         return is_joined and is_last and not self.has(words[place + 1])
 
     def _compounds(self, first: str, second: str, is_determined: bool) -> list[Entry]:
-        if first == second or not self._may_modify(first, is_determined):
+        is_name = self.lexicon.is_name(first, NOUNS | {"K"})
+        is_open = not self.has(first) or (is_determined and self._may_name(first))
+        if first == second or not (is_name or (is_open and _has_letters(first))):
             return []
         singular = next(iter(self.origins(second, "plural")), second)
         found = chain.from_iterable(
@@ -184,12 +182,6 @@ class KnownWords:
             or (is_determined and role == "object" and self._may_name(second))
         )
         return [each.entry() for each in found if each.says == f"{first} {second}"]
-
-    def _may_modify(self, word: str, is_determined: bool) -> bool:
-        if self.lexicon.is_name(word, NOUNS | {"K"}):
-            return True
-        is_open = not self.has(word) or (is_determined and self._may_name(word))
-        return is_open and _has_letters(word)
 
     def _may_end(self, first: str, second: str, role: str, kinds: Iterable[str]) -> bool:
         if role == "place" and self.lexicon.is_in_name(second, PLACES):
@@ -246,7 +238,10 @@ def _entries(
             senses += builder.noun(role, name, role=role)
     if is_capital:
         senses += builder.noun("person", word, role="person", cost=_PERSON_COST)
-    for bare in _bare_forms(inflection, word):
+    bare_forms = [] if inflection.origins(word, "third") else [word]
+    for form in ("ing", "third", "participle"):
+        bare_forms += inflection.origins(word, form)[:1]
+    for bare in bare_forms:
         looks_inflected = bare == word and inflection.origins(word, "ing")
         cost = _SINGULAR_COST if looks_inflected else 0.0
         act, use = Verb(bare, ("new_act",), bare), Verb(bare, ("new_affordance",), None)
@@ -255,10 +250,3 @@ def _entries(
         if "affordance" in roles:
             senses += builder.verb_forms(use, "affordance", cost)
     return tuple(each.entry() for each in senses if each.says == word)
-
-
-def _bare_forms(inflection: Inflection, word: str) -> Iterator[str]:
-    if not inflection.origins(word, "third"):
-        yield word
-    for form in ("ing", "third", "participle"):
-        yield from inflection.origins(word, form)[:1]

@@ -8,7 +8,7 @@ from itertools import islice, pairwise, permutations, product
 
 from ..lexicon.tokenizer import BREAK
 from ..semantics.meaning import Json
-from .meaning_shapes import MeaningShape
+from .meaning_shapes import MeaningShape, role_of
 from .mentions import Mention, Mentions, Span
 
 MAX_FILLINGS = 12
@@ -40,8 +40,6 @@ def candidates(
 ) -> Iterator[CandidateMeaning]:
     """Yield the ways in which the names of an utterance fill the shapes."""
     for shape in shapes:
-        if mentions.fewest > len(shape.slots):
-            continue
         given = _given(shape, mentions)
         if given is None or any(
             len(slots) > len(mentions.by_role.get(role, ())) for role, slots in shape.roles.items()
@@ -54,13 +52,12 @@ def candidates(
                 if goal not in tool_acts:
                     continue
                 values["?tool"] = tool_acts[str(goal)]
-            used = {
-                slot: mentions.by_role[slot[1:].rstrip("23456789")][name]
-                for slot, name in names.items()
-            }
+            used = {slot: mentions.by_role[role_of(slot)][name] for slot, name in names.items()}
             said = {value for value in values.values() if isinstance(value, str)}
             required = mentions.required_beside(used.values())
-            if _apart(used) and not any(map(said.isdisjoint, required)):
+            spans = [[(each.start, each.end) for each in mentions] for mentions in used.values()]
+            is_apart = any(len(set(chosen)) == len(spans) for chosen in product(*spans))
+            if is_apart and not any(map(said.isdisjoint, required)):
                 yield CandidateMeaning(shape, values, used)
 
 
@@ -70,8 +67,8 @@ def _given(shape: MeaningShape, mentions: Mentions) -> dict[str, object] | None:
         if slot == "?it":
             values[slot] = mentions.it
         elif slot == "?degree":
-            intervals = dict.fromkeys(interval for _, _, interval in mentions.degrees)
-            values[slot] = list(next(iter(intervals))) if len(intervals) == 1 else None
+            intervals = {interval for _, _, interval in mentions.degrees}
+            values[slot] = list(*intervals) if len(intervals) == 1 else None
         elif slot.startswith("?last."):
             retracted = shape.template.get("retract")
             said = retracted if isinstance(retracted, dict) else shape.template
@@ -94,11 +91,6 @@ def _fillings(shape: MeaningShape, mentions: Mentions) -> Iterator[dict[str, str
         yield {slot: name for names in chosen for slot, name in names.items()}
 
 
-def _apart(used: Mapping[str, tuple[Mention, ...]]) -> bool:
-    spans = [[(each.start, each.end) for each in mentions] for mentions in used.values()]
-    return any(len(set(chosen)) == len(spans) for chosen in product(*spans))
-
-
 NONE = "none"  # the trait of the choice that no candidate was meant
 
 _START, _END = "^", "$"
@@ -106,10 +98,12 @@ _START, _END = "^", "$"
 
 @dataclass(frozen=True)
 class OfferModel:
-    """What was learned from utterances."""
+    """What was learned from utterances: the shapes of their meanings, and weights.
 
-    shapes: tuple[MeaningShape, ...]  #: those of their meanings
-    #: by what an utterance or a filling has, and then by the trait of the meaning
+    A weight is by what an utterance or a filling has, and then by the trait of the meaning.
+    """
+
+    shapes: tuple[MeaningShape, ...]
     weights: Mapping[str, Mapping[str, float]]
 
     def probabilities(

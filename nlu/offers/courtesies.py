@@ -48,10 +48,11 @@ class Courtesy:
 
 @dataclass(frozen=True)
 class CourtesyPhrases:
-    """The phrases by which courtesies are found, and the words that are known."""
+    """The phrases by which courtesies are found (`courtesies.yaml`), and the words that are known.
 
-    #: the phrases of each kind, in the order in which they count; what parts begin with that are
-    #: only said by the way, praise or blame, or introduce the speaker; single words
+    Of several courtesies in an utterance that counts whose phrases come first.
+    """
+
     words: WordLists
     known: KnownWords
 
@@ -93,20 +94,18 @@ class CourtesyPhrases:
         """Return whom an utterance says to trust, or not to, from a place on; None for nobody."""
         found = () if tokens.asks else self.words.wholes("trust", tokens.words, start)
         for kind, slots in found:
-            people = self._listed(tokens, *slots["NAME"])
+            links, people = self.words.words("linking"), list[list[Token]]([[]])
+            for place in range(*slots["NAME"]):
+                token = tokens.items[place]
+                if place in tokens.pauses or token.word in links:
+                    people.append([])
+                if token.word not in links:
+                    people[-1].append(token)
+            people = [name for name in people if name]
             if people and all(self._is_person(token) for name in people for token in name):
                 names = (tokens.text[name[0].start : name[-1].end] for name in people)
                 return TrustStatement(tuple(names), kind == "distrusted")
         return None
-
-    def _listed(self, tokens: Tokens, start: int, end: int) -> list[list[Token]]:
-        links, people = self.words.words("linking"), list[list[Token]]([[]])
-        for place, token in enumerate(tokens.items[start:end], start):
-            if place in tokens.pauses or token.word in links:
-                people.append([])
-            if token.word not in links:
-                people[-1].append(token)
-        return [name for name in people if name]
 
     def _introduced(self, part: Tokens) -> str:
         words = part.words

@@ -58,15 +58,21 @@ class MeaningShape:
         """The slots that a name fills, by its role."""
         found: dict[str, tuple[str, ...]] = {}
         for slot in self.slots:
-            role = slot[1:].rstrip("23456789")
-            if role in SLOT_ROLES:
-                found[role] = (*found.get(role, ()), slot)
+            if role_of(slot) in SLOT_ROLES:
+                found[role_of(slot)] = (*found.get(role_of(slot), ()), slot)
         return found
 
     @cached_property
     def traits(self) -> tuple[str, ...]:
         """What the shape has in common with others: the kind, the sign, the act, the degree."""
-        return tuple(dict.fromkeys((self.text, *_traits(self.template))))
+        template = self.template
+        rules = template.get("all")
+        kinds = {"all", "goal", "patient", "retract", "kind_of", "action", "plan"} & template.keys()
+        named = template.keys() & {"rule", "ask", "ack", "norm", "control"}
+        kind = "kind=" + "+".join(sorted(kinds | {str(template[key]) for key in named}))
+        size = f"size={len(rules) if isinstance(rules, list) else 1}"
+        leaves = sorted({f"{key}={json.dumps(value)}" for key, value in _leaves(template)})
+        return tuple(dict.fromkeys((self.text, kind, size, *leaves)))
 
     def values_in(self, meaning: Json) -> dict[str, object]:
         """The values that the slots have in a meaning of this shape."""
@@ -112,6 +118,11 @@ def shape_from(template: Json) -> MeaningShape:
     return MeaningShape(json.dumps(template, separators=(",", ":")))
 
 
+def role_of(slot: str) -> str:
+    """The role of a slot without its number: `object` of `?object2`."""
+    return slot[1:].rstrip("23456789")
+
+
 def _is_slot(value: object) -> bool:
     return isinstance(value, str) and value.startswith("?")
 
@@ -129,15 +140,6 @@ def _changed(
             return [_changed(each, change, key, within) for each in value]
         case _:
             return change(value, key, within or {})
-
-
-def _traits(template: Json) -> Iterator[str]:
-    rules = template.get("all")
-    kinds = {"all", "goal", "patient", "retract", "kind_of", "action", "plan"} & template.keys()
-    named = template.keys() & {"rule", "ask", "ack", "norm", "control"}
-    yield "kind=" + "+".join(sorted(kinds | {str(template[key]) for key in named}))
-    yield f"size={len(rules) if isinstance(rules, list) else 1}"
-    yield from sorted({f"{key}={json.dumps(value)}" for key, value in _leaves(template)})
 
 
 def _leaves(value: object, key: str = "") -> Iterator[tuple[str, object]]:

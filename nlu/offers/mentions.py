@@ -86,21 +86,21 @@ class Mentions:
         return found
 
     @cached_property
-    def required(self) -> Mapping[Span, frozenset[str]]:
-        """The known names that a meaning must use: for each of their places, the names it has."""
-        spans: dict[Span, dict[str, str]] = {}
+    def _roles(self) -> Mapping[Span, Mapping[str, str]]:
+        found: dict[Span, dict[str, str]] = {}
         for each in self.names:
-            if not each.is_new:
-                spans.setdefault((each.start, each.end), {})[each.role] = each.name
-        return {
-            span: frozenset(names.values()) for span, names in spans.items() if _is_required(names)
-        }
+            role = "new" if each.is_new else each.role
+            found.setdefault((each.start, each.end), {})[role] = each.name
+        return found
 
     @cached_property
-    def fewest(self) -> int:
-        """The least number of slots that the names a meaning must use can fill."""
-        longer = any(each.is_new and each.end - each.start > 1 for each in self.names)
-        return 0 if longer else len(set(self.required.values()))
+    def required(self) -> Mapping[Span, frozenset[str]]:
+        """The known names that a meaning must use: for each of their places, the names it has."""
+        return {
+            span: frozenset(name for role, name in names.items() if role != "new")
+            for span, names in self._roles.items()
+            if _is_required(names)
+        }
 
     def required_beside(self, used: Iterable[Sequence[Mention]]) -> Iterator[frozenset[str]]:
         """Yield what a meaning must use that is no part of the longer names it uses."""
@@ -136,12 +136,8 @@ class Mentions:
     def labels(self) -> tuple[str, ...]:
         """The tokens, with a label for its roles instead of each name."""
         labels = list(self.tokens.words)
-        roles: dict[Span, dict[str, str]] = {}
-        for each in self.names:
-            role = "new" if each.is_new else each.role
-            roles.setdefault((each.start, each.end), {})[role] = each.name
-        for start, end, _ in self.degrees:
-            roles[start, end] = {"degree": ""}
+        degrees = {(start, end): {"degree": ""} for start, end, _ in self.degrees}
+        roles = {**self._roles, **degrees}
         for start, end in sorted(roles, key=lambda span: span[1] - span[0]):
             label = _label(roles[start, end], self.tokens.words[end - 1])
             labels[start:end] = [label, *[""] * (end - start - 1)]
@@ -155,17 +151,19 @@ def find_mentions(
     discourse: Discourse,
 ) -> Mentions:
     """Return what an utterance names; `degrees` has the words for degrees of confidence."""
-    found = dict.fromkeys((*_known(tokens.words, known.lexicon), *_new(tokens, known)))
+    words = tokens.words
+    found = dict.fromkeys((*_known(words, known.lexicon), *_new(tokens, known)))
     found |= dict.fromkeys(_as_acts(found, known.lexicon))
-    names = _without_places(_without_parts(found), tokens.words)
+    # Of what stands within a longer known name, and of objects behind "on" and the like, none.
+    known_places = {range(each.start, each.end) for each in found if not each.is_new}
+    whole = [m for m in found if not any({*range(m.start, m.end)} < {*p} for p in known_places)]
+    things = {each for each in whole if each.role == "object"}
+    places = {m for m in things if _ON.intersection(words[max(0, m.start - 2) : m.start])}
+    names = (each for each in whole if places == things or each not in places)
+    ordered = tuple(sorted(names, key=lambda each: (each.start, each.end)))
     it = discourse.object.said if discourse.object else None
-    return Mentions(
-        tokens,
-        tuple(sorted(names, key=lambda each: (each.start, each.end))),
-        tuple(_degrees(tokens.words, degrees)),
-        it,
-        discourse.rule,
-    )
+    said = tuple(_degrees(words, degrees))
+    return Mentions(tokens, ordered, said, it, discourse.rule)
 
 
 def _label(names: Mapping[str, str], word: str) -> str:
@@ -189,13 +187,6 @@ def _as_acts(found: Iterable[Mention], lexicon: Lexicon) -> Iterator[Mention]:
             for other in _known((each.name,), lexicon):
                 if other.role == "act" and other.name in GOALS:
                     yield replace(each, role="act", name=other.name)
-
-
-def _without_places(found: Iterable[Mention], words: tuple[str, ...]) -> Iterator[Mention]:
-    mentions = list(found)
-    things = {each for each in mentions if each.role == "object"}
-    places = {m for m in things if _ON.intersection(words[max(0, m.start - 2) : m.start])}
-    return (each for each in mentions if places == things or each not in places)
 
 
 def _known(words: tuple[str, ...], lexicon: Lexicon) -> Iterator[Mention]:
@@ -240,15 +231,6 @@ def _fits(role: str, entry: Entry, words: tuple[str, ...], start: int) -> bool:
     # "Mixing" is a form of "mix", and no verb of its own.
     of_itself = {"act": entry.says, "affordance": f"{entry.says}ing"}[role]
     return is_verb and not (is_gerund and entry.name == of_itself)
-
-
-def _without_parts(found: Iterable[Mention]) -> Iterator[Mention]:
-    mentions = list(found)
-    known = {range(each.start, each.end) for each in mentions if not each.is_new}
-    for each in mentions:
-        own = range(each.start, each.end)
-        if not any(one != own and set(own) <= set(one) for one in known):
-            yield each
 
 
 def _degrees(

@@ -27,7 +27,6 @@ from ..semantics.meaning import (
     ActionRule,
     AskBack,
     Confidence,
-    FunctionalRule,
     Meaning,
     Rule,
     Statement,
@@ -75,7 +74,11 @@ class OfferFinder:
         choices = self.meanings(tokens, context)
         if not choices:
             return None
-        said = [self._aloud(meaning) for meaning in choices]
+        said: list[str] = []
+        for meaning in choices:
+            first, *rest = self.realizer.realize(meaning).rstrip("?").split(" ")
+            aloud = (w.upper() if self.checks.words.has("negative", w) else w for w in rest)
+            said.append(" ".join([first, *aloud]))
         if len(said) == 1:
             return AskBack(self.realizer.answers.say("offer", choice=said[0]), choices)
         numbered = " ".join(f"{number}. {each}." for number, each in enumerate(said, start=1))
@@ -95,15 +98,15 @@ class OfferFinder:
     def mentions(self, tokens: Tokens, discourse: Discourse) -> Mentions:
         """Return what an utterance names, with its features."""
         found = find_mentions(tokens, self.known, self.degrees, discourse)
-        names = (each for each in found.names if not self._is_of_gripping(each, tokens))
+        names = (each for each in found.names if not self._is_of_gripping(each, tokens.words))
         found = replace(found, names=tuple(names))
         return replace(found, features=self.checks.signs(found))
 
-    def _is_of_gripping(self, mention: Mention, tokens: Tokens) -> bool:
+    def _is_of_gripping(self, mention: Mention, words: Phrase) -> bool:
         if mention.role == "affordance":
             return mention.name in self.checks.reader.words["acts"]
-        words = tokens.words[mention.start : mention.end]
-        return mention.role != "act" and self.checks.words.has("gripping", *words)
+        said = words[mention.start : mention.end]
+        return mention.role != "act" and self.checks.words.has("gripping", *said)
 
     def of_corrected(self, tokens: Tokens, context: UtteranceContext) -> tuple[Meaning, ...]:
         """Return the meanings that an utterance has with its misspelled words corrected."""
@@ -166,11 +169,6 @@ class OfferFinder:
         ranked = sorted(zip(chances, some, strict=True), key=lambda each: -each[0])
         return ranked[:MAX_TRIED]
 
-    def _aloud(self, meaning: Meaning) -> str:
-        first, *rest = self.realizer.realize(meaning).rstrip("?").split(" ")
-        is_denying = partial(self.checks.words.has, "negative")
-        return " ".join([first, *(w.upper() if is_denying(w) else w for w in rest)])
-
     def is_text(self, tokens: Tokens) -> bool:
         """Whether an utterance consists of words, not of too many, and most of them known."""
         words = tokens.words
@@ -191,30 +189,29 @@ class OfferFinder:
 def _with_object_before(
     place: int, mentions: Mentions, context: UtteranceContext
 ) -> UtteranceContext:
-    before = [m for m in mentions.names if m.role == "object" and m.end <= place]
+    before = {m.name: m for m in mentions.names if m.role == "object" and m.end <= place}
     if not before:
         return context
-    names = {m.name for m in before}
-    is_one = len(names) == 1 and not before[0].is_new
-    return context.with_object(PredicateForm(names.pop()) if is_one else None)
+    (name, first), *others = before.items()
+    return context.with_object(None if others or first.is_new else PredicateForm(name))
 
 
 def _revising(meaning: Meaning, context: UtteranceContext) -> Meaning:
-    last = context.discourse.rule
     if not isinstance(meaning, Statement):
         return meaning
-    return Statement(tuple(replace(rule, revises=_differs(rule, last)) for rule in meaning.rules))
+    last = context.discourse.rule
+    return Statement(tuple(replace(rule, revises=_corrects(rule, last)) for rule in meaning.rules))
 
 
-def _differs(rule: Rule, last: Rule | None) -> bool:
-    match rule, last:
-        case FunctionalRule(), FunctionalRule():
-            is_same = (rule.object, rule.affordance) == (last.object, last.affordance)
-        case ActionRule(), ActionRule():
-            is_same = (rule.object, rule.context) == (last.object, last.context)
-        case _:
-            return False
-    return is_same and replace(rule, revises=last.revises) != last
+def _corrects(rule: Rule, last: Rule | None) -> bool:
+    if last is None or _topic(rule) != _topic(last):
+        return False
+    return replace(rule, revises=last.revises) != last
+
+
+def _topic(rule: Rule) -> tuple[str, str, str]:
+    use = rule.context if isinstance(rule, ActionRule) else rule.affordance
+    return rule.rule, rule.object, use
 
 
 def _holds_for_anything(meaning: Meaning, mentions: Mentions) -> bool:
@@ -272,7 +269,12 @@ def corrected_texts(tokens: Tokens, known: KnownWords) -> Iterator[str]:
     for chosen in ranked[:MAX_TEXTS]:
         meant = dict(zip(words, (word for _, word in chosen), strict=True))
         if any(word != other for word, other in meant.items()):
-            yield _replaced(tokens, text, meant)
+            corrected = text
+            for token in reversed(tokens.items):
+                if token.word in meant:
+                    before, after = corrected[: token.start], corrected[token.end :]
+                    corrected = before + meant[token.word] + after
+            yield corrected
 
 
 def is_misspelled(tokens: Tokens, known: KnownWords) -> bool:
@@ -284,10 +286,3 @@ def is_misspelled(tokens: Tokens, known: KnownWords) -> bool:
 def _known_slips(word: str, known: KnownWords) -> list[str]:
     found = dict.fromkeys(other for other in slips(word) if len(other) > 1 and known.has(other))
     return list(found)[:MAX_WORDS]
-
-
-def _replaced(tokens: Tokens, text: str, meant: dict[str, str]) -> str:
-    for token in reversed(tokens.items):
-        if token.word in meant:
-            text = text[: token.start] + meant[token.word] + text[token.end :]
-    return text

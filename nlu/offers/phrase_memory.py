@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from ..lexicon.tokenizer import BREAK
 from ..semantics.meaning import ANY_OBJECT, Json
-from .meaning_shapes import MeaningShape, shape_from, shape_of
+from .meaning_shapes import MeaningShape, role_of, shape_from, shape_of
 from .mentions import Mentions
 
 LEAST_FIXED = 3  # the least number of words of a phrase that are no names
@@ -25,7 +25,7 @@ _ROLES = {
     "<degree>": "degree",
 }
 
-_FIXED = frozenset({"?act", "?tool"})  # an act, and the use that it needs a tool for
+_FIXED = frozenset({"act", "tool"})  # an act, and the use that it needs a tool for
 
 Key = tuple[str, ...]
 
@@ -40,7 +40,7 @@ class PhrasePattern:
     @property
     def key(self) -> Key:
         """The pattern with the roles of its slots, by which an utterance is compared with it."""
-        return tuple(_role(each) if each.startswith("?") else each for each in self.pattern)
+        return tuple(f"?{role_of(x)}" if x.startswith("?") else x for x in self.pattern)
 
 
 def meaning_by_phrase(phrases: Mapping[Key, PhrasePattern], mentions: Mentions) -> Json | None:
@@ -67,11 +67,11 @@ def phrase_from(
     if shape.constants - {ANY_OBJECT}:
         return None  # a name that was not said
     values = shape.values_in(meaning)
-    fixed_values = {slot: v if _role(slot) in _FIXED else slot for slot, v in values.items()}
+    fixed_values = {slot: v if role_of(slot) in _FIXED else slot for slot, v in values.items()}
     shape = shape_from(shape.filled(fixed_values))
     gaps = dict(_gaps(mentions))
-    slot_of = {(_role(slot), str(values[slot])): slot for slot in shape.slots}
-    slots = [slot_of.get((f"?{gap[1]}", str(_value(mentions, *gap))), "") for gap in gaps.items()]
+    slot_of = {(role_of(slot), str(values[slot])): slot for slot in shape.slots}
+    slots = [slot_of.get((gap[1], str(_value(mentions, *gap))), "") for gap in gaps.items()]
     if sorted(slots) != sorted(shape.slots):
         return None  # a name that is not in the meaning, or twice
     said = iter(slots)
@@ -81,10 +81,6 @@ def phrase_from(
         return None
     phrase = PhrasePattern(pattern, shape)
     return phrase if meaning_by_phrase({phrase.key: phrase}, mentions) == meaning else None
-
-
-def _role(slot: str) -> str:
-    return "?" + slot[1:].rstrip("23456789")
 
 
 def _gaps(mentions: Mentions) -> Iterator[tuple[int, str]]:

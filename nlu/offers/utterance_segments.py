@@ -6,7 +6,7 @@ periphery and the pause before the segment show which. A person confirms what is
 may precede it than what is understood at once.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -26,10 +26,10 @@ _PERSONS = frozenset({OWN, HEARER})
 
 @dataclass(frozen=True)
 class SegmentReader:
-    """Finds the segments of utterances that may be all that is meant."""
+    """Finds the segments of utterances that may be all that is meant, by the words for offers."""
 
-    periphery: PeripheryReader  #: types what stands around a segment
-    words: WordLists  #: the words of each check on offers
+    periphery: PeripheryReader
+    words: WordLists
 
     def found(self, mentions: Mentions) -> Iterator[Span]:
         """Yield the segments beside which nothing else is meant, the longest first."""
@@ -42,8 +42,7 @@ class SegmentReader:
                 yield span
 
     def _spans(self, tokens: Tokens) -> Iterator[Span]:
-        words, count = tokens.words, len(tokens.items)
-        has = self.words.has
+        words, count, has = tokens.words, len(tokens.items), self.words.has
         opened = {n + 1 for n in tokens.edges - {0} if has("opening", *words[n : n + 1])}
         opened |= {n for n in range(1, count) if has("complement", words[n - 1])}
         found = ((start, end) for start in tokens.edges | opened for end in tokens.edges)
@@ -54,36 +53,32 @@ class SegmentReader:
         pieces = [each for each in before if each.form != MARKER]
         if not pieces:
             return pause != Pause.INSIDE or not before
-        last = pieces[-1]
+        last, table = pieces[-1], self.periphery.table.signs
         words = tokens.words[last.start + last.lead : last.end]
         signs = last.signs | {k for k in ("condition", "exception") if self.words.end(k, words)}
         is_own = last.form in _PERSONS or not signs.isdisjoint({"announced", "agent=speaker"})
         if pause in _UNCLEAR and self.words.end("concession", words):
             return True
-        doubting = self._signs["before_colon"] | {"degree"}
+        doubting = table["before_colon"] | {"degree"}
         if pause in _UNCLEAR and not all(each.signs.isdisjoint(doubting) for each in pieces):
             return False
         if "announced" in signs or self.words.has("at_end", *words[-1:]):
-            signs -= self._signs["outweighed"]
+            signs -= table["outweighed"]
         if last.form == PHRASE and pause not in {Pause.BUT, Pause.SO} and "restricting" in signs:
             return False
         if pause != Pause.BUT and not is_own and (pause == Pause.INSIDE or "report" in signs):
             return False
-        return signs.isdisjoint(self._signs[f"before_{pause.name.lower()}"])
+        return signs.isdisjoint(table[f"before_{pause.name.lower()}"])
 
     def _adds_nothing(self, after: Sequence[UtterancePiece], mentions: Mentions, end: int) -> bool:
         words = mentions.tokens.words[end:]
         is_announced = all("announced" in each.signs for each in after)
         if self.words.end("joining", words) and not is_announced:
             return False
+        meant = self.periphery.table.signs["after_segment"]
         return not mentions.names_something((end, len(mentions.tokens.items))) and all(
-            each.form == MARKER or each.signs.isdisjoint(self._signs["after_segment"])
-            for each in after
+            each.form == MARKER or each.signs.isdisjoint(meant) for each in after
         )
-
-    @property
-    def _signs(self) -> Mapping[str, frozenset[str]]:
-        return self.periphery.table.signs
 
 
 def parts(tokens: Tokens) -> Iterator[Span]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from hilt.nlu.grammar.categories import BasicType, Type, TypeMismatchError, check_type, type_of
+from hilt.nlu.grammar.categories import Type, TypeMismatchError, check_type, type_of
 from hilt.nlu.grammar.combinators import BinaryRule, CombinationTable
 from hilt.nlu.grammar.notation import read_entry, read_type
 from hilt.ontology.yaml_reader import YamlNode
@@ -66,7 +66,7 @@ def test_a_composed_functor_does_not_apply_again() -> None:
 
 def test_the_type_of_a_functor_is_a_function() -> None:
     """`S/NP` means a function from what NPs mean to what Ss mean."""
-    atoms = {"S": BasicType("t"), "NP": BasicType("e")}
+    atoms = {"S": "t", "NP": "e"}
 
     assert str(type_of(category("(S\\NP)/NP"), atoms)) == "e -> e -> t"
 
@@ -74,7 +74,7 @@ def test_the_type_of_a_functor_is_a_function() -> None:
 def test_an_undeclared_atom_has_no_type() -> None:
     """The error names it."""
     with pytest.raises(KeyError, match="VP"):
-        type_of(category("VP/NP"), {"NP": BasicType("e")})
+        type_of(category("VP/NP"), {"NP": "e"})
 
 
 def parsed_type(text: str) -> Type:

@@ -68,13 +68,13 @@ def test_a_root_category_has_type_t(tmp_path: Path) -> None:
         ("words: [{says: ['(zap'], is: ['C : okay']}]", 'expected ")"'),
         ("classes: {XX: zap}", 'the category "XX" is not declared'),
         ("words: [{says: [zap]}]", 'expected the key "is" or "like"'),
-        ("verbs: [{verb: zap, templates: [zapping]}]", 'there is no template "zapping"'),
-        ("nouns: {vegetable: [leek]}", 'there is no template "vegetable"'),
+        ("verbs: [{verb: zap, templates: [zapping]}]", 'use, found "zapping"'),
+        ("nouns: {vegetable: [leek]}", 'unknown key "vegetable"; expected'),
         ("qualifiers: {huge: [hugely]}", '"huge" is no degree of confidence'),
         ("wurds: []", 'unknown key "wurds" (did you mean "words"?)'),
         (
             "templates: {t: {constants: {A: [e]}, forms: {dual: ['N : A']}}}",
-            'there is no form "dual"',
+            'unknown key "dual" (did you mean "plural"?)',
         ),
     ],
 )

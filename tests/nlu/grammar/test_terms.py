@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hilt.nlu.grammar.categories import BasicType, FunctionType, Type, check_type
+from hilt.nlu.grammar.categories import FunctionType, Type, check_type
 from hilt.nlu.grammar.terms import (
     Application,
     BoundVariable,
@@ -22,7 +22,7 @@ from hilt.nlu.grammar.terms import (
 
 from ..conftest import parse_term
 
-E = BasicType("e")
+E = "e"
 TYPES = st.recursive(st.just(E), lambda inner: st.builds(FunctionType, inner, inner), max_leaves=4)
 SIGNATURE = {
     "a": [E],
