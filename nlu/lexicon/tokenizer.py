@@ -135,7 +135,8 @@ def tokenize(text: str, contractions: Mapping[str, tuple[str, ...]]) -> Tokens:
             items += _words(found, contractions)
     while items and items[-1].word == BREAK:
         items.pop()
-    return Tokens(text, tuple(items), "?" in last, tuple(pauses))
+    within = tuple(pause for pause in pauses if pause <= len(items))
+    return Tokens(text, tuple(items), "?" in last, within)
 
 
 def _without_layout(found: re.Match[str]) -> str:

@@ -74,8 +74,10 @@ class Clarifier:
         readings = tuple(readings)
         people = (lexical_entries(each.derivation) for each in readings)
         for word in chain.from_iterable(map(new_recipients, people)):
-            close = None if word.said in accepted else self._intended_instead(word.said)
-            if close is not None:
+            is_of_grammar = self.known_words.builder.is_of_grammar
+            near = slips(word.said) if len(word.said) > MIN_LETTERS else ()
+            close = self._intended_any(word.said) or next(filter(is_of_grammar, near), None)
+            if close and word.said not in accepted:
                 return self._did_you_mean(word.said, close)
         for reading, word in ((each, word) for each in readings for word in each.new_words):
             if word.said not in accepted and self._may_be_part(word, reading, tokens):
@@ -91,11 +93,10 @@ class Clarifier:
         return None
 
     def _may_be_part(self, word: NewWord, reading: Reading, tokens: Tokens) -> bool:
-        if not self.known_words.is_only_part(word):
-            return False
-        is_definite = any(pair == ("the", word.said) for pair in pairwise(tokens.words))
+        is_definite = ("the", word.said) in pairwise(tokens.words)
         is_of_one = is_definite and isinstance(reading.meaning, Statement)
-        return is_of_one or self.parser.features.is_part(word.said, word.word)
+        is_part = is_of_one or self.parser.features.is_part(word.said, word.word)
+        return is_part and self.known_words.is_only_part(word)
 
     def licensed(self, reading: Reading) -> Meaning:
         """The meaning of a reading, as sure as its features allow, or whether it is meant."""
@@ -116,9 +117,7 @@ class Clarifier:
     def of_misspelling(self, unknown: Iterable[Token], accepted: Collection[str]) -> AskBack | None:
         """The question whether an unknown word is a misspelled known one, None when none is."""
         for token in unknown:
-            if token.word in accepted:
-                continue
-            close = self._intended_any(token.word)
+            close = None if token.word in accepted else self._intended_any(token.word)
             if close is not None:
                 return self._did_you_mean(token.word, close)
         return None
@@ -156,11 +155,6 @@ class Clarifier:
         else:
             message = self.answers.say("not_understood", text=tokens.text)
         return Misunderstanding(message, where, expected, self._nearest_examples(tokens.words))
-
-    def _intended_instead(self, person: str) -> str | None:
-        is_of_grammar = self.known_words.builder.is_of_grammar
-        near = filter(is_of_grammar, slips(person) if len(person) > MIN_LETTERS else ())
-        return self._intended_any(person) or next(near, None)
 
     def _intended_any(self, word: str) -> str | None:
         known = self.known_words

@@ -66,7 +66,12 @@ class SentenceParser:
         """Return the readings, one a meaning, likeliest first, and why the best other has none."""
         best: dict[Meaning, Reading] = {}
         refusal: UninterpretableError | None = None
-        for act, derivation in self._derivations(chart):
+        found = [
+            (act, derivation)
+            for category, act in self.grammar.roots.items()
+            for derivation in chart.derivations(category)
+        ]
+        for act, derivation in sorted(found, key=lambda each: each[1].cost):
             try:
                 reading = self._reading(act, derivation, tokens, context)
             except UninterpretableError as error:
@@ -116,29 +121,22 @@ class SentenceParser:
         start, end = chart.longest_span()
         named = {str(category): category for category in chart.categories(start, end)}
         simplest = sorted(named, key=lambda name: (sum(map(name.count, "/\\")), len(name), name))
-        expected = (
-            self.grammar.described(category.argument)
-            for category in map(named.__getitem__, simplest)
-            if isinstance(category, Functor) and category.forward
-        )
+        categories = (named[name] for name in simplest)
+        forward = (each for each in categories if isinstance(each, Functor) and each.forward)
+        expected = (self.grammar.described(each.argument) for each in forward)
         found = tuple(dict.fromkeys(filter(None, expected)))
         # Nothing is lost without "is" beside "is or are".
         kept = (one for one in found if not any(o.startswith(f"{one} or ") for o in found))
         return tokens.span(start, end), tuple(kept)[:MAX_EXPECTED]
 
-    def _derivations(self, chart: Chart) -> list[tuple[str, Derivation]]:
-        found = [
-            (act, derivation)
-            for category, act in self.grammar.roots.items()
-            for derivation in chart.derivations(category)
-        ]
-        return sorted(found, key=lambda each: each[1].cost)
-
     def _reading(
         self, act: str, derivation: Derivation, tokens: Tokens, context: UtteranceContext
     ) -> Reading:
         form = _fill_persons(form_of(derivation.value), context)
-        is_for_now = self._is_for_now(derivation)
+        parts = {part.category for part in subderivations(derivation)}
+        is_for_now = self.grammar.general not in parts and not parts.isdisjoint(
+            self.grammar.speaker
+        )
         discourse = replace(context.discourse, rule=None) if is_for_now else context.discourse
         form = resolve(form, discourse)
         entries = lexical_entries(derivation)
@@ -146,12 +144,13 @@ class SentenceParser:
         if tokens.asks and (act == "FRAGMENT" or form.name in load_predicates().fragments):
             act, form = "FRAGMENT", PredicateForm("asked", (form,))
         act = "CORRECT" if form.name == "correctPart" else act
-        act = _act_with_question_mark(act, form, tokens)
-        if act == "QUESTION" and form.name in _STATED:
-            form = PredicateForm("isTrue", (form,))
-        speech_act = PredicateForm(
-            act, (PredicateForm(context.speaker), PredicateForm(context.addressee), form)
-        )
+        if tokens.asks and act == "INSTRUCT":
+            raise UninterpretableError("as_question", asks=True)
+        is_asked = act == "QUESTION" or (tokens.asks and act == "STATEMENT")
+        if is_asked and form.name in _STATED:
+            act, form = "QUESTION", PredicateForm("isTrue", (form,))
+        people = map(PredicateForm, (context.speaker, context.addressee))
+        speech_act = PredicateForm(act, (*people, form))
         intention = self._intention(speech_act, context.recognition)
         interpreter = self.interpreter.with_words(words)
         meaning = meaning_of(intention.form, interpreter, context.discourse)
@@ -160,11 +159,6 @@ class SentenceParser:
         cost = derivation.cost + _WORD_COST * len(entries)
         meant = (intention.form, intention.interval, meaning)
         return Reading(speech_act, *meant, cost, derivation, words)
-
-    def _is_for_now(self, derivation: Derivation) -> bool:
-        parts = {part.category for part in subderivations(derivation)}
-        is_generic = self.grammar.general in parts
-        return not is_generic and not parts.isdisjoint(self.grammar.speaker)
 
     def _intention(self, speech_act: PredicateForm, recognition: Confidence) -> Intention:
         meant = self.pragmatics.meant(speech_act)
@@ -185,11 +179,3 @@ def decide(readings: Sequence[Reading]) -> Reading | None:
 def _fill_persons(form: PredicateForm, context: UtteranceContext) -> PredicateForm:
     names = {"speaker": PredicateForm(context.speaker), "self": PredicateForm(context.addressee)}
     return form.mapped(lambda part: names.get(part.name) if not part.arguments else None)
-
-
-def _act_with_question_mark(act: str, form: PredicateForm, tokens: Tokens) -> str:
-    if not tokens.asks:
-        return act
-    if act == "INSTRUCT":
-        raise UninterpretableError("as_question", asks=True)
-    return "QUESTION" if act == "STATEMENT" and form.name in _STATED else act

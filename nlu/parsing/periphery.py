@@ -124,10 +124,9 @@ class PeripheryReader:
         """Yield the cores to try, the longest first."""
         pieces = self.reader.pieces(self.reader.known.builder.expand_endings(tokens))
         starts = {piece.core_start for piece in pieces} | {0}
-        spans = ((start, piece.end) for start in starts for piece in pieces)
-        long_enough = [s for s in spans if s[1] - s[0] >= LEAST_WORDS]
-        for start, end in sorted(long_enough, key=lambda span: (span[0] - span[1], span)):
-            core = self._core(tokens, (start, end), pieces)
+        spans = [(start, piece.end) for start in starts for piece in pieces]
+        for start, end in sorted(spans, key=lambda span: (span[0] - span[1], span)):
+            core = self._core(tokens, (start, end), pieces) if end - start >= LEAST_WORDS else None
             if core is not None:
                 yield core
 
@@ -153,7 +152,7 @@ class PeripheryReader:
         inner = (each for each in pieces if start < each.start and each.end < end)
         within = [each for each in inner if self.table.permitted(each, Pause.WITHIN)]
         placed = [*self._before(tokens, span, pieces)]
-        for each in filter(lambda each: each.start >= end, pieces):
+        for each in (each for each in pieces if each.start >= end):
             is_told = self.table.announces(each) and "pointing" in each.signs
             placed.append((each, Pause.TOLD if is_told else Pause.AFTER))
         placed += [(each, Pause.WITHIN) for each in within]
@@ -162,10 +161,13 @@ class PeripheryReader:
             return None
         said = [(each, pause) for each, pause in placed if each.form != MARKER]
         phrases = [tokens.words[each.start : each.end] for each, _ in said]
-        apart = [e.form in {REASON, PURPOSE} or p in _TELLING for e, p in said]
+        limiting = (
+            tokens.words[each.start : each.end]
+            for each, pause in said
+            if each.form not in {REASON, PURPOSE} and pause not in _TELLING
+        )
         left_out = {place for each in within for place in range(each.start, each.end)}
         kept = [place for place in range(start, end) if place not in left_out]
-        limiting = (phrase for phrase, is_apart in zip(phrases, apart, strict=True) if not is_apart)
         removed = (*tokens.removed, *limiting)
         return Core(
             replace(tokens.part(0, end).only(kept), removed=removed),
@@ -194,23 +196,22 @@ class PeripheryReader:
     def _referent(
         self, pieces: Sequence[UtterancePiece], tokens: Tokens, span: tuple[int, int]
     ) -> str | None:
-        words = tokens.words
+        words, known = tokens.words, self.reader.known
+        pairs = [pair for each in pieces for pair in pairwise(words[each.start : each.end])]
         named = {
-            words[place]
-            for each in pieces
-            for place in range(each.start + 1, each.end)
-            if words[place - 1] in self.reader.features.words["determiners"]
-            and self._may_be_meant(words[place - 1], words[place])
+            word
+            for before, word in pairs
+            if before in self.reader.features.words["determiners"]
+            and (
+                known.lexicon.is_name(word, _THINGS)
+                if before == "'s"
+                else known.may_be_a_thing(word)
+            )
         }
         things = named.difference(words[slice(*span)])
-        is_known = all(self.reader.known.lexicon.is_name(word, _THINGS) for word in things)
+        is_known = all(known.lexicon.is_name(word, _THINGS) for word in things)
         is_past = any("tense=past" in each.signs for each in pieces)
         return things.pop() if is_known and len(things) == 1 and not is_past else None
-
-    def _may_be_meant(self, before: str, word: str) -> bool:
-        if before == "'s":
-            return self.reader.known.lexicon.is_name(word, _THINGS)
-        return self.reader.known.may_be_a_thing(word)
 
 
 def kinds_of_core(meaning: Meaning) -> frozenset[str]:

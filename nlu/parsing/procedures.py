@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
-from itertools import chain, pairwise
+from itertools import chain, pairwise, product
 
 from ..grammar.word_patterns import WordLists
 from ..lexicon.discourse_markers import ControlPhrases
@@ -120,27 +120,24 @@ class ProcedureReader:
         steps = tuple(each for each, _ in found if isinstance(each, Act))
         is_said_again = any(_is_of_same(one, other) for one, other in pairwise(steps))
         new = clauses.new_words(steps)
+        unknown = [each.goal for each in steps if not self.is_act(each.goal)]
         if is_said_again or len(steps) < len(found) or any(word.role != "object" for word in new):
             return None
-        match steps:
-            case (ActionCommand() as own,):
-                return Understanding.of(tokens, context, own)
-            case (_, _, *_) if self._may_be_plan([each.goal for each in steps]):
-                whole = Understanding.of(tokens, context, Plan(steps))
-                return replace(whole, discourse=found[-1][1].discourse)
-            case _:
-                return None
-
-    def _may_be_plan(self, goals: Sequence[str]) -> bool:
-        unknown = [goal for goal in goals if not self.is_act(goal)]
-        return len(unknown) < len(goals) and not any(map(self._is_known_verb, unknown))
+        if len(steps) == 1 and isinstance(steps[0], ActionCommand):
+            return Understanding.of(tokens, context, steps[0])
+        is_odd = len(unknown) == len(steps) or any(map(self._is_known_verb, unknown))
+        whole = Understanding.of(tokens, context, Plan(steps))
+        is_plan = len(steps) > 1 and not is_odd
+        return replace(whole, discourse=found[-1][1].discourse) if is_plan else None
 
     def _definition(
         self, head: ActionHead, body: Tokens, clauses: _Clauses
     ) -> ActionDefinition | None:
         found = [each for each, _ in clauses.read(body, ClauseState(head.discourse)) or ()]
         steps = tuple(each for each in found if isinstance(each, Act))
-        if not self._is_way(steps, head.parameters):
+        only = steps[0] if len(steps) == 1 and head.parameters else None
+        is_of_other = isinstance(only, Command) and only.target.object not in head.parameters
+        if is_of_other or not any(self.is_act(each.goal) for each in steps):
             return None
         things = zip(head.parameters, head.things, strict=True)
         wanted = [ActionCondition("is", kind, prop) for kind, each in things for prop in each.props]
@@ -148,12 +145,6 @@ class ProcedureReader:
         reactions = tuple(each for each in found if isinstance(each, FailureReaction))
         links = head.links if {*head.links} - {"and"} else ()
         return ActionDefinition(head.name, head.parameters, steps, tuple(wanted), reactions, links)
-
-    def _is_way(self, steps: Sequence[Act], parameters: Sequence[str]) -> bool:
-        if not any(self.is_act(each.goal) for each in steps):
-            return False
-        only = steps[0] if len(steps) == 1 and parameters else None
-        return not isinstance(only, Command) or only.target.object in parameters
 
     def about(self, tokens: Tokens, context: UtteranceContext) -> Understanding | None:
         """Return the question about a learned action, or its retraction, that an utterance is."""
@@ -236,20 +227,18 @@ class ProcedureReader:
         first = self._thing(tokens, may_be_new=may_be_new)
         if first:
             return (first[0],), (), first[1]
-        for start, end in self._links(tokens):
+        count = len(tokens.items)
+        for start, length in product(range(1, count - 1), (3, 2, 1)):
+            end = start + length
+            if end >= count or not self.words.has("links", *tokens.words[start:end]):
+                continue
             one = self._thing(tokens.part(0, start), may_be_new=may_be_new)
-            rest = tokens.part(end, len(tokens.items))
+            rest = tokens.part(end, count)
             others = self.things(rest, may_be_new=may_be_new) if one and rest.items else None
             if one and others:
                 link = " ".join(tokens.words[start:end])
                 return (one[0], *others[0]), (link, *others[1]), (*one[1], *others[2])
         return None
-
-    def _links(self, tokens: Tokens) -> Iterator[tuple[int, int]]:
-        for start in range(1, len(tokens.items) - 1):
-            for end in range(min(start + 3, len(tokens.items) - 1), start, -1):
-                if self.words.has("links", *tokens.words[start:end]):
-                    yield start, end
 
     def _thing(
         self, tokens: Tokens, *, may_be_new: bool
@@ -306,18 +295,14 @@ class _Clauses:
             return aside, state
         words, ends = tokens.words, range(1, len(tokens.items))
         # Without words of order: "pick it up first".
-        ended = [tokens.part(0, n) for n in ends if self._words.is_all("behind", words, n)]
-        variants = [tokens, *ended]
-        for each in variants:
-            bare = self._reader.bare(each)
+        ended = (tokens.part(0, n) for n in ends if self._words.is_all("behind", words, n))
+        variants = [(each, self._reader.bare(each)) for each in (tokens, *ended)]
+        for each, bare in variants:
             found = self._act(each, state) or (self._act(bare, state) if bare else None)
             if found:
                 return found
-        for each in variants:
-            found = self._unknown_act(self._reader.bare(each) or each, state)
-            if found:
-                return found, state
-        return None
+        unknown = (self._unknown_act(bare or each, state) for each, bare in variants)
+        return next(((found, state) for found in unknown if found), None)
 
     def _act(self, tokens: Tokens, state: ClauseState) -> tuple[Act, ClauseState] | None:
         control = self._control_of(tokens)
@@ -330,10 +315,10 @@ class _Clauses:
             return taught, state
         found = self._sentence(tokens, replace(self._context, discourse=state.discourse))
         act = found.meaning
-        if not isinstance(act, (Command, ToolCommand)) or act.negated:
+        # An action with a frame is done with several objects, or with none.
+        is_command = isinstance(act, (Command, ToolCommand)) and not act.negated
+        if not is_command or act.goal in self._reader.frames:
             return None
-        if act.goal in self._reader.frames:
-            return None  # it is done with several objects, or with none
         if isinstance(act, Command) and act.target.object == _ANYTHING:
             act = replace(act, target=replace(act.target, object=ANY_OBJECT))
         if found.reading:
@@ -382,9 +367,8 @@ class _Clauses:
         if reader.controls.is_pronoun((*rest,)):
             return Command(verb, self._last(state)) if state.discourse.object else None
         found = reader.things(tokens.part(1, len(tokens.items)))
-        if not found or len(found[0]) != 1 or not reader.known.builder.is_determiner(rest[0]):
-            return None
-        return Command(verb, found[0][0])
+        is_one = found and len(found[0]) == 1 and reader.known.builder.is_determiner(rest[0])
+        return Command(verb, found[0][0]) if found and is_one else None
 
     def _named(self, tokens: Tokens, state: ClauseState) -> str | None:
         if self._reader.controls.is_pronoun(tokens.words):
@@ -407,21 +391,16 @@ class _Clauses:
     def _reaction(self, tokens: Tokens, state: ClauseState) -> FailureReaction | None:
         count = len(tokens.items)
         for start in range(count):
-            end, causes = self._failure(tokens, start, state)
+            found = self._words.matches("if", tokens.words, start)
+            ends = ((n, self._causes(tokens.part(*slots["FAILURE"]), state)) for n, slots in found)
+            # The longest one: "if you can't reach it" and not "if you can't".
+            end, causes = max((each for each in ends if each[1]), default=(start, ()))
             # "Put it down. Stop if it fails": the condition is one of the last sentence.
             is_apart = BREAK in tokens.words[:start]
             if causes and (end == count) == (start > 0) and not is_apart:
                 rest = tokens.part(0, start) if start else tokens.part(end, count)
                 return self._response(rest, causes, state)
         return None
-
-    def _failure(
-        self, tokens: Tokens, start: int, state: ClauseState
-    ) -> tuple[int, tuple[str, ...]]:
-        found = self._words.matches("if", tokens.words, start)
-        ends = ((end, self._causes(tokens.part(*slots["FAILURE"]), state)) for end, slots in found)
-        # The longest one: "if you can't reach it" and not "if you can't".
-        return max((each for each in ends if each[1]), default=(start, ()))
 
     def _causes(self, tokens: Tokens, state: ClauseState) -> tuple[str, ...]:
         for names, places in self._words.wholes("failures", tokens.words):

@@ -32,8 +32,6 @@ from .understanding import Reading
 MAX_NEW_NAMES = 2
 """A command or question names at most so many unknown objects and uses, a rule one more."""
 
-_NAMES = frozenset({"object", "affordance"})
-
 
 @dataclass(frozen=True, repr=False)
 class ReadingFilter:
@@ -51,7 +49,11 @@ class ReadingFilter:
             for each in readings
             if (not negated or _is_negative(each.meaning))
             and not (repaired and isinstance(each.meaning, Statement) and each.meaning.rules[1:])
-            and not self._names_with_features(each)
+            and not any(
+                self.features.has_feature(part)
+                for word in each.new_words
+                for part in word.said.split(" ")
+            )
             and (not each.new_words or self._may_introduce_words(each, tokens))
             and self._may_introduce_recipients(each, tokens, commanded=commanded)
         ]
@@ -64,19 +66,29 @@ class ReadingFilter:
         return any(known.may_be_a_thing(words[n]) for n in after), is_repaired
 
     def _may_introduce_words(self, reading: Reading, tokens: Tokens) -> bool:
-        meaning, words = reading.meaning, reading.new_words
-        if isinstance(meaning, Statement):
-            most = MAX_NEW_NAMES * len(meaning.rules) + 1
-            if len(words) > most or self._may_name_agent(words):
+        words = reading.new_words
+        match reading.meaning:
+            case Statement(rules):
+                are_too_many = len(words) > MAX_NEW_NAMES * len(rules) + 1
+                said = {word.role: word.said for word in words}
+                participle = self.known_words.origins(said.get("context", ""), "participle")
+                names_agent = "part" in said and participle
+                no_material = (self._may_be_no_material(rule, words, tokens) for rule in rules)
+                return not (are_too_many or names_agent or any(no_material))
+            case KindStatement():
+                return self._may_introduce_kinds(reading)
+            case TopicStatement():
+                return self._are_things(words)
+            case NormStatement(norms):
+                return self._may_introduce_in_norms(norms, words)
+            case Question() | Command() | ToolCommand() as asked:
+                is_act = not isinstance(asked, Question)
+                # No action is done to people.
+                are_people = is_act and tokens.proper.intersection(word.said for word in words)
+                may_be_asked = (self._may_be_named(word, is_act=is_act) for word in words)
+                return len(words) <= MAX_NEW_NAMES and not are_people and all(may_be_asked)
+            case _:
                 return False
-            return not any(self._may_be_no_material(rule, words, tokens) for rule in meaning.rules)
-        if isinstance(meaning, KindStatement):
-            return self._may_introduce_kinds(reading)
-        if isinstance(meaning, TopicStatement):
-            return self._are_things(words)
-        if isinstance(meaning, NormStatement):
-            return self._may_introduce_in_norms(meaning.norms, words)
-        return len(words) <= MAX_NEW_NAMES and self._may_name_words(meaning, words, tokens)
 
     def _are_things(self, words: Sequence[NewWord], most: int = 1) -> bool:
         is_abstract = self.features.is_abstract
@@ -86,28 +98,16 @@ class ReadingFilter:
     def _may_introduce_in_norms(self, norms: Sequence[Norm], words: Sequence[NewWord]) -> bool:
         if any(isinstance(norm.act, ToolCommand) for norm in norms):
             return False  # "you can't cut bread with a saw" is a rule on saws
-        parts = [word for word in words if self._is_part(word, word.word)]
+        is_abstract, is_part = self.features.is_abstract, self.features.is_part
+        parts = [word for word in words if word.role == "part" and is_part(word.said, word.word)]
         places = [word for word in words if word.role == "place"]
         things = [word for word in words if word not in (*parts, *places)]
         if parts and things and any(norm.norm == "permitted" for norm in norms):
             return False  # "you can lift a pot by the lid" may say how it is done
         if not all(self.known_words.is_surely_name(word.said) for word in things):
             return False  # "an empty bottle"
-        is_abstract, is_part = self.features.is_abstract, self.features.is_part
         are_places = not any(is_abstract(w.said, w.word) or is_part(w.word) for w in places)
         return are_places and self._are_things(things, most=2 if norms[0].before else 1)
-
-    def _is_part(self, word: NewWord, *names: str) -> bool:
-        return word.role == "part" and self.features.is_part(word.said, *names)
-
-    def _may_name_words(self, meaning: Meaning, words: Sequence[NewWord], tokens: Tokens) -> bool:
-        if isinstance(meaning, (Command, ToolCommand)):
-            # No action is done to people.
-            are_people = tokens.proper.intersection(word.said for word in words)
-            return not are_people and all(
-                self._is_part(word) or self._may_be_asked_about(word) for word in words
-            )
-        return isinstance(meaning, Question) and all(map(self._may_be_asked_about, words))
 
     def _may_introduce_kinds(self, reading: Reading) -> bool:
         above = {
@@ -123,8 +123,10 @@ class ReadingFilter:
             for word in reading.new_words
         )
 
-    def _may_be_asked_about(self, word: NewWord) -> bool:
-        return word.role in _NAMES and self.known_words.is_surely_name(word.said)
+    def _may_be_named(self, word: NewWord, *, is_act: bool) -> bool:
+        is_part = is_act and word.role == "part" and self.features.is_part(word.said)
+        is_name = word.role in {"object", "affordance"}
+        return is_part or (is_name and self.known_words.is_surely_name(word.said))
 
     def _may_introduce_recipients(
         self, reading: Reading, tokens: Tokens, *, commanded: bool
@@ -136,26 +138,14 @@ class ReadingFilter:
         if reading.new_words and not self.features.words["carrying"].isdisjoint(tokens.words):
             return False  # "send an email to my landlord"
         is_said_of_them = reading.speech_act.arguments[-1].name == "need"  # "the lock needs a key"
-        return (
-            isinstance(reading.meaning, (Command, NormStatement, Statement))
-            and not (commanded and isinstance(reading.meaning, NormStatement))
-            and not is_said_of_them
-            and not any(map(self._may_be_no_person, people))
-        )
-
-    def _may_be_no_person(self, person: NewWord) -> bool:
         kinds = (self.features.is_part, self.features.is_elsewhere, self.features.is_abstract)
-        is_adverb = bool(self.known_words.origins(person.said, "adverb"))
-        return is_adverb or any(is_kind(person.said) for is_kind in kinds)
-
-    def _names_with_features(self, reading: Reading) -> bool:
-        said = (part for word in reading.new_words for part in word.said.split(" "))
-        return any(map(self.features.has_feature, said))
-
-    def _may_name_agent(self, words: Iterable[NewWord]) -> bool:
-        said = {word.role: word.said for word in words}
-        participle = self.known_words.origins(said.get("context", ""), "participle")
-        return "part" in said and bool(participle)
+        given = (Command, Statement) if commanded else (Command, NormStatement, Statement)
+        return (
+            isinstance(reading.meaning, given)
+            and not is_said_of_them
+            and not any(self.known_words.origins(person.said, "adverb") for person in people)
+            and not any(is_kind(person.said) for person in people for is_kind in kinds)
+        )
 
     def _may_be_no_material(self, rule: Rule, words: Iterable[NewWord], tokens: Tokens) -> bool:
         if not isinstance(rule, FunctionalRule):

@@ -1,7 +1,9 @@
 """The strategies for understanding an utterance, tried in order until one finds a meaning.
 
 1. as one sentence, by the grammar;
-2. as a sequence of segments, split at the pauses, which have one meaning together;
+2. as a sequence of segments, split at the pauses, which have one meaning together: beside the main
+   segment there may be replies, the object that "it" refers to, a question whether that object is
+   seen, or the same request again: "Hello. That hammer, could I have it, please?";
 3. both again without discourse markers, and with a qualifier moved to the front;
 4. as the steps of an action that is taught: "to serve a mug, pick it up and point to it";
 5. as a core beside what says nothing more of it: "my hands are wet, so pass me the ladle";
@@ -13,7 +15,7 @@ Each of them accounts for all words of the utterance.
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, partial
-from itertools import islice
+from itertools import combinations, islice
 
 from ..lexicon.discourse_markers import move_to_front
 from ..lexicon.tokenizer import BREAK, Token, Tokens, tokenize
@@ -29,8 +31,13 @@ from ..semantics.meaning import (
     Plan,
     Question,
     Retraction,
+    Rule,
+    Statement,
     ToolCommand,
+    TopicStatement,
+    is_contradictory,
     only_revises,
+    with_rules,
 )
 from ..semantics.predicates import PredicateForm, UnlearnableError
 from .chart import Chart
@@ -40,10 +47,13 @@ from .parser import SentenceParser, decide
 from .periphery import MAX_CORES, Core, PeripheryReader, kinds_of_core
 from .procedures import ProcedureReader
 from .reading_filter import ReadingFilter
-from .segmentation import combine_meanings, segmentations
 from .understanding import Understanding, UtteranceContext
 
+MAX_SEGMENTS = 4
+
 _ANYTHING = PredicateForm("anythingNamed")  # stands for whatever a pronoun may refer to
+_ANSWERS = frozenset({"yes", "no"})  # they outweigh all politeness around them
+_CLOSING = frozenset({"thanks", "okay"})
 
 Strategy = Callable[[Tokens, UtteranceContext], Understanding | None]
 
@@ -103,8 +113,7 @@ class _Attempt:
         is_command = found and isinstance(found.meaning, (Command, ToolCommand))
         if found and (is_command or only_revises(found.meaning)):
             return found
-        untagged = self._markers.remove_tag(tokens)
-        return self._understand(untagged, context)
+        return self._understand(self._markers.remove_tag(tokens), context)
 
     def _understand(
         self, tokens: Tokens, context: UtteranceContext, *, is_core: bool = False
@@ -117,11 +126,10 @@ class _Attempt:
             result = Understanding.of(tokens, context, problem)
             others = (self._by_definition, self._by_name, self._by_core, self._by_plan)
             strategies = () if is_core else others
-        for strategy in strategies:
-            found = strategy(tokens, context)
-            if found is not None and (found.reading is not None or _is_procedure(found)):
+        for found in filter(None, (strategy(tokens, context) for strategy in strategies)):
+            if found.reading is not None or _is_procedure(found):
                 return found
-            if found is not None and isinstance(result.meaning, Misunderstanding):
+            if isinstance(result.meaning, Misunderstanding):
                 result = found
         return result
 
@@ -149,9 +157,9 @@ class _Attempt:
         return found
 
     def _by_segments(self, tokens: Tokens, context: UtteranceContext) -> Understanding | None:
-        for segments in segmentations(tokens):
+        for segments in _segmentations(tokens):
             found = self._segments(segments, context)
-            combined = combine_meanings([each.meaning for each in found]) if found else None
+            combined = _combined([each.meaning for each in found]) if found else None
             if combined is None:
                 continue
             main, meaning = combined
@@ -181,11 +189,10 @@ class _Attempt:
             if variant.words in tried or not variant.items:
                 continue
             tried.add(variant.words)
-            if set(variant.words) != {BREAK}:
-                found = self._as_sentence(variant, context)
-                if found.reading is not None:
-                    return found
-            found = self._by_segments(variant, context)
+            is_silent = set(variant.words) == {BREAK}
+            found = None if is_silent else self._as_sentence(variant, context)
+            if found is None or found.reading is None:
+                found = self._by_segments(variant, context)
             if found is not None:
                 return found
         return None
@@ -200,19 +207,15 @@ class _Attempt:
     def _core(self, core: Core, context: UtteranceContext) -> Understanding | None:
         if not core.is_referring:
             return self._with_reading(core.tokens, context)
-        found, referring = (
-            self._with_reading(core.tokens, context.with_object(thing))
-            for thing in (None, _ANYTHING)
-        )
+        found = self._with_reading(core.tokens, context.with_object(None))
+        referring = self._with_reading(core.tokens, context.with_object(_ANYTHING))
         is_command = referring and isinstance(referring.meaning, (Command, ToolCommand))
         if referring is None or (is_command and core.has_person):
             return None
         if found is not None:
             return found if referring.meaning == found.meaning else None
-        if not is_command or core.referent is None:
-            return None
-        thing = PredicateForm(core.referent)
-        return self._with_reading(core.tokens, context.with_object(thing))
+        thing = PredicateForm(core.referent) if is_command and core.referent else None
+        return self._with_reading(core.tokens, context.with_object(thing)) if thing else None
 
     def _with_reading(self, tokens: Tokens, context: UtteranceContext) -> Understanding | None:
         found = self._understand(tokens, context, is_core=True)
@@ -251,9 +254,7 @@ class _Attempt:
         for segment in segments:
             each = self._sentence(segment, context)
             if each.reading is None:
-                if topic is not None:
-                    return []
-                topic = self._topic(segment, context)
+                topic = self._topic(segment, context) if topic is None else None
                 if topic is None:
                     return []
                 context = context.with_object(topic)
@@ -270,8 +271,7 @@ class _Attempt:
 
     def _read_sentence(self, tokens: Tokens, context: UtteranceContext) -> Understanding:
         found = self._parse(tokens, context)
-        content = found.reading and found.reading.intention.arguments[-1]
-        if tokens in self._fronted and content and content.name == "and":
+        if tokens in self._fronted and found.content.startswith("and("):
             # The qualifier was said of one of them; moved, it no longer shows of which.
             return Understanding.of(tokens, context, Misunderstanding(tokens.text))
         return found
@@ -326,3 +326,62 @@ def _is_procedure(found: Understanding) -> bool:
 
 def _failed(found: Understanding) -> Understanding:
     return replace(found, discourse=replace(found.discourse, has_failed=True))
+
+
+def _segmentations(tokens: Tokens) -> Iterator[tuple[Tokens, ...]]:
+    """All ways to split an utterance at its pauses, those with fewer segments first."""
+    places = tokens.beginnings[1:]
+    if len(places) >= MAX_SEGMENTS:
+        return
+    for count in range(1, len(places) + 1):
+        for chosen in combinations(places, count):
+            starts, ends = (0, *chosen), (*chosen, len(tokens.items))
+            segments = tuple(tokens.part(*span) for span in zip(starts, ends, strict=True))
+            if all(segment.items for segment in segments):
+                yield segments
+
+
+def _combined(meanings: Sequence[Meaning]) -> tuple[int, Meaning] | None:
+    """Return the index of the main segment and the combined meaning, None when there is none."""
+    replies = [each for each in meanings if isinstance(each, Acknowledgement)]
+    if len(replies) == len(meanings):
+        decisive = {reply for reply in replies if reply.ack in _ANSWERS}
+        thanked = next((reply for reply in replies if reply.ack == "thanks"), replies[-1])
+        chosen = next(iter(decisive), thanked)
+        return (meanings.index(chosen), chosen) if len(decisive) < 2 else None
+    places = [i for i, each in enumerate(meanings) if not isinstance(each, Acknowledgement)]
+    after = meanings[places[-1] + 1 :]
+    if any(isinstance(each, Acknowledgement) and each.ack not in _CLOSING for each in after):
+        return None
+    meaning = _combined_content([meanings[place] for place in places])
+    return (places[-1], meaning) if meaning is not None else None
+
+
+def _combined_content(meanings: Sequence[Meaning]) -> Meaning | None:
+    statements = [each for each in meanings if isinstance(each, Statement)]
+    match meanings:
+        case _ if all(each == meanings[-1] for each in meanings):
+            is_one = True
+        case _ if len(statements) == len(meanings):
+            return _combined_statement([rule for each in statements for rule in each.rules])
+        case Retraction() as first, Statement() as last if first == Retraction():
+            return with_rules(last, revises=True)
+        case TopicStatement(topic=topic), Statement(rules=rules):
+            is_one = all(rule.object == topic for rule in rules)
+        case Question(ask="see", object=seen), ToolCommand(patient=patient):
+            is_one = seen == patient
+        case Question(ask="see", object=seen, affordance=use), Command(target=target):
+            is_one = (seen, use) in {(target.object, None), (None, target.used_for)}
+        case _:
+            is_one = False
+    return meanings[-1] if is_one else None
+
+
+def _combined_statement(rules: Sequence[Rule]) -> Statement | None:
+    kept: list[Rule] = []
+    for rule in rules:
+        repairs = rule.revises and kept and type(kept[-1]) is type(rule)
+        kept.append(replace(rule, revises=kept.pop().revises) if repairs else rule)
+    distinct = tuple(dict.fromkeys(kept))
+    is_one = len({(rule.revises, rule.source) for rule in distinct}) == 1
+    return Statement(distinct) if is_one and not is_contradictory(distinct) else None

@@ -49,7 +49,6 @@ _LEADS: Mapping[str, Pause] = {"so": Pause.SO, "but": Pause.BUT, "and": Pause.WE
 _DASHES = frozenset(":–—")
 _QUOTED = re.compile(r"[\"“”„«»]|(?<!\w)'\w[^']*'(?!\w)")
 _PEOPLE = ("RN", "HN")
-_PERSONS = (OWN, HEARER)
 _PLACED_NAMES = ("object", "part", "affordance", "context")
 _DENIED = frozenset({"polarity=negative", "belief=denied", "implied_negation", "unreal"})
 _OLD = frozenset({"agent=they", "agent=people", "agent=somebody", "agent=speaker"})
@@ -118,16 +117,17 @@ class PieceReader:
             elif place in tokens.pauses and place and words[place - 1] != BREAK:
                 between = tokens.text[tokens.items[place - 1].end : tokens.items[place].start]
                 yield place, place, Pause.WEAK if _DASHES.isdisjoint(between) else Pause.COLON
-            elif self._may_join(tokens, place):
+            elif _ends_soon(tokens, place + 1):
+                continue
+            elif (
+                place
+                and self.words.end("so", (word,))
+                and words[place - 1] != BREAK
+                and not self.words.has("speech", words[place - 1])
+            ):
                 yield place, place, Pause.WEAK
-            elif self.words.has("complement", word) and not _ends_soon(tokens, place + 1):
+            elif self.words.has("complement", word):
                 yield place, place + 1, Pause.TOLD
-
-    def _may_join(self, tokens: Tokens, place: int) -> bool:
-        is_within = place > 0 and tokens.words[place - 1] != BREAK
-        is_lead = is_within and self.words.end("so", tokens.words[place : place + 1]) > 0
-        is_object = is_lead and self.words.has("speech", tokens.words[place - 1])
-        return is_lead and not is_object and not _ends_soon(tokens, place + 1)
 
     def _announces(self, tokens: Tokens, start: int, end: int) -> bool:
         words = tokens.words[start:end]
@@ -154,20 +154,21 @@ class PieceReader:
         return next(found, OTHER)
 
     def _has_verb(self, words: Phrase) -> bool:
-        has_subject = any(self.words.end(form, (word,)) for word in words[:-1] for form in _PERSONS)
+        has_subject = any(self._is_subject(word, OWN, HEARER) for word in words[:-1])
         is_finite = any(self.words.has(key, word) for word in words for key in ("finite", "speech"))
         if has_subject or is_finite:
             return True
-        is_restricting = self.words.has("restricting", *words[:1])
-        return (self.known.names(words[0], "context") and not is_restricting) or any(
-            self._may_be_verb(one, two)
+        if not self.words.has("restricting", words[0]):
+            is_act = self.known.names(words[0], "context")
+            return is_act or any(self._may_be_verb(*pair) for pair in pairwise(words))
+        return any(
+            (self._is_subject(one, OWN, HEARER, IMPERSONAL) or self.words.has("person", one))
+            and self._may_be_verb(one, two)
             for one, two in pairwise(words)
-            if not is_restricting or self._is_subject(one)
         )
 
-    def _is_subject(self, word: str) -> bool:
-        is_pronoun = any(self.words.end(form, (word,)) for form in (OWN, HEARER, IMPERSONAL))
-        return is_pronoun or self.words.has("person", word)
+    def _is_subject(self, word: str, *forms: str) -> bool:
+        return any(self.words.end(form, (word,)) for form in forms)
 
     def _may_be_verb(self, before: str, word: str) -> bool:
         if before in self.features.words["determiners"]:
@@ -177,7 +178,8 @@ class PieceReader:
 
     def _signs(self, tokens: Tokens, form: str) -> Iterator[str]:
         words = tokens.words
-        if self._presents(words):
+        starts = (n for n in range(len(words)) if not n or self.joined(words[n - 1 : n]))
+        if any(self.words.is_all("presenting", words, n) for n in starts):
             yield "announced"
         if self.words.is_all("presenting", words):
             return
@@ -194,9 +196,11 @@ class PieceReader:
         yield from (k for k in self._dependence(words) if k != "condition" or not is_memory)
         yield from self._speech(words, form)
         named = (self.known.names(word, role) for word in words for role in _PLACED_NAMES)
+        is_name = any(self.known.lexicon.is_name(word, _PEOPLE) for word in words)
+        is_name = is_name or any(token.capital for token in tokens.items[1:])
         shown = {
             "quoted": _QUOTED.search(tokens.text),
-            "called": self._calls(tokens),
+            "called": len(words) == 1 or (len(words) < LEAST_WORDS and is_name),
             "held": form == IMPERSONAL and self.words.has("wanting", words[-1]),
             "pointing": words and self.words.end(IMPERSONAL, words[-1:]),
             "short": len(words) < LEAST_WORDS,
@@ -215,17 +219,12 @@ class PieceReader:
                 if is_said and not is_adverb:
                     yield kind
 
-    def _presents(self, words: Phrase) -> bool:
-        starts = (n for n in range(len(words)) if not n or self.joined(words[n - 1 : n]))
-        return any(self.words.is_all("presenting", words, n) for n in starts)
-
     def _circumstances(self, words: Phrase) -> Iterator[str]:
         if self.words.has("restricting", *words[:1]):
             yield "restricting"
         for one, two in pairwise(words):
-            is_owned = two in self.features.words["determiners"] or self.words.has(
-                "possessive", two
-            )
+            is_owned = two in self.features.words["determiners"]
+            is_owned = is_owned or self.words.has("possessive", two)
             if one in self.features.words["holding_words"] and is_owned:
                 yield "held"
             if self.words.has("restricting", one) and self.features.is_abstract(two):
@@ -244,9 +243,8 @@ class PieceReader:
     def _speech(self, words: Phrase, form: str) -> Iterator[str]:
         for place, word in enumerate(words):
             is_said, is_known = (self.words.has(key, word) for key in ("speech", "knowledge"))
-            if self.words.has("asking", *words[place : place + 2]):
-                continue
-            if not is_said and not is_known and word not in self.features.words["embedding"]:
+            is_any = is_said or is_known or word in self.features.words["embedding"]
+            if not is_any or self.words.has("asking", *words[place : place + 2]):
                 continue
             if is_said and self.words.has("listener", *words[place + 1 : place + 2]):
                 yield "report"
@@ -270,11 +268,6 @@ class PieceReader:
             return True
         is_hearer = self.words.has("generic", words[0]) or self.words.end(HEARER, (subject,)) > 0
         return or_of_hearer and is_hearer
-
-    def _calls(self, tokens: Tokens) -> bool:
-        is_name = any(self.known.lexicon.is_name(word, _PEOPLE) for word in tokens.words)
-        is_name = is_name or any(token.capital for token in tokens.items[1:])
-        return len(tokens.words) == 1 or (len(tokens.words) < LEAST_WORDS and is_name)
 
 
 def _ends_soon(tokens: Tokens, start: int) -> bool:
