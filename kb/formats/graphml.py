@@ -6,9 +6,9 @@ features starts at its contexts, one without an argument ends at a node for its 
 attributes are plain texts and numbers, so that GraphML and other tools carry them, and the rules
 can be read back.
 
-In the picture features are on the left, consequents on the right. Each rule is an arrow with its
-interval, coloured by its context; a dotted one speaks against its consequent, a dashed one needs
-another feature besides. Boxes stand in columns in the order that keeps the arrows short (the
+In the picture features are on the left, consequents on the right; an atom may be both. Each rule is
+an arrow with its interval, coloured by its context; a dotted one speaks against its consequent, a
+dashed one needs another feature besides. Boxes stand in the order that keeps the arrows short (the
 barycentre heuristic of Sugiyama, Tagawa and Toda 1981), and each arrow has its own place at a box,
 so that no label covers another. All lengths are in points.
 """
@@ -18,6 +18,8 @@ from __future__ import annotations
 import io
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import cycle, groupby, zip_longest
+from operator import attrgetter
 from statistics import fmean
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -28,19 +30,17 @@ from .value_notation import COLUMNS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.transforms import Bbox
     from networkx import MultiDiGraph
 
 ANY_CONTEXT = "any context"
 _OPTIONAL = frozenset({"speaker", "status", "time"})
-_MARGIN, _LETTER, _ROW, _GAP, _CURVE = 18, 5.6, 16, 10, 130  # [pt]; of an 9 pt font
-_LEGEND_ROW = 13.5  # [pt]
+_LETTER, _ROW, _GAP, _MARGIN, _CURVE = 5.6, 20, 10, 12, 130  # [pt]; of a 9 pt font
 _SWEEPS = 8  # how often the columns are ordered; more changes nothing
 _PIXELS_PER_INCH = 160  # of a PNG
 
 # Colours that people who see few colours can tell apart (Okabe and Ito 2008).
 _COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#7a5c00")
-_NO_CONTEXT = "#555555"
+_NO_CONTEXT, _GREY = "#555555", "#888888"
 _FILLS = {
     "object": "#dcecf7", "property": "#fdf1d6", "part": "#e3f1de", "affordance": "#f5e1ee",
 }  # fmt: skip
@@ -48,7 +48,6 @@ _OTHER_FILL = "#eeeeee"
 _STYLES: dict[str, Any] = {
     "supports": "-", "needs another feature": (0, (6, 3)), "speaks against": (0, (1.5, 2)),
 }  # fmt: skip
-_Point = tuple[float, float]
 
 
 class _Arrow(NamedTuple):
@@ -57,6 +56,7 @@ class _Arrow(NamedTuple):
     label: str
     context: str
     style: str
+    rule: str
 
 
 def graph_of(rules: Iterable[Rule]) -> MultiDiGraph[str]:
@@ -134,35 +134,34 @@ def draw_graph(graph: MultiDiGraph[str], form: str) -> bytes:
         from matplotlib.figure import Figure
 
     arrows = sorted(_arrow(*edge) for edge in graph.edges(data=True))
-    columns = _ordered_columns(graph)
-    order = {node: i for column in columns for i, node in enumerate(column)}
-    ends = _grouped(sorted(arrows, key=lambda one: (order[one.start], one.start, one.label)), "end")
-    starts = _grouped(sorted(arrows, key=lambda one: (order[one.end], one.end, one.label)), "start")
-    most = {node: max(len(starts[node]), len(ends[node]), 1) for node in graph}
-    heights = {node: rows * _ROW + _ROW / 2 for node, rows in most.items()}
-    boxes, width, height = _placed(columns, arrows, heights)
-    colours = _colours(arrows)
-    kinds = sorted({_kind(node) for node in graph})
-    below = _LEGEND_ROW * max(len(colours), len(_STYLES), len(kinds)) + _MARGIN if arrows else 0
-    width = max(width, 420) if arrows else width
+    left, right = _ordered_columns(arrows)
+    by_start = sorted(arrows, key=lambda one: (left.index(one.start), right.index(one.end), one))
+    by_end = sorted(arrows, key=lambda one: (right.index(one.end), left.index(one.start), one))
+    starts, tails = _stacked(by_start, "start")
+    ends, heads = _stacked(by_end, "end")
+    height = _ROW * len(arrows) + _GAP * max(len(left), len(right))
+    longest = max((len(arrow.label) for arrow in arrows), default=0)
+    x0 = _width(left)
+    x1 = x0 + _LETTER * longest + _CURVE + min(height, 3000) / 10
+    contexts = sorted({arrow.context for arrow in arrows} - {ANY_CONTEXT})
+    colours = {**dict(zip(contexts, cycle(_COLOURS))), ANY_CONTEXT: _NO_CONTEXT}
     with mpl.rc_context({"svg.hashsalt": "hilt", "svg.fonttype": "none", "font.size": 9}):
-        figure = Figure(figsize=(width / 72, (height + below) / 72))
+        figure = Figure(figsize=((x1 + _width(right)) / 72, (height + _GAP) / 72))
         axes = figure.add_axes((0, 0, 1, 1))
-        axes.set_xlim(0, width)
-        axes.set_ylim(-below, height)
+        axes.set(xlim=(0, x1 + _width(right)), ylim=(-height - _GAP, 0))
         axes.set_axis_off()
-        for node, box in boxes.items():
-            _draw_box(axes, box, node)
+        _draw_boxes(axes, starts, 0, x0)
+        _draw_boxes(axes, ends, x1, _width(right))
         for arrow in arrows:
-            start, end = boxes[arrow.start], boxes[arrow.end]
-            tail = start.x1, _port(start, starts[arrow.start], arrow)
-            head = end.x0, _port(end, ends[arrow.end], arrow)
+            tail, head = (x0, tails[arrow]), (x1, heads[arrow])
             _draw_arrow(axes, arrow, tail, head, colours[arrow.context])
         if arrows:
-            _draw_legend(axes, colours, kinds)
+            _draw_legend(axes, colours, sorted({_kind(node) for node in graph}))
         stream = io.BytesIO()
         metadata = {"Date": None} if form == "svg" else None
-        figure.savefig(stream, format=form, dpi=_PIXELS_PER_INCH, metadata=metadata)
+        figure.savefig(
+            stream, format=form, dpi=_PIXELS_PER_INCH, metadata=metadata, bbox_inches="tight"
+        )
     return stream.getvalue()
 
 
@@ -173,7 +172,7 @@ def _arrow(start: str, end: str, data: Mapping[str, Any]) -> _Arrow:
     else:
         style = "needs another feature" if "; " in data["features"] else "supports"
     label = f"{contexts} {data['label']}".strip()
-    return _Arrow(start, end, label, contexts or ANY_CONTEXT, style)
+    return _Arrow(start, end, label, contexts or ANY_CONTEXT, style, data["rule"])
 
 
 def _name(node: str) -> str:
@@ -184,123 +183,81 @@ def _kind(node: str) -> str:
     return node.partition(":")[0]
 
 
-def _ordered_columns(graph: MultiDiGraph[str]) -> list[list[str]]:
-    import networkx as nx
+def _width(column: Iterable[str]) -> float:
+    return _LETTER * max((len(_name(node)) for node in column), default=0) + 2 * _MARGIN
 
-    columns: list[list[str]] = [[], [], []]
-    for node in sorted(graph):
-        has_in, has_out = graph.in_degree(node) > 0, graph.out_degree(node) > 0
-        columns[0 if not has_in else 1 if has_out else 2].append(node)
-    columns = [column for column in columns if column]
-    edges = graph.to_undirected(as_view=True).edges
-    components = sorted(nx.weakly_connected_components(graph), key=min)
-    component = {node: number for number, nodes in enumerate(components) for node in nodes}
+
+def _ordered_columns(arrows: Sequence[_Arrow]) -> tuple[list[str], list[str]]:
+    columns = sorted({arrow.start for arrow in arrows}), sorted({arrow.end for arrow in arrows})
     for _ in range(_SWEEPS):
-        for column in columns:
-            height = {node: i / len(one) for one in columns for i, node in enumerate(one)}
-            mean = {node: fmean(height[other] for _, other in edges(node)) for node in column}
-            column.sort(key=lambda node: (component[node], mean[node], node))
+        for own, other in ((1, 0), (0, 1)):
+            height = {node: i / len(columns[other]) for i, node in enumerate(columns[other])}
+            reached: dict[str, list[float]] = defaultdict(list)
+            for arrow in arrows:
+                reached[arrow[own]].append(height[arrow[other]])
+            columns[own].sort(key=lambda node: (fmean(reached[node]), node))
     return columns
 
 
-def _grouped(arrows: Sequence[_Arrow], by: str) -> dict[str, list[_Arrow]]:
-    found: dict[str, list[_Arrow]] = defaultdict(list)
-    for arrow in arrows:
-        found[getattr(arrow, by)].append(arrow)
-    return found
+def _stacked(
+    arrows: Iterable[_Arrow], by: str
+) -> tuple[dict[str, tuple[float, float]], dict[_Arrow, float]]:
+    """The middle and height of the box of each node, and where each arrow is at it."""
+    boxes: dict[str, tuple[float, float]] = {}
+    ports: dict[_Arrow, float] = {}
+    y = float(-_GAP)
+    for node, some in groupby(arrows, key=attrgetter(by)):
+        top = y
+        for arrow in some:
+            ports[arrow] = y - _ROW / 2
+            y -= _ROW
+        boxes[node] = (top + y) / 2, top - y
+        y -= _GAP
+    return boxes, ports
 
 
-def _placed(
-    columns: Sequence[Sequence[str]], arrows: Sequence[_Arrow], heights: Mapping[str, float]
-) -> tuple[dict[str, Bbox], float, float]:
-    from matplotlib.transforms import Bbox
-
-    totals = [sum(heights[node] + _GAP for node in column) - _GAP for column in columns]
-    height = max(totals, default=0) + 2 * _MARGIN
-    labels = _LETTER * max((len(arrow.label) for arrow in arrows), default=0)
-    channel = labels + _CURVE + min(height, 3000) / 10
-    boxes: dict[str, Bbox] = {}
-    x = float(_MARGIN)
-    for column, own in zip(columns, totals, strict=True):
-        width = _LETTER * max(len(_name(node)) for node in column) + 2 * _MARGIN
-        y = (height + own) / 2
-        for node in column:
-            y -= heights[node]
-            boxes[node] = Bbox.from_bounds(x, y, width, heights[node])
-            y -= _GAP
-        x += width + channel
-    return boxes, (x - channel + _MARGIN if columns else 2 * _MARGIN), height
+def _draw_boxes(
+    axes: Axes, boxes: Mapping[str, tuple[float, float]], left: float, width: float
+) -> None:
+    middles, heights = zip(*boxes.values(), strict=True) if boxes else ((), ())
+    fills = [_FILLS.get(_kind(node), _OTHER_FILL) for node in boxes]
+    bars = axes.barh(middles, width, heights, left, color=fills, edgecolor=_GREY, clip_on=False)
+    axes.bar_label(bars, list(map(_name, boxes)), label_type="center", parse_math=False)
 
 
-def _port(box: Bbox, arrows: Sequence[_Arrow], arrow: _Arrow) -> float:
-    place = next(i for i, one in enumerate(arrows) if one is arrow)
-    return box.y0 + box.height * (1 - (place + 0.5) / len(arrows))
-
-
-def _colours(arrows: Sequence[_Arrow]) -> dict[str, str]:
-    contexts = sorted({arrow.context for arrow in arrows} - {ANY_CONTEXT})
-    colours = {name: _COLOURS[i % len(_COLOURS)] for i, name in enumerate(contexts)}
-    if any(arrow.context == ANY_CONTEXT for arrow in arrows):
-        colours[ANY_CONTEXT] = _NO_CONTEXT
-    return colours
-
-
-def _draw_box(axes: Axes, box: Bbox, node: str) -> None:
-    from matplotlib.patches import FancyBboxPatch
-
-    axes.add_patch(
-        FancyBboxPatch(
-            box.min, box.width, box.height,
-            boxstyle="round,pad=0,rounding_size=5", facecolor=_FILLS.get(_kind(node), _OTHER_FILL),
-            edgecolor="#888888", linewidth=0.8,
-        )
-    )  # fmt: skip
-    axes.text(
-        (box.x0 + box.x1) / 2, (box.y0 + box.y1) / 2, _name(node),
-        ha="center", va="center_baseline", color="#222222", parse_math=False,
-    )  # fmt: skip
-
-
-def _draw_arrow(axes: Axes, arrow: _Arrow, tail: _Point, head: _Point, colour: str) -> None:
+def _draw_arrow(
+    axes: Axes, arrow: _Arrow, tail: tuple[float, float], head: tuple[float, float], colour: str
+) -> None:
     from matplotlib.patches import FancyArrowPatch
     from matplotlib.path import Path
 
-    (left, start), (right, end) = tail, head
-    bend = left + _LETTER * len(arrow.label) + 6
-    reach = max(abs(right - bend) / 2, _CURVE / 3)
+    bend = tail[0] + _LETTER * len(arrow.label) + 6
+    middle = (bend + head[0]) / 2
     path = Path(
-        [tail, (bend, start), (bend + reach, start), (right - reach, end), head],
+        [tail, (bend, tail[1]), (middle, tail[1]), (middle, head[1]), head],
         [Path.MOVETO, Path.LINETO, Path.CURVE4, Path.CURVE4, Path.CURVE4],
     )
     axes.add_patch(
         FancyArrowPatch(
             path=path, arrowstyle="-|>,head_length=5,head_width=2.2", mutation_scale=1,
-            color=colour, linestyle=_STYLES[arrow.style], linewidth=1.1,
-            shrinkA=0, shrinkB=0, capstyle="butt",
+            color=colour, linestyle=_STYLES[arrow.style], linewidth=1.1, shrinkA=0, shrinkB=0,
         )
     )  # fmt: skip
     axes.text(
-        left + 4, start + 2, arrow.label, va="bottom", fontsize=8, color=colour, parse_math=False
-    )
+        tail[0] + 4, tail[1] + 1, arrow.label,
+        va="bottom", fontsize=8, color=colour, parse_math=False,
+    )  # fmt: skip
 
 
 def _draw_legend(axes: Axes, colours: Mapping[str, str], kinds: Sequence[str]) -> None:
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
-    grey = "#333333"
-    columns = (
+    columns: list[list[Any]] = [
         [Line2D([], [], color=colour, label=name) for name, colour in colours.items()],
-        [Line2D([], [], color=grey, linestyle=s, label=name) for name, s in _STYLES.items()],
-        [
-            Patch(facecolor=_FILLS.get(one, _OTHER_FILL), edgecolor="#888888", label=one)
-            for one in kinds
-        ],
-    )
-    longest, blank = max(map(len, columns)), Line2D([], [], linestyle="none", label=" ")
-    axes.legend(
-        handles=[one for some in columns for one in (*some, *[blank] * (longest - len(some)))],
-        ncols=len(columns), loc="upper left", bbox_to_anchor=(_MARGIN, 4), frameon=False,
-        bbox_transform=axes.transData, fontsize=8, borderpad=0, borderaxespad=0, handlelength=2.6,
-        labelspacing=0.55,
-    )  # fmt: skip
+        [Line2D([], [], color="#333333", linestyle=s, label=name) for name, s in _STYLES.items()],
+        [Patch(fc=_FILLS.get(one, _OTHER_FILL), ec=_GREY, label=one) for one in kinds],
+    ]
+    rows = zip_longest(*columns, fillvalue=Line2D([], [], linestyle="none", label=" "))
+    in_order = [one for column in zip(*rows, strict=True) for one in column]
+    axes.legend(handles=in_order, ncols=3, loc="upper left", bbox_to_anchor=(0, 0), frameon=False)
