@@ -27,13 +27,11 @@ from ....inference.settings import Settings
 from ..experiment import Case, CaseResult, Experiment, Json
 from ..learning_scenarios import ACTIONS, CONTEXTS, LEVELS
 from ..verification import finite_cases, hypotheses
-from ..verification.finite_cases import CheckResult, VerbalizedSpace
-from ..verification.scenario_space import ScenarioSpace
-from ..verification.weak_orders import WeakOrderClass, weak_order_blocks
+from ..verification.finite_cases import CheckResult
+from ..verification.scenario_space import CODES, ScenarioSpace
+from ..verification.weak_orders import OUTCOMES, check_choices, weak_order_blocks
 
 FORMAT = 2  # of the certificate
-OUTCOMES = ("none", "unique", "ties")
-Facts = Mapping[str, Sequence[Json]]
 CHECKS: Mapping[str, Callable[..., CheckResult]] = {
     "words": finite_cases.check_words,
     "scores": finite_cases.check_scores,
@@ -41,6 +39,7 @@ CHECKS: Mapping[str, Callable[..., CheckResult]] = {
     "teaching": hypotheses.check_teaching,
     "situations": hypotheses.check_situations,
     "growth": hypotheses.check_growth,
+    "choices": check_choices,
 }
 DRAWN = ("teaching", "situations", "growth")  # from the seed
 
@@ -67,18 +66,16 @@ class AllScenariosExperiment(Experiment):
 
     def cases(self) -> Sequence[Case]:
         """Return the finite cases, in blocks, and the tests of the hypotheses."""
-        codes = range(self._space.full + 1)
         actions = range(len(ACTIONS))
-        found: list[tuple[str, tuple[int, ...]]] = [
-            ("words", ()),
-            *(("scores", (shift,)) for shift in codes),
-            *(("grasps", (code,)) for code in codes),
-            *(("teaching", (number,)) for number in range(self.taught)),
-            *(("situations", (n, action)) for n in range(self.traced) for action in actions),
-            *(("growth", (number,)) for number in range(self.grown)),
-            *(("choices", (each.ranked, each.levels)) for each in weak_order_blocks(self.objects)),
+        return [
+            self._case("words"),
+            *(self._case("scores", shift) for shift in CODES),
+            *(self._case("grasps", code) for code in CODES),
+            *(self._case("teaching", number) for number in range(self.taught)),
+            *(self._case("situations", n, to) for n in range(self.traced) for to in actions),
+            *(self._case("growth", number) for number in range(self.grown)),
+            *(self._case("choices", b.ranked, b.levels) for b in weak_order_blocks(self.objects)),
         ]
-        return [self._case(what, *numbers) for what, numbers in found]
 
     def _case(self, what: str, *numbers: int) -> Case:
         return Case(self.name, "/".join([what, *map(str, numbers)]), {what: list(numbers)})
@@ -86,27 +83,58 @@ class AllScenariosExperiment(Experiment):
     def run(self, case: Case) -> CaseResult:
         """Run one block with the code under test."""
         ((what, numbers),) = case.spec.items()
-        if what == "choices":
-            facts, wrong = WeakOrderClass(self.objects, *numbers).verify()
-        else:
-            seed = (self.seed,) if what in DRAWN else ()
-            facts, wrong = CHECKS[what](self._space, *seed, *numbers)
+        seed = (self.seed,) if what in DRAWN else ()
+        facts, wrong = CHECKS[what](self._space, *seed, *numbers)
         found = f"{len(wrong)} wrong" + (f", the first: {wrong[0]}" if wrong else "")
         return CaseResult(case.key, not wrong, "check", 0, found, "0 wrong", facts)
 
     def summary(self, results: Sequence[CaseResult]) -> Json:
-        """Return the numbers of cases, and of the situations and rules they cover."""
-        return count_totals(self._space, self._facts(results))
+        """Return the numbers of cases, and of rule states over the whole space by outcome.
+
+        A rule state is a way to teach the cells of one affordance, with a scene; its outcome is
+        that there is no right choice, a unique one, or ties.
+        """
+        space, choices, codes = self._space, self._facts(results)["choices"], len(CODES)
+        scenes, rules = 2 ** len(space.objects), len(space.cells) * len(LEVELS)
+        counted = {
+            "words": rules + len(space.commands()) + scenes,
+            "scores": len(space.cells) * codes,
+            "choices": sum(block[outcome] for block in choices for outcome in OUTCOMES),
+            "grasps": len(space.objects) * len(CONTEXTS) * codes**2,
+        }
+        return {
+            "cases": counted | {"all": sum(counted.values())},
+            "situations": scenes * len(space.commands()),
+            "rules": rules,
+            "rule_states": {  # m levels can be any m non-zero codes
+                outcome: sum(block[outcome] * comb(codes - 1, block["levels"]) for block in choices)
+                for outcome in OUTCOMES
+            },
+        }
 
     def files(self, results: Sequence[CaseResult]) -> Mapping[str, Json]:
-        """Return the certificate."""
-        threshold = Settings.load().threshold
-        pinned: Json = {"seed": self.seed, "threshold": threshold, "tolerance": EPSILON}
-        return {"certificate.json": make_certificate(self._space, self._facts(results), pinned)}
+        """Return the certificate, with the settings that were used."""
+        space, facts = self._space, self._facts(results)
+        certificate: Json = {
+            "format": FORMAT,
+            "objects": space.objects,
+            "affordances": space.affordances,
+            "parts": space.parts,
+            "contexts": CONTEXTS,
+            "actions": list(ACTIONS),
+            "levels": LEVELS,
+            "seed": self.seed,
+            "threshold": Settings.load().threshold,
+            "tolerance": EPSILON,
+            **(facts["words"][0] if facts["words"] else {}),
+            **{name: [each["rows"] for each in facts[name]] for name in ("scores", "grasps")},
+            **{name: facts[name] for name in ("choices", *DRAWN)},
+        }
+        return {"certificate.json": certificate}
 
     @cached_property
-    def _space(self) -> VerbalizedSpace:
-        return VerbalizedSpace.from_paper(self.objects, self.affordances)
+    def _space(self) -> ScenarioSpace:
+        return ScenarioSpace.from_paper(self.objects, self.affordances)
 
     @staticmethod
     def _facts(results: Sequence[CaseResult]) -> dict[str, list[Json]]:
@@ -130,56 +158,10 @@ class RandomScenariosExperiment(AllScenariosExperiment):
 
     def summary(self, results: Sequence[CaseResult]) -> Json:
         """Return the numbers of sentences and of decisions."""
-        facts = self._facts(results).get("teaching", [])
+        facts = self._facts(results)["teaching"]
         told = sum(each["told"] for each in facts)
         return {"sentences": told, "decisions": hypotheses.COMMANDS * len(facts)}
 
     def files(self, results: Sequence[CaseResult]) -> Mapping[str, Json]:
         """Return no certificate: `AllScenariosExperiment` makes it."""
         return {}
-
-
-def make_certificate(space: ScenarioSpace, facts: Facts, pinned: Json) -> Json:
-    """Return the certificate of a run over a space, with the settings that were used (`pinned`).
-
-    `facts` maps each kind of cases to their facts, in the order of the cases.
-    """
-    return {
-        "format": FORMAT,
-        "objects": list(space.objects),
-        "affordances": list(space.affordances),
-        "parts": {name: list(space.parts[name]) for name in space.objects},
-        "contexts": list(CONTEXTS),
-        "actions": list(ACTIONS),
-        "levels": list(LEVELS),
-        **pinned,
-        **(facts["words"][0] if "words" in facts else {}),
-        "scores": [each["rows"] for each in facts.get("scores", ())],
-        "choices": list(facts.get("choices", ())),
-        "grasps": [each["rows"] for each in facts.get("grasps", ())],
-        **{name: list(facts.get(name, ())) for name in DRAWN},
-    }
-
-
-def count_totals(space: ScenarioSpace, facts: Facts) -> Json:
-    """Return the numbers of cases, and of rule states over the whole space by outcome.
-
-    A rule state is a way to teach the cells of one affordance, with a scene; its outcome is that
-    there is no right choice, a unique one, or ties.
-    """
-    choices = facts.get("choices", ())
-    counted = {
-        "words": len(space.cells) * len(LEVELS) + len(space.commands()) + 2 ** len(space.objects),
-        "scores": len(space.cells) * (space.full + 1),
-        "choices": sum(block[outcome] for block in choices for outcome in OUTCOMES),
-        "grasps": len(space.objects) * len(CONTEXTS) * (space.full + 1) ** 2,
-    }
-    return {
-        "cases": counted | {"all": sum(counted.values())},
-        "situations": 2 ** len(space.objects) * len(space.commands()),
-        "rules": len(space.cells) * len(LEVELS),
-        "rule_states": {  # m levels can be any m non-zero codes
-            outcome: sum(block[outcome] * comb(space.full, block["levels"]) for block in choices)
-            for outcome in OUTCOMES
-        },
-    }

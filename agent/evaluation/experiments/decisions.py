@@ -125,25 +125,18 @@ class PaperExperiment(DecisionExperiment):
     def drawn_scenes(self) -> list[list[str]]:
         """Return the objects of each scene."""
         rng = Random(self.seed)  # noqa: S311 - scenes, not secrets
-        drawn = next(scenes for scenes in self._draws(rng) if self._covers(scenes))
-        return [sorted(scene) for scene in drawn]
-
-    def _draws(self, rng: Random) -> Iterator[list[frozenset[str]]]:
-        names = sorted(self.scenarios["A"].objects)
+        names, asked = sorted(self.scenarios["A"].objects), list(self.scenarios.values())
         while True:
             scenes, sizes = [frozenset(names)], cycle(range(1, len(names)))
             while len(scenes) < self.scenes:
                 scenes += {frozenset(rng.sample(names, next(sizes)))} - {*scenes}
-            yield scenes
-
-    def _covers(self, scenes: Sequence[frozenset[str]]) -> bool:
-        tested = {
-            CorrectChoices.from_scenario(scenario, "pointTo", affordance, scene).principle
-            for scenario in self.scenarios.values()
-            for scene in scenes
-            for affordance in scenario.affordances
-        }
-        return tested >= PRINCIPLES or len(scenes) == 1
+            tested = {
+                CorrectChoices.from_scenario(scenario, "pointTo", affordance, scene).principle
+                for scenario, scene in product(asked, scenes)
+                for affordance in scenario.affordances
+            }
+            if tested >= PRINCIPLES or len(scenes) == 1:
+                return [sorted(scene) for scene in scenes]
 
 
 @dataclass(frozen=True)

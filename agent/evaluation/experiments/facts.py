@@ -9,7 +9,7 @@ random scenes are compared with the file.
 import csv
 import io
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import inf
@@ -65,21 +65,20 @@ class Fact:
 
 def read_facts(path: Path) -> list[Fact]:
     """Return the rows of a file; a DataError gives the line that is wrong."""
+    facts: list[Fact] = []
     rows = csv.DictReader(io.StringIO(read_text(path)), delimiter="\t")
-    return [_fact(row, str(path), line) for line, row in enumerate(rows, start=2)]
-
-
-def _fact(row: Mapping[str, str | None], source: str, line: int) -> Fact:
-    name, use, share = ((row.get(column) or "").strip() for column in COLUMNS)
-    try:
-        number = float(share)
-    except ValueError:
-        number = inf
-    if not name or not use or not 0 <= number <= 1:
-        found = list(row.values())
-        problem = f"expected {', '.join(COLUMNS)}, the last one in [0, 1], found {found}."
-        raise DataError(problem, source=source, line=line)
-    return Fact(name, use, number)
+    for line, row in enumerate(rows, start=2):
+        name, use, share = ((row.get(column) or "").strip() for column in COLUMNS)
+        try:
+            number = float(share)
+        except ValueError:
+            number = inf
+        if not name or not use or not 0 <= number <= 1:
+            found = list(row.values())
+            problem = f"expected {', '.join(COLUMNS)}, the last one in [0, 1], found {found}."
+            raise DataError(problem, source=str(path), line=line)
+        facts.append(Fact(name, use, number))
+    return facts
 
 
 @dataclass(frozen=True)

@@ -12,14 +12,14 @@ the trial means over that of independent samples).
 """
 
 from collections import Counter, defaultdict
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from math import sqrt
 from pathlib import Path
 from random import Random
-from typing import ClassVar, Literal
+from typing import ClassVar, Literal, NamedTuple, get_args
 
 from ....ontology.errors import HiltError, UnknownNameError
 from ....ontology.yaml_reader import YamlNode, read_yaml
@@ -32,7 +32,6 @@ from ..learning_scenarios import ACTIONS, LearningScenario, command, load_scenar
 from .ground_truth import CorrectChoices
 
 CURVES_FILE = Path(__file__).parents[1] / "noise_curves.yaml"
-OUTCOMES = ("right", "wrong", "declined")
 Z = 1.959964  # quantile for a confidence of 95 %
 OTHER = "eve"  # the second teacher
 CLAIM = "All errors are due to sensor noise (section 4.1)."
@@ -42,6 +41,7 @@ NOTE = (
     "a claim that does not hold is a result, not a fault of the program."
 )
 Outcome = Literal["right", "wrong", "declined"]
+OUTCOMES: tuple[Outcome, ...] = get_args(Outcome)
 
 
 @dataclass(frozen=True)
@@ -59,9 +59,8 @@ class AccuracyCurve:
 
 def _curve(name: str, spec: YamlNode) -> AccuracyCurve:
     keys = spec.entries(required={"label", "values"}, optional={"lines", "sound", "sensor"})
-    lines = {"default": ""}
-    if "lines" in keys:
-        lines = {line: variant.text() for line, variant in keys["lines"].entries().items()}
+    named = keys["lines"].entries() if "lines" in keys else {}
+    lines = {line: variant.text() for line, variant in named.items()} or {"default": ""}
     sound = keys["sound"].texts(choices=lines) if "sound" in keys else tuple(lines)
     is_sensor_noise = "sensor" in keys and keys["sensor"].truth()
     label, values = keys["label"].text(), keys["values"].numbers()
@@ -80,23 +79,19 @@ def curve_points(results: Sequence[CaseResult]) -> list[Json]:
             trials[curve, line, float(value)].append(result.facts)
     found: dict[str, Json] = {}
     for (curve, line, value), facts in trials.items():
+        per_trial = facts[0]["commands"]
+        interval = clustered_interval([trial["right"] for trial in facts], per_trial)
         drawn = {"curve": curve, "label": CURVES[curve].label, "lines": {}}
         lines = found.setdefault(curve, drawn)["lines"]
-        lines.setdefault(line, []).append(_point(value, facts))
+        lines.setdefault(line, []).append({
+            "x": value,
+            "decisions": len(facts) * per_trial,
+            **{name: sum(trial[name] for trial in facts) for name in OUTCOMES},
+            "accuracy": round(interval.share, 6),
+            "lower": round(interval.lower, 6),
+            "upper": round(interval.upper, 6),
+        })  # fmt: skip
     return list(found.values())
-
-
-def _point(value: float, trials: Sequence[Json]) -> Json:
-    per_trial = trials[0]["commands"]
-    interval = clustered_interval([trial["right"] for trial in trials], per_trial)
-    return {
-        "x": value,
-        "decisions": len(trials) * per_trial,
-        **{name: sum(trial[name] for trial in trials) for name in OUTCOMES},
-        "accuracy": round(interval.share, 6),
-        "lower": round(interval.lower, 6),
-        "upper": round(interval.upper, 6),
-    }
 
 
 @dataclass(frozen=True)
@@ -209,17 +204,15 @@ class _Trial:
         return garble(text, self.line, self.value, rng, _vocabulary())
 
     def _taught_agent(self) -> Agent:
-        choices = self.curve.lines[self.line] if "=" in self.curve.lines[self.line] else ""
-        if self.curve.is_sensor_noise:
-            noise = f"{self.curve.name}={self.value}"
-            return _correctly_taught(self.trial % 2, noise, choices)
-        if self.curve.name == "speech":
-            said = [self._recognised(each, 0.0) for each in self._scenario.sentences()]
-            return _taught_by(said)
-        trust = self.value if self.curve.name == "trust" else 1.0
-        share = self.value if self.curve.name == "wrong" else 1.0
-        number = self.trial if self.curve.name == "wrong" else self.trial % 2
-        return _contradicted(self.trial % 2, trust, share, choices, f"{self.seed}/{number}")
+        curve, variant, number = self.curve, self.curve.lines[self.line], self.trial % 2
+        choices = variant if "=" in variant else ""
+        if curve.is_sensor_noise:
+            return _taught(number, choices, noise=f"{curve.name}={self.value}")
+        if curve.name == "speech":
+            return _taught_by([self._recognised(each, 0.0) for each in self._scenario.sentences()])
+        if curve.name == "trust":
+            return _taught(number, choices, (self.value, 1.0, f"{self.seed}/{number}"))
+        return _taught(number, choices, (1.0, self.value, f"{self.seed}/{self.trial}"))
 
 
 def _outcome(truth: CorrectChoices, reply: Reply) -> Outcome:
@@ -240,20 +233,20 @@ def _vocabulary() -> tuple[str, ...]:
 
 
 @lru_cache(maxsize=4)
-def _correctly_taught(scenario: int, noise: str, choices: str) -> Agent:
-    return _taught_by(load_scenarios()[scenario].sentences(), noise=noise, choices=choices)
-
-
-@lru_cache(maxsize=4)
-def _contradicted(scenario: int, trust: float, share: float, choices: str, seed: str) -> Agent:
-    taught = _taught_by(load_scenarios()[scenario].sentences(), choices=choices)
-    taught.base.set_trust(OTHER, trust)
-    opposite = load_scenarios()[1 - scenario]
-    levels = (each for uses in opposite.affordances.values() for each in uses.values())
-    sentences = opposite.sentences()[: sum(map(len, levels))]  # those about affordances come first
-    rng = Random(seed)  # noqa: S311
-    for sentence in rng.sample(sentences, round(share * len(sentences))):
-        taught.hear(sentence, speaker=OTHER, only="tell")
+def _taught(
+    scenario: int, choices: str, against: tuple[float, float, str] | None = None, *, noise: str = ""
+) -> Agent:
+    """Return an agent; `against` is a second teacher's trust, share of contradictions, and seed."""
+    taught = _taught_by(load_scenarios()[scenario].sentences(), noise=noise, choices=choices)
+    if against:
+        trust, share, seed = against
+        taught.base.set_trust(OTHER, trust)
+        opposite = load_scenarios()[1 - scenario]
+        levels = (each for uses in opposite.affordances.values() for each in uses.values())
+        told = opposite.sentences()[: sum(map(len, levels))]  # about affordances: they come first
+        rng = Random(seed)  # noqa: S311
+        for sentence in rng.sample(told, round(share * len(told))):
+            taught.hear(sentence, speaker=OTHER, only="tell")
     return taught
 
 
@@ -266,11 +259,7 @@ def _taught_by(sentences: Sequence[str], *, noise: str = "", choices: str = "") 
     return taught
 
 
-# --- Confidence intervals ----------------------------------------------------------------
-
-
-@dataclass(frozen=True)
-class ConfidenceInterval:
+class ConfidenceInterval(NamedTuple):
     """A proportion in [0, 1] with its 95 % confidence interval [lower, upper]."""
 
     share: float
@@ -308,31 +297,18 @@ def clustered_interval(successes: Sequence[int], per_trial: int) -> ConfidenceIn
     return wilson_interval(share * effective, effective)
 
 
-# --- Misrecognised sentences -------------------------------------------------------------
-
-Words = list[str]
-
-
 def garble(text: str, how: str, rate: float, rng: Random, vocabulary: Sequence[str]) -> str:
     """Return a sentence with recognition errors in a share of its words (`rate`, in [0, 1]).
 
     Words are "misheard" (replaced by words of the vocabulary), "dropped" or "swapped".
     """
-    return " ".join(_GARBLINGS[how](text.split(), rate, rng, vocabulary))
-
-
-def _swapped(words: Words, rate: float, rng: Random, _: Sequence[str]) -> Words:
-    swapped = list(words)
-    for i in range(len(swapped) - 1):
-        if rng.random() < rate:
-            swapped[i], swapped[i + 1] = swapped[i + 1], swapped[i]
-    return swapped
-
-
-_GARBLINGS: Mapping[str, Callable[[Words, float, Random, Sequence[str]], Words]] = {
-    "misheard": lambda words, rate, rng, vocabulary: [
-        rng.choice(vocabulary) if rng.random() < rate else word for word in words
-    ],
-    "dropped": lambda words, rate, rng, _: [word for word in words if rng.random() >= rate],
-    "swapped": _swapped,
-}
+    words = text.split()
+    if how == "misheard":
+        words = [rng.choice(vocabulary) if rng.random() < rate else word for word in words]
+    elif how == "dropped":
+        words = [word for word in words if rng.random() >= rate]
+    else:
+        for i in range(len(words) - 1):
+            if rng.random() < rate:
+                words[i], words[i + 1] = words[i + 1], words[i]
+    return " ".join(words)

@@ -23,7 +23,7 @@ from platform import python_version
 from typing import TYPE_CHECKING, Any, cast
 
 from ....ontology.disk_cache import write_atomically
-from ....ontology.errors import DataError, MissingExtraError, StoreError, extra_required
+from ....ontology.errors import DataError, MissingExtraError, StoreError
 from ..experiment import Case, CaseResult, Experiment, Json, TimedResult
 from ..experiments.decisions import DecisionExperiment
 
@@ -170,7 +170,12 @@ def write_report(
             document = report.as_json() | {"results": report.results}
             text = json.dumps(document, default=vars, ensure_ascii=False, indent=1) + "\n"
         case ".csv":
-            text = _csv(report)
+            table = io.StringIO()
+            writer = csv.DictWriter(table, COLUMNS, extrasaction="ignore", lineterminator="\n")
+            writer.writeheader()
+            rows = (vars(each.result) | {"cpu_s": round(each.cpu_s, 6)} for each in report.runs)
+            writer.writerows(rows)
+            text = table.getvalue()
         case _:
             text = render_page(experiment, cases, report, _pictures(experiment, cases))
     try:
@@ -186,14 +191,6 @@ def check_format(path: Path) -> None:
     for package in ("jinja2", "matplotlib") if path.suffix == ".html" else ():
         if find_spec(package) is None:
             raise MissingExtraError("report", package)
-
-
-def _csv(report: EvaluationReport) -> str:
-    table = io.StringIO()
-    writer = csv.DictWriter(table, COLUMNS, extrasaction="ignore", lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(vars(run.result) | {"cpu_s": round(run.cpu_s, 6)} for run in report.runs)
-    return table.getvalue()
 
 
 def _pictures(experiment: Experiment, cases: Sequence[Case]) -> Iterator[tuple[str, str]]:
@@ -216,12 +213,11 @@ def render_page(
     report: EvaluationReport,
     pictures: Iterable[tuple[str, str]] = (),
 ) -> str:
-    """Return the HTML page of the report of all cases, in their order, with pictures of scenes.
+    """Return the HTML page of the report of all cases, in their order.
 
-    Pictures are captions with the base64 of a JPEG. MissingExtraError without jinja2 or matplotlib.
+    Pictures of scenes are captions with the base64 of a JPEG.
     """
-    with extra_required("report", "jinja2"):
-        from jinja2 import Environment, StrictUndefined
+    from jinja2 import Environment, StrictUndefined
 
     environment = Environment(
         autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
@@ -253,13 +249,11 @@ def render_page(
 def plot_curve(label: str, lines: Mapping[str, Sequence[Json]], measure: str = "accuracy") -> str:
     """Return the SVG element of a plot of a measure against the quantity of the label.
 
-    A line is a list of points, each with `x`, the measure, `lower` and `upper`. MissingExtraError
-    if matplotlib is not installed.
+    A line is a list of points, each with `x`, the measure, `lower` and `upper`.
     """
-    with extra_required("report", "matplotlib"):
-        from matplotlib import rc_context
-        from matplotlib.figure import Figure
-        from matplotlib.ticker import PercentFormatter
+    from matplotlib import rc_context
+    from matplotlib.figure import Figure
+    from matplotlib.ticker import PercentFormatter
 
     # Text stays text in the font of the page; identifiers are reproducible and unique to the plot.
     with rc_context({"svg.fonttype": "none", "svg.hashsalt": label, "font.size": 9}):

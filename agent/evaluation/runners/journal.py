@@ -37,7 +37,7 @@ class RunJournal(AbstractContextManager["RunJournal"]):
     def __init__(
         self, folder: Path, experiment: Experiment, cases: Sequence[Case], *, resume: bool
     ) -> None:
-        self.folder = folder
+        self.folder, self._path = folder, str(folder / JOURNAL)
         self.runs: dict[str, TimedResult] = {}
         header = _header(experiment, cases)
         try:
@@ -96,10 +96,16 @@ class RunJournal(AbstractContextManager["RunJournal"]):
         if not resume:
             problem = "contains a run already. Continue it with --resume, or name another folder."
             raise DataError(problem, source=str(self.folder))
-        self._check(_parsed(self._path, 1, lines[0]), header)
-        for number, line in enumerate(lines[1:], start=2):
-            run = _read_run(self._path, number, line)
-            if run.result.kind != "lost":  # lost cases are run again
+        for number, line in enumerate(lines, start=1):
+            try:
+                document = dict(json.loads(line))
+                run = TimedResult.from_json(document) if number > 1 else None
+            except (KeyError, TypeError, ValueError) as error:
+                what = "a result" if number > 1 else "the header of a run"
+                raise DataError(f"is not {what}.", source=self._path, line=number) from error
+            if run is None:
+                self._check(document, header)
+            elif run.result.kind != "lost":  # lost cases are run again
                 self.runs[run.result.key] = run
 
     def _check(self, found: Json, header: Json) -> None:
@@ -108,10 +114,6 @@ class RunJournal(AbstractContextManager["RunJournal"]):
                 values = f"{json.dumps(found.get(name))}, not {json.dumps(value)}"
                 problem = f'belongs to another run: its "{name}" is {values}. Name another folder.'
                 raise DataError(problem, source=self._path, line=1)
-
-    @property
-    def _path(self) -> str:
-        return str(self.folder / JOURNAL)
 
     def _write(self, document: Json | TimedResult) -> None:
         left = f"{to_json_line(document)}\n".encode()
@@ -123,27 +125,11 @@ class RunJournal(AbstractContextManager["RunJournal"]):
 
 
 def _header(experiment: Experiment, cases: Sequence[Case]) -> Json:
-    digest = hashlib.sha256()
-    for case in cases:
-        digest.update(f"{to_json_line(case)}\n".encode())
+    listed = "".join(f"{to_json_line(case)}\n" for case in cases)
     return {
         "format": FORMAT,
         "experiment": experiment.name,
         "options": json.loads(to_json_line(experiment.options)),
         "cases": len(cases),
-        "digest": digest.hexdigest(),
+        "digest": hashlib.sha256(listed.encode()).hexdigest(),
     }
-
-
-def _parsed(source: str, number: int, line: bytes) -> Json:
-    try:
-        return dict(json.loads(line))
-    except (TypeError, ValueError) as error:
-        raise DataError("expected a JSON object.", source=source, line=number) from error
-
-
-def _read_run(source: str, number: int, line: bytes) -> TimedResult:
-    try:
-        return TimedResult.from_json(_parsed(source, number, line))
-    except (KeyError, TypeError) as error:
-        raise DataError("is not a result.", source=source, line=number) from error

@@ -22,15 +22,16 @@ from ...agent import Agent
 from ...config import AgentConfig
 from ..learning_scenarios import ACTIONS, CONTEXTS, LEVELS, command
 from . import finite_cases, taught_agent
-from .finite_cases import CheckResult, VerbalizedSpace
-from .scenario_space import CONFIDENCES, Codes, RuleKey, ScenarioSpace, belief, code_of
-from .taught_agent import TaughtAgent
+from .finite_cases import CheckResult
+from .scenario_space import CONFIDENCES, Codes, ScenarioSpace, belief, bit_mask, code_of, sentence
+from .taught_agent import RuleKey, TaughtAgent
+from .weak_orders import tally
 
 COMMANDS = 5  # given in each random learning scenario
 Choice = list[int]  # scene, action, affordance, acceptable objects, acceptable parts of the first
 
 
-def check_teaching(space: VerbalizedSpace, seed: int, number: int) -> CheckResult:
+def check_teaching(space: ScenarioSpace, seed: int, number: int) -> CheckResult:
     """Check H1: teach a random learning scenario by sentence, read it back, and give commands.
 
     The number of rules is log-uniform: few and many are equally likely. Number 0 is all rules.
@@ -40,14 +41,14 @@ def check_teaching(space: VerbalizedSpace, seed: int, number: int) -> CheckResul
     codes = space.drawn(rng, share if number else 1.0)
     sizes = (2 ** len(space.objects), len(ACTIONS), len(space.affordances))
     asked = [[int(size * rng.random()) for size in sizes] for _ in range(COMMANDS)]
-    once = space.sentences(codes)
+    once = [sentence(*key) for key in space.taught(codes)]
     with Agent.open("memory:", AgentConfig(simulate=False)) as agent:
-        for sentence in rng.sample(once * 2, len(once) * 2):
-            agent.hear(sentence, only="tell")
+        for text in rng.sample(once * 2, len(once) * 2):
+            agent.hear(text, only="tell")
         held = _read_back(space, agent.base.rules())
         statements = taught_agent.belief_statements(agent.base)
         choices = [_commanded(space, agent, *each) for each in asked]
-    apart = (space.statements_of(each) for each in ("", *once))
+    apart = (space.statements[each] for each in ("", *once))
     wrong = [] if held == list(codes) else [f"{codes} is read back as {held}"]
     if statements != frozenset[taught_agent.GraphStatement]().union(*apart):
         wrong.append("the beliefs are not the union of the beliefs from each sentence")
@@ -82,7 +83,7 @@ def _masks(space: ScenarioSpace, found: Inference | None, part: Inference | None
     return [space.mask(names), finite_cases.parts_mask(space, names[0], part) if names else 0]
 
 
-def check_situations(space: VerbalizedSpace, seed: int, number: int, action: int) -> CheckResult:
+def check_situations(space: ScenarioSpace, seed: int, number: int, action: int) -> CheckResult:
     """Check H2: one action in all scenes for all affordances, with the cells that were read.
 
     A line of the digest gives the scene, the affordance, the acceptable objects, the acceptable
@@ -99,9 +100,8 @@ def check_situations(space: VerbalizedSpace, seed: int, number: int, action: int
                 sets = map(space.cell_mask, (decided.read, decided.listed))
                 lines.append([mask, wanted, *_masks(space, decided.object, decided.part), *sets])
     truth = [[*each[:2], *_definition(space, codes, each[0], action, each[1])] for each in lines]
-    counts = [sum(min(line[2].bit_count(), 2) == n for line in lines) for n in range(3)]
-    facts = {"codes": codes, "none": counts[0], "unique": counts[1], "ties": counts[2]}
-    return {**facts, "digest": _digest(lines)}, finite_cases.differences(lines, truth)
+    facts = {"codes": codes, **tally(line[2] for line in lines), "digest": _digest(lines)}
+    return facts, finite_cases.differences(lines, truth)
 
 
 def _definition(
@@ -117,11 +117,11 @@ def _definition(
     read = {*([node[i] for i in scene] if objects else node), *grasped}
     listed = {*node, *(space.node(RuleKey("", "", context)) if held else ())}
     parts = finite_cases.highest_codes([codes[cell] for cell in grasped])
-    sets = (sum(1 << cell for cell in each if codes[cell]) for each in (read, listed))
-    return [sum(1 << i for i in objects), parts, *sets]
+    sets = (bit_mask(cell for cell in each if codes[cell]) for each in (read, listed))
+    return [bit_mask(objects), parts, *sets]
 
 
-def check_growth(space: VerbalizedSpace, seed: int, number: int) -> CheckResult:
+def check_growth(space: ScenarioSpace, seed: int, number: int) -> CheckResult:
     """Check H2: teach all rules one by one; after each, the scores of the cells of its node.
 
     A line of the digest gives lower, upper, lambda and accepted for each of these cells.

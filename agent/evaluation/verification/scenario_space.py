@@ -9,43 +9,30 @@ scenario is a code for each cell. With the paper's 8 objects, 5 affordances, 2 c
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from random import Random
-from typing import TYPE_CHECKING
 
-from ....kb.rule import Rule
+from ....kb.rule import DEFAULT_SPEAKER, Rule
+from ....nlu.language import Language
+from ....nlu.semantics import meaning
 from ...config import household
+from ...dialogue.translation import rule_from_meaning
 from ..learning_scenarios import ACTIONS, CONTEXTS, LEVELS, command, load_scenarios, rule_sentence
-
-if TYPE_CHECKING:
-    from typing_extensions import Self
+from .taught_agent import GraphStatement, RuleKey, TaughtAgent, belief_statements
 
 # Table 2: level -> confidence
 CONFIDENCES: Mapping[str, float] = dict(zip(LEVELS, (0.95, 0.75, 0.5, 0.25), strict=True))
+CODES = range(2 ** len(LEVELS))
+BITS: Mapping[str, int] = {level: 8 >> i for i, level in enumerate(LEVELS)}
 
-Codes = tuple[int, ...]  # a learning scenario: a code in [0, 16) for each cell
-
-
-@dataclass(frozen=True, order=True)
-class RuleKey:
-    """The topic of a rule: an affordance, with an empty context, or a part to grasp in one."""
-
-    object: str
-    argument: str
-    context: str = ""
-
-    @classmethod
-    def from_rule(cls, rule: Rule) -> RuleKey:
-        """Return the cell of a rule."""
-        name = rule.argument.name if rule.argument else ""
-        return cls(rule.object or "*", name, rule.context or "")
+Codes = tuple[int, ...]  # a learning scenario: a code for each cell
 
 
 @dataclass(frozen=True)
 class ScenarioSpace:
-    """The space of learning scenarios, spanned by objects, affordances and parts.
+    """The space of learning scenarios, with the language that teaches them.
 
     The objects have the order that they have in every scene; each has two parts.
     """
@@ -55,42 +42,63 @@ class ScenarioSpace:
     parts: Mapping[str, tuple[str, ...]]
 
     @classmethod
-    def from_paper(cls, objects: int = 8, affordances: int = 5) -> Self:
+    def from_paper(cls, objects: int = 8, affordances: int = 5) -> ScenarioSpace:
         """Return the space of the paper, or of its first few objects and affordances."""
         scenario, _ = load_scenarios()
         names = tuple(scenario.grasps)[:objects]
-        types = household().objects
-        parts = {name: tuple(types[name].parts) for name in names}
+        parts = {name: tuple(household().objects[name].parts) for name in names}
         return cls(names, tuple(scenario.affordances)[:affordances], parts)
 
     @cached_property
     def cells(self) -> tuple[RuleKey, ...]:
         """All cells: those of affordances by object, then those of grasps."""
-        functional = (RuleKey(name, each) for name in self.objects for each in self.affordances)
         held = ((name, context) for name in self.objects for context in CONTEXTS)
-        grasps = (
-            RuleKey(name, part, context) for name, context in held for part in self.parts[name]
+        return (
+            *(RuleKey(name, each) for name in self.objects for each in self.affordances),
+            *(RuleKey(name, part, context) for name, context in held for part in self.parts[name]),
         )
-        return (*functional, *grasps)
 
     @cached_property
     def index(self) -> Mapping[RuleKey, int]:
         """Cell -> its index in `cells`."""
         return {cell: number for number, cell in enumerate(self.cells)}
 
-    @property
-    def full(self) -> int:
-        """The code of a cell that is taught at every level."""
-        return 2 ** len(LEVELS) - 1
+    @cached_property
+    def language(self) -> Language:
+        """The language; it takes a quarter of a second to load."""
+        return Language.load()
 
-    def sentence(self, cell: RuleKey, level: str) -> str:
-        """Return the sentence that teaches a cell at a level."""
-        return rule_sentence(cell.object, cell.argument, cell.context, level)
+    @cached_property
+    def rules(self) -> dict[tuple[RuleKey, str], Rule]:
+        """Cell and level -> the rule that its sentence teaches."""
+        cells = ((cell, level) for cell in self.cells for level in LEVELS)
+        return {key: self._rule(sentence(*key)) for key in cells}
 
-    def sentences(self, codes: Sequence[int]) -> list[str]:
-        """Return the sentences that teach a learning scenario, by cell, the highest level first."""
+    def _rule(self, text: str) -> Rule:
+        said = self.language.understand(text).meaning
+        if not isinstance(said, meaning.Statement):
+            raise TypeError(f'"{text}" is not understood as a statement: {said}.')
+        (rule,) = said.rules
+        return rule_from_meaning(rule, DEFAULT_SPEAKER)
+
+    @cached_property
+    def statements(self) -> dict[str, frozenset[GraphStatement]]:
+        """Sentence, or none if empty -> the graph of beliefs after telling it alone."""
+        told = {"": (), **{sentence(*key): (rule,) for key, rule in self.rules.items()}}
+        found: dict[str, frozenset[GraphStatement]] = {}
+        for text, rules in told.items():
+            with TaughtAgent(rules) as taught:
+                found[text] = belief_statements(taught.base)
+        return found
+
+    def taught(self, codes: Sequence[int]) -> list[tuple[RuleKey, str]]:
+        """Return cell and level of each rule of a learning scenario, the highest level first."""
         taught = zip(self.cells, map(levels_of, codes), strict=True)
-        return [self.sentence(cell, level) for cell, levels in taught for level in levels]
+        return [(cell, level) for cell, levels in taught for level in levels]
+
+    def taught_agent(self, codes: Sequence[int]) -> TaughtAgent:
+        """Return an agent that was taught a learning scenario."""
+        return TaughtAgent(self.rules[key] for key in self.taught(codes))
 
     def commands(self) -> list[tuple[str, int, int]]:
         """Return all commands: sentence, index of the action, index of the affordance."""
@@ -104,14 +112,18 @@ class ScenarioSpace:
         """Return the objects of a scene given as a bit mask, the first object the lowest bit."""
         return tuple(name for i, name in enumerate(self.objects) if mask >> i & 1)
 
-    def mask(self, names: Sequence[str]) -> int:
+    def mask(self, names: Iterable[str]) -> int:
         """Return the bit mask of a set of objects."""
-        return sum(1 << self.objects.index(name) for name in names)
+        return bit_mask(map(self.objects.index, names))
+
+    def cell_mask(self, cells: Iterable[RuleKey]) -> int:
+        """Return the bit mask of a set of cells."""
+        return bit_mask(self.index[cell] for cell in cells)
 
     def drawn(self, rng: Random, share: float) -> Codes:
         """Return a random learning scenario, to which each rule belongs with the chance `share`."""
-        bits = [1 << i for i in range(len(LEVELS))]
-        return tuple(sum(bit for bit in bits if rng.random() < share) for _ in self.cells)
+        levels = range(len(LEVELS))
+        return tuple(bit_mask(i for i in levels if rng.random() < share) for _ in self.cells)
 
     def node(self, cell: RuleKey) -> list[int]:
         """Return the indices of the cells whose rules are at the same node as those of a cell."""
@@ -120,15 +132,24 @@ class ScenarioSpace:
         return [self.index[each] for each in every]
 
 
+def sentence(cell: RuleKey, level: str) -> str:
+    """Return the sentence that teaches a cell at a level."""
+    return rule_sentence(*cell, level)
+
+
+def bit_mask(indices: Iterable[int]) -> int:
+    """Return the bit mask of a set of indices."""
+    return sum(1 << i for i in {*indices})
+
+
 def levels_of(code: int) -> list[str]:
     """Return the levels of a code, the highest first."""
-    bits = reversed(range(len(LEVELS)))
-    return [level for level, bit in zip(LEVELS, bits, strict=True) if code >> bit & 1]
+    return [level for level, bit in BITS.items() if code & bit]
 
 
-def code_of(levels: Sequence[str]) -> int:
+def code_of(levels: Iterable[str]) -> int:
     """Return the code of a set of levels."""
-    return sum(1 << (len(LEVELS) - 1 - LEVELS.index(level)) for level in set(levels))
+    return sum(BITS[level] for level in {*levels})
 
 
 def belief(code: int) -> float:

@@ -11,10 +11,12 @@ met the cells L and read the cells R decides alike in all learning scenarios tha
 have the same number of rules in each cell of L.
 """
 
+from __future__ import annotations
+
 from collections.abc import Iterable, Sequence
 from contextlib import AbstractContextManager
-from dataclasses import dataclass, fields
-from typing import TypeAlias
+from dataclasses import fields
+from typing import NamedTuple, TypeAlias
 
 from ....inference.affordance import Affordances, RuleSource
 from ....inference.norms import NormChecker
@@ -27,15 +29,26 @@ from ....kb.rule import DEFAULT_SPEAKER, Rule
 from ....sim.scene.scene import Placement, Scene
 from ...config import actions_with, household, open_base
 from ...execution.goal_manager import GoalManager
-from ...execution.outcome import Decision
 from ...execution.perception import PerfectVision
 from ...execution.request import Request
-from .scenario_space import RuleKey
 
 GraphStatement: TypeAlias = "tuple[object, ...]"  # subject, predicate, object
 PROVENANCE = (DERIVED_FROM, GENERATED_AT)
-
 STATED = frozenset({"interval", "speaker", "utterance", "time", "status", "trust", "id", "support"})
+
+
+class RuleKey(NamedTuple):
+    """The topic of a rule: an affordance, with an empty context, or a part to grasp in one."""
+
+    object: str
+    argument: str
+    context: str = ""
+
+    @classmethod
+    def from_rule(cls, rule: Rule) -> RuleKey:
+        """Return the cell of a rule."""
+        name = rule.argument.name if rule.argument else ""
+        return cls(rule.object or "*", name, rule.context or "")
 
 
 class TracingRule(Rule):
@@ -72,8 +85,7 @@ class TracingSource:
         return found
 
 
-@dataclass(frozen=True)
-class TracedDecision:
+class TracedDecision(NamedTuple):
     """A decision with the keys of the rules it depends on."""
 
     object: Inference | None  #: the inference at the find node; None if no node was reached
@@ -101,8 +113,7 @@ class TaughtAgent(AbstractContextManager["TaughtAgent"]):
         source = self._source
         source.listed.clear()
         source.read.clear()
-        result = manager.achieve(Request(action, {"object": target}, DEFAULT_SPEAKER))
-        found: Decision | None = result.decision
+        found = manager.achieve(Request(action, {"object": target}, DEFAULT_SPEAKER)).decision
         chosen = (found.object, found.part) if found else (None, None)
         return TracedDecision(*chosen, frozenset(source.listed), frozenset(source.read))
 

@@ -10,7 +10,8 @@ needs (order, reversal, subtraction of the tolerance for ties); other uses raise
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterator, Mapping, Sequence
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cache
 from itertools import permutations, product
@@ -22,9 +23,12 @@ from ....inference.proof import Proof
 from ....inference.types import Candidate
 from ....kb.interval import VACUOUS, Interval
 from ...execution.outcome import Json
+from .finite_cases import CheckResult
+from .scenario_space import ScenarioSpace
 from .taught_agent import acceptable_candidates
 
 ABSENT, UNKNOWN, RANKED = 0, 1, 2  # status of an object: not in the scene, no rule, ranked
+OUTCOMES = ("none", "unique", "ties")
 NODE = "pass/findObject"
 NO_RULE = Proof("unknown", VACUOUS)
 
@@ -81,34 +85,44 @@ class WeakOrderClass:
             if standing.count(RANKED) == self.ranked:
                 yield from ((standing, ranking) for ranking in rankings)
 
-    def verify(self) -> tuple[Json, list[str]]:
-        """Return the counts and digest of the choices, and a line for each wrong choice.
+    def choices(self) -> Iterator[int]:
+        """Yield the acceptable objects in each of the orders, bit i for object i."""
+        # The intervals only identify scores: nothing reads them. Candidates without a rule get
+        # the highest score, and still must not be chosen.
+        ranked = [Proof("seen", Interval(i / 1000, 1.0)) for i in range(1, self.levels + 1)]
+        proofs = [*ranked, NO_RULE]
+        scores = {proof.interval: OpaqueScore(level) for level, proof in enumerate(proofs)}
+        decision = DecisionRule(NODE, 0.0, OpaqueOperators(scores=scores))
+        rows = [[_candidate(proof) for proof in proofs] for _ in range(self.objects)]
+        bits = {id(each): 1 << i for i, row in enumerate(rows) for each in row}
+        for standing, ranking in self.orders():
+            levels = iter(ranking)
+            present = (pair for pair in zip(rows, standing, strict=True) if pair[1] != ABSENT)
+            candidates = [row[next(levels) if how == RANKED else -1] for row, how in present]
+            yield sum(bits[id(each)] for each in acceptable_candidates(decision.ranked(candidates)))
 
-        The digest is over one byte for each case: the acceptable objects, bit i for object i.
-        """
-        chooser = _Chooser(self.objects, self.levels)
-        masks = bytearray(chooser.choose(*order) for order in self.orders())
-        wrong = [
-            f"{standing} ranked {ranking} gives {mask}"
-            for mask, (standing, ranking) in zip(masks, self.orders(), strict=True)
-            if mask != self._highest(standing, ranking)
-        ]
-        counts = [0, 0, 0]
-        for mask in masks:
-            counts[min(mask.bit_count(), 2)] += 1
-        return {
-            "ranked": self.ranked,
-            "levels": self.levels,
-            "none": counts[0],
-            "unique": counts[1],
-            "ties": counts[2],
-            "digest": hashlib.sha256(masks).hexdigest(),
-        }, wrong
 
-    def _highest(self, standing: Sequence[int], ranking: Sequence[int]) -> int:
-        ranked = (1 << i for i, how in enumerate(standing) if how == RANKED)
-        pairs = zip(ranked, ranking, strict=True)
-        return sum(bit for bit, level in pairs if level == self.levels - 1)
+def check_choices(space: ScenarioSpace, ranked: int, levels: int) -> CheckResult:
+    """Check the choice from each weak order of a block.
+
+    The digest is over one byte for each case: the acceptable objects, bit i for object i.
+    """
+    block = WeakOrderClass(len(space.objects), ranked, levels)
+    masks = bytearray(block.choices())
+    wrong: list[str] = []
+    for mask, (standing, ranking) in zip(masks, block.orders(), strict=True):
+        bits = (1 << i for i, how in enumerate(standing) if how == RANKED)
+        pairs = zip(bits, ranking, strict=True)
+        if mask != sum(bit for bit, level in pairs if level == levels - 1):
+            wrong.append(f"{standing} ranked {ranking} gives {mask}")
+    shape = {"ranked": ranked, "levels": levels, "digest": hashlib.sha256(masks).hexdigest()}
+    return shape | tally(masks), wrong
+
+
+def tally(masks: Iterable[int]) -> Json:
+    """Return how many sets of choices, given as bit masks, are empty, of one, and of several."""
+    kinds = Counter(min(mask.bit_count(), 2) for mask in masks)
+    return {outcome: kinds[size] for size, outcome in enumerate(OUTCOMES)}
 
 
 def weak_order_blocks(objects: int) -> list[WeakOrderClass]:
@@ -124,29 +138,6 @@ def surjections(places: int, levels: int) -> tuple[tuple[int, ...], ...]:
         return tuple(permutations(range(levels)))
     maps = product(range(levels), repeat=places) if places > levels else ()
     return tuple(each for each in maps if len({*each}) == levels)
-
-
-class _Chooser:
-    """The choice at a find node among objects that differ only in their score, one of `levels`."""
-
-    def __init__(self, objects: int, levels: int) -> None:
-        # The intervals only identify scores: nothing reads them. Candidates without a rule get
-        # the highest score, and still must not be chosen.
-        ranked = [Proof("seen", Interval(i / 1000, 1.0)) for i in range(1, levels + 1)]
-        proofs = [*ranked, NO_RULE]
-        scores = {proof.interval: OpaqueScore(level) for level, proof in enumerate(proofs)}
-        self._decision = DecisionRule(NODE, 0.0, OpaqueOperators(scores=scores))
-        self._candidates = [[_candidate(proof) for proof in proofs] for _ in range(objects)]
-        self._bits = {id(each): 1 << i for i, row in enumerate(self._candidates) for each in row}
-
-    def choose(self, standing: Sequence[int], ranking: Sequence[int]) -> int:
-        """Return the acceptable objects, bit i for object i."""
-        levels = iter(ranking)
-        pairs = zip(self._candidates, standing, strict=True)
-        present = (pair for pair in pairs if pair[1] != ABSENT)
-        candidates = [row[next(levels) if how == RANKED else -1] for row, how in present]
-        chosen = acceptable_candidates(self._decision.ranked(candidates))
-        return sum(self._bits[id(each)] for each in chosen)
 
 
 def _candidate(proof: Proof) -> Candidate:

@@ -18,17 +18,18 @@ from hilt.agent.evaluation.experiments.all_scenarios import (
     AllScenariosExperiment,
     RandomScenariosExperiment,
 )
-from hilt.agent.evaluation.verification.finite_cases import VerbalizedSpace, check_scores
+from hilt.agent.evaluation.verification.finite_cases import check_scores
 from hilt.agent.evaluation.verification.hypotheses import (
     check_growth,
     check_situations,
     check_teaching,
 )
-from hilt.agent.evaluation.verification.scenario_space import RuleKey, belief
-from hilt.agent.evaluation.verification.taught_agent import TaughtAgent, TracingSource
+from hilt.agent.evaluation.verification.scenario_space import ScenarioSpace, belief
+from hilt.agent.evaluation.verification.taught_agent import RuleKey, TaughtAgent, TracingSource
 from hilt.agent.evaluation.verification.weak_orders import (
     OpaqueScore,
     WeakOrderClass,
+    check_choices,
     surjections,
     weak_order_blocks,
 )
@@ -170,15 +171,15 @@ def test_another_fusion_is_found_out(monkeypatch):
     other = Settings(operators=Operators(fusion="mean"))
     monkeypatch.setattr(Settings, "load", classmethod(lambda cls: other))
 
-    _, wrong = check_scores(VerbalizedSpace.from_paper(1, 1), shift=3)
+    _, wrong = check_scores(ScenarioSpace.from_paper(1, 1), shift=3)
 
     assert wrong
 
 
 @pytest.fixture(scope="module")
-def taught_space() -> VerbalizedSpace:
+def taught_space() -> ScenarioSpace:
     """Three objects, one affordance: a node has up to 12 or 24 rules."""
-    return VerbalizedSpace.from_paper(3, 1)
+    return ScenarioSpace.from_paper(3, 1)
 
 
 def hide_at_node(monkeypatch, hidden, owner=KnowledgeBase, name="rules_at_nodes"):
@@ -321,7 +322,7 @@ def test_base_that_forgets_is_found_out(monkeypatch):
 
     monkeypatch.setattr(KnowledgeBase, "believe", forgetful)
 
-    _, wrong = check_teaching(VerbalizedSpace.from_paper(1, 1), 0, 0)
+    _, wrong = check_teaching(ScenarioSpace.from_paper(1, 1), 0, 0)
 
     assert "the beliefs are not the union of the beliefs from each sentence" in wrong
 
@@ -335,7 +336,7 @@ def test_choice_that_drops_ties_is_found_out(monkeypatch):
         lambda judge, found: Inference("", 0.0, ranked(judge, found).candidates),
     )
 
-    facts, wrong = WeakOrderClass(2, 2, 1).verify()
+    facts, wrong = check_choices(ScenarioSpace.from_paper(2, 1), 2, 1)
 
     assert facts["ties"] == 0
     assert wrong == ["(2, 2) ranked (0, 0) gives 1"]
