@@ -13,7 +13,7 @@ from itertools import pairwise
 from ..grammar.word_patterns import Phrase, WordLists, places_of
 from ..lexicon.tokenizer import BREAK
 from ..lexicon.vocabulary import NewWord
-from ..parsing.clause_spans import features_of_names
+from ..parsing.readings import features_of_names
 from ..semantics.clause_features import CONDITION, HIDING, MAIN, FeatureReader, UtteranceFeatures
 from ..semantics.licence_table import ACCEPT, LicenceTable
 from ..semantics.meaning import (

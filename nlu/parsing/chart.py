@@ -212,18 +212,9 @@ class DerivationStep:
     parts: tuple[DerivationStep, ...]
 
     def __str__(self) -> str:
-        return "\n".join(self.lines())
-
-    def lines(self, depth: int = 0) -> Iterator[str]:
-        """One line for each step, parents before children, indented by depth."""
-        mark = f'"{self.words}"' if not self.parts else self.rule
-        yield f"{'  ' * depth}{self.category} : {self.term}    {mark}"
-        for part in self.parts:
-            yield from part.lines(depth + 1)
-
-    def as_json(self) -> dict[str, object]:
-        """The tree as a JSON object."""
-        return {**vars(self), "parts": [part.as_json() for part in self.parts]}
+        mark = self.rule if self.parts else f'"{self.words}"'
+        below = "".join(f"\n{part}" for part in self.parts).replace("\n", "\n  ")
+        return f"{self.category} : {self.term}    {mark}{below}"
 
 
 def derivation_step(derivation: Derivation, words: tuple[str, ...]) -> DerivationStep:

@@ -135,11 +135,9 @@ class FeatureReader:
 
     def is_person(self, name: str, before: Sequence[str], *, is_new: bool) -> bool:
         """Whether a word names a person after those `before`: not "my aunt", "experience"."""
-        if self.has_feature(name) or not (
-            self.words["determiners"] | self.words["owners"]
-        ).isdisjoint(before):
-            return False
-        return not is_new or not (self.is_abstract(name) or name.endswith(self.endings["nameless"]))
+        is_owned = not (self.words["determiners"] | self.words["owners"]).isdisjoint(before)
+        is_thing = self.is_abstract(name) or name.endswith(self.endings["nameless"])
+        return not self.has_feature(name) and not is_owned and not (is_new and is_thing)
 
     def _found(self, words: Sequence[str]) -> Iterator[Values]:
         place = 0
@@ -166,9 +164,12 @@ def load_features(path: Path) -> FeatureReader:
         if unmarked:
             defaults[feature] = frozenset(unmarked)
         for value, phrases in group.entries().items():
-            for item in phrases.items():
-                for phrase in spellings(item):
-                    _add(found.setdefault(phrase, {}), feature, value, item)
+            for item, phrase in ((i, phrase) for i in phrases.items() for phrase in spellings(i)):
+                known = found.setdefault(phrase, {})
+                if feature in known:
+                    both = f"{', '.join(known[feature])} and {value}"
+                    raise item.fail(f'"{item.text()}" has two values of {feature}: {both}.')
+                known[feature] = frozenset({value})
     by_first: dict[str, list[tuple[tuple[str, ...], Values]]] = {}
     for phrase, each in sorted(found.items(), key=lambda pair: -len(pair[0])):
         by_first.setdefault(phrase[0], []).append((phrase, each))
@@ -188,13 +189,6 @@ def load_features(path: Path) -> FeatureReader:
 
 def _words(group: YamlNode) -> frozenset[str]:
     return frozenset(" ".join(phrase) for item in group.items() for phrase in spellings(item))
-
-
-def _add(known: dict[str, frozenset[str]], feature: str, value: str, item: YamlNode) -> None:
-    if feature in known:
-        other = ", ".join(known[feature])
-        raise item.fail(f'"{item.text()}" has two values of {feature}: {other} and {value}.')
-    known[feature] = frozenset({value})
 
 
 def _joined(found: Iterable[Values]) -> Values:
@@ -220,10 +214,11 @@ def check_spellings(path: Path, reader: FeatureReader) -> None:
         for feature, found in _features(pattern, reader).items():
             pairs = combinations(found.items(), 2) if feature not in varying else ()
             for (other, other_spelling), (one, spelling) in pairs:
-                if one - other and other - one:
+                first, second = (" and ".join(sorted(each)) for each in (one - other, other - one))
+                if first and second:
                     raise pattern.fail(
-                        f'"{pattern.text()}" mixes two values of {feature}: {_shown(one - other)} '
-                        f'in "{" ".join(spelling)}" and {_shown(other - one)} in '
+                        f'"{pattern.text()}" mixes two values of {feature}: {first} '
+                        f'in "{" ".join(spelling)}" and {second} in '
                         f'"{" ".join(other_spelling)}". Write a pattern for each.'
                     )
 
@@ -246,7 +241,3 @@ def _features(pattern: YamlNode, reader: FeatureReader) -> dict[str, dict[frozen
         for feature, values in reader.of_words(words).items():
             found.setdefault(feature, {}).setdefault(values, words)
     return found
-
-
-def _shown(values: frozenset[str]) -> str:
-    return " and ".join(sorted(values))

@@ -7,7 +7,7 @@ pair (lower, upper) in [0, 1]. `as_json` follows the meaning schema of `docs/lan
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import ClassVar, Generic, TypeVar
 
@@ -22,8 +22,11 @@ LIKELY = 0.5  # a rule whose upper bound is below states that something is not s
 class _Record:
     """A value whose JSON object holds those of its attributes that are not None, False or empty."""
 
+    keys: ClassVar[Mapping[str, str]] = {}  # what attributes are called there, where otherwise
+
     def as_json(self) -> Json:
-        return {key: _plain(value) for key, value in vars(self).items() if value}
+        values = ((name, value) for name, value in vars(self).items() if value)
+        return {self.keys.get(name, name): _plain(value) for name, value in values}
 
 
 def _plain(value: object) -> object:
@@ -165,6 +168,7 @@ class ObjectReference(_Record):
         other: whether it is none of those that were chosen before: "the other one".
     """
 
+    keys: ClassVar[Mapping[str, str]] = {"used_for": "usedFor", "not_used_for": "notUsedFor"}
     object: str | None = None
     used_for: str | None = None
     not_used_for: str | None = None
@@ -175,11 +179,6 @@ class ObjectReference(_Record):
     def __post_init__(self) -> None:
         if sum(value is not None for value in (self.object, self.used_for, self.not_used_for)) != 1:
             raise ValueError("A reference needs exactly one of object, used_for and not_used_for.")
-
-    def as_json(self) -> Json:
-        """Return the reference as a JSON object."""
-        keys = {"used_for": "usedFor", "not_used_for": "notUsedFor"}
-        return {keys.get(name, name): value for name, value in super().as_json().items()}
 
 
 @dataclass(frozen=True)
@@ -299,15 +298,12 @@ Act = Command | ToolCommand | ActionCommand
 
 
 @dataclass(frozen=True)
-class Plan:
+class Plan(_Record):
     """Several commands to be carried out in order: "pick up the mug and then point to it"."""
 
     kind: ClassVar[str] = "command"
+    keys: ClassVar[Mapping[str, str]] = {"steps": "plan"}
     steps: tuple[Act, ...]
-
-    def as_json(self) -> Json:
-        """Return the commands as `{"plan": [...]}`."""
-        return {"plan": [step.as_json() for step in self.steps]}
 
 
 @dataclass(frozen=True)
