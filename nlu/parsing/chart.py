@@ -22,22 +22,15 @@ MAX_DERIVATIONS = 16
 
 
 class Derivation(NamedTuple):
-    """A derivation of a category for the tokens from `start` up to, not including, `end`.
-
-    Attributes:
-        value: the meaning.
-        cost: the sum of the costs of its words and unary rules; the lower, the likelier.
-        rule: the lexical entry, unary rule, or combinatory rule that gave it.
-        parts: none for a word, one for a unary rule, two for a combination.
-    """
+    """A derivation of a category for the tokens from `start` up to, not including, `end`."""
 
     category: Category
-    value: Value
-    cost: float
+    value: Value  # the meaning
+    cost: float  # the sum of the costs of its words and unary rules; the lower, the likelier
     start: int
     end: int
-    rule: Entry | UnaryRule | BinaryRule
-    parts: tuple[Derivation, ...] = ()
+    rule: Entry | UnaryRule | BinaryRule  # the lexical entry or rule that gave it
+    parts: tuple[Derivation, ...] = ()  # one for a unary rule, two for a combination
 
 
 class _BackPointer(NamedTuple):
@@ -198,17 +191,12 @@ def _meaning(rule: BinaryRule, left: Value, right: Value) -> Value:
 
 @dataclass(frozen=True)
 class DerivationStep:
-    """One step of a derivation; `str()` gives it and all steps below it as indented text.
-
-    Attributes:
-        term: the lambda term of its span, in normal form.
-        rule: `>`, `<`, `>B`, `<B`, a unary rule, or empty for a word.
-    """
+    """One step of a derivation; `str()` gives it and all steps below it as indented text."""
 
     words: str
     category: str
-    term: str
-    rule: str
+    term: str  # the lambda term of its span, in normal form
+    rule: str  # `>`, `<`, `>B`, `<B`, a unary rule, or empty for a word
     parts: tuple[DerivationStep, ...]
 
     def __str__(self) -> str:

@@ -66,19 +66,12 @@ class ClauseState:
 
 @dataclass(frozen=True)
 class ActionHead:
-    """The action that a procedure teaches.
+    """The action that a procedure teaches."""
 
-    Attributes:
-        name: its verb, with its particle.
-        things: the objects that it is about.
-        links: the words between the objects.
-        new_words: the verb, and the objects that were not known.
-    """
-
-    name: str
-    things: tuple[ObjectReference, ...]
-    links: tuple[str, ...]
-    new_words: tuple[NewWord, ...]
+    name: str  # its verb, with its particle
+    things: tuple[ObjectReference, ...]  # the objects that it is about
+    links: tuple[str, ...]  # the words between the objects
+    new_words: tuple[NewWord, ...]  # the verb, and the objects that were not known
 
     @property
     def parameters(self) -> tuple[str, ...]:

@@ -40,17 +40,11 @@ _WORDS = ("part_words", "holding_words", "owners", "embedding", "determiners", "
 
 @dataclass(frozen=True)
 class UtteranceFeatures:
-    """The features of an utterance by clause.
+    """The features of an utterance by clause."""
 
-    Attributes:
-        main: those of the main clause.
-        condition: those of the clause that says when, or what for.
-        aside: those of the phrases that were taken to add nothing.
-    """
-
-    main: Values = field(default_factory=dict)
-    condition: Values = field(default_factory=dict)
-    aside: Values = field(default_factory=dict)
+    main: Values = field(default_factory=dict)  # of the main clause
+    condition: Values = field(default_factory=dict)  # of the clause that says when, or what for
+    aside: Values = field(default_factory=dict)  # of the phrases that add nothing
 
     def of(self, clause: str) -> Values:
         """The values of the features of one clause."""

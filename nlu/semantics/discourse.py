@@ -30,29 +30,17 @@ SOMETHING = frozenset({"something", "anything"})
 
 @dataclass(frozen=True)
 class Discourse:
-    """The discourse state.
+    """The discourse state."""
 
-    Attributes:
-        object: the object mentioned last.
-        rule: the rule taught, corrected or applied last.
-        last: the last rule, question or command, which a fragment completes.
-        command: the last command, which "do it again" repeats.
-        named: all objects that the last turn with any named, in order.
-        pair: "the former", ..., "the latter": the last turn's objects, or two mentioned in a row.
-        person: the person named last, except the speaker.
-        asks_why: whether the last turn asked why a thing was held as it was, or just why.
-        has_failed: whether the last turn was not understood, so that nothing can be referred to.
-    """
-
-    object: PredicateForm | None = None
-    rule: Rule | None = None
-    last: Rule | Question | Command | ToolCommand | None = None
-    command: Command | ToolCommand | None = None
-    named: tuple[PredicateForm, ...] = ()
-    pair: tuple[PredicateForm, ...] = ()
-    person: PredicateForm | None = None
-    asks_why: bool = False
-    has_failed: bool = False
+    object: PredicateForm | None = None  # the object mentioned last
+    rule: Rule | None = None  # the rule taught, corrected or applied last
+    last: Rule | Question | Command | ToolCommand | None = None  # what a fragment completes
+    command: Command | ToolCommand | None = None  # the last command, which "do it again" repeats
+    named: tuple[PredicateForm, ...] = ()  # all objects that the last turn with any named, in order
+    pair: tuple[PredicateForm, ...] = ()  # the last turn's objects, or two in a row
+    person: PredicateForm | None = None  # the person named last, except the speaker
+    asks_why: bool = False  # whether the last turn asked why a thing was held so, or just why
+    has_failed: bool = False  # whether the last turn was not understood: nothing is referred to
 
     def about(self, name: str) -> Discourse:
         """Return this state after an object of this name was mentioned."""

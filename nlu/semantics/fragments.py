@@ -30,19 +30,12 @@ _OF_USES = {"uses_of", "about", "how", "see"}
 
 @dataclass(frozen=True)
 class FragmentValues:
-    """The values that a fragment names: for one slot, and perhaps a degree of confidence.
+    """The values that a fragment names: for one slot, and perhaps a degree of confidence."""
 
-    Attributes:
-        mode: that of its predicate, as `predicates.yaml` says.
-        default: the confidence of a rule without a degree.
-        asks: whether it is a question.
-        is_other: whether its target was only named as the other one of two.
-    """
-
-    mode: str
-    default: Confidence
-    asks: bool = False
-    is_other: bool = False
+    mode: str  # that of its predicate, as `predicates.yaml` says
+    default: Confidence  # the confidence of a rule without a degree
+    asks: bool = False  # whether it is a question
+    is_other: bool = False  # whether its target was only named as the other one of two
     target: ObjectReference | None = None
     use: str | None = None
     material: str | None = None

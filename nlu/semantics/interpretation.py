@@ -46,20 +46,13 @@ KIND_FORMS = frozenset({"kindOf", "isA"})
 
 @dataclass(frozen=True)
 class Interpreter:
-    """Maps predicate forms to meanings, with the interval of each degree of confidence.
-
-    Attributes:
-        tool_acts: acts done with a tool, each with the affordance that the tool must have.
-        acts: further acts on one object that were learned.
-        new_acts: the acts that new words of an utterance name.
-        is_general: whether commands may be about any object, as in norms.
-    """
+    """Maps predicate forms to meanings, with the interval of each degree of confidence."""
 
     intervals: Mapping[str, Confidence]
-    tool_acts: ImmutableIndex[str, str]
-    acts: ImmutableIndex[str, str]
-    new_acts: frozenset[str] = frozenset()
-    is_general: bool = False
+    tool_acts: ImmutableIndex[str, str]  # done with a tool, each with the affordance of the tool
+    acts: ImmutableIndex[str, str]  # further acts on one object that were learned
+    new_acts: frozenset[str] = frozenset()  # the acts that new words of an utterance name
+    is_general: bool = False  # whether commands may be about any object, as in norms
 
     def with_words(self, words: Sequence[NewWord]) -> Interpreter:
         """Return this interpreter with the acts that new words name."""

@@ -43,16 +43,11 @@ _CLAUSES = (MAIN, CONDITION, ASIDE)
 
 @dataclass(frozen=True)
 class LicenceRow:
-    """A row of the table: for the kinds of meaning `of`, with these features, what follows.
-
-    Attributes:
-        clauses: for each clause the values of which it must have one, for each of some features.
-        then: `ACCEPT`, or the name of the answer that asks back.
-    """
+    """A row of the table: for the kinds of meaning `of`, with these features, what follows."""
 
     of: frozenset[str]
-    clauses: Mapping[str, Values]
-    then: str
+    clauses: Mapping[str, Values]  # for each feature, the values of which one must be there
+    then: str  # `ACCEPT`, or the name of the answer that asks back
 
     def applies(self, kinds: frozenset[str], features: UtteranceFeatures) -> bool:
         """Whether the row decides on a meaning of some kinds with these features."""

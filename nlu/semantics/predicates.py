@@ -115,19 +115,12 @@ def fill(pattern: PredicateForm, found: Mapping[str, PredicateForm]) -> Predicat
 
 @dataclass(frozen=True)
 class PredicateTable:
-    """What `predicates.yaml` says of the forms of questions and fragments, by their predicates.
+    """What `predicates.yaml` says of the forms of questions and fragments, by their predicates."""
 
-    Attributes:
-        asks: how questions are called that are not called like their forms.
-        bare: the questions that may name nothing.
-        named: what a question names that has one argument.
-        fragments: the slot that each fragment fills, and its mode.
-    """
-
-    asks: Mapping[str, str]
-    bare: frozenset[str]
-    named: Mapping[str, str]
-    fragments: Mapping[str, tuple[str, str]]
+    asks: Mapping[str, str]  # how questions are called that are not called like their forms
+    bare: frozenset[str]  # the questions that may name nothing
+    named: Mapping[str, str]  # what a question names that has one argument
+    fragments: Mapping[str, tuple[str, str]]  # the slot that each fragment fills, and its mode
 
 
 @cache
@@ -187,16 +180,11 @@ class Pragmatics:
 
 @dataclass(frozen=True)
 class Intention:
-    """What a speaker may want, as a form like `want(sam,pass(self,knife))`.
-
-    Attributes:
-        interval: how sure it is, (lower, upper) in [0, 1].
-        certainty: the same in one number, in [0, 1]; 0 when it rather is not meant.
-    """
+    """What a speaker may want, as a form like `want(sam,pass(self,knife))`."""
 
     form: PredicateForm
-    interval: Confidence
-    certainty: float
+    interval: Confidence  # how sure it is, (lower, upper) in [0, 1]
+    certainty: float  # the same in one number, in [0, 1]; 0 when it rather is not meant
 
 
 def load_pragmatics(path: Path = PRAGMATICS_FILE) -> Pragmatics:
