@@ -37,20 +37,15 @@ class UtteranceContext:
 class Reading:
     """One reading of an utterance.
 
-    Attributes:
-        speech_act: `STATEMENT(sam,self,...)`.
-        intention: what the speaker wants, `wantBelieve(sam,self,...)`.
-        interval: how sure the intention is, by the pragmatic rules and by how well the speech was
-            recognised, as (lower, upper) in [0, 1].
-        cost: how unlikely the reading is; the lowest cost is the best.
-        features: those of its clauses, such as who does it and when.
+    The interval, (lower, upper) in [0, 1], says how sure the intention is, by the pragmatic rules
+    and by how well the speech was recognised.
     """
 
-    speech_act: PredicateForm
-    intention: PredicateForm
+    speech_act: PredicateForm  # `STATEMENT(sam,self,...)`
+    intention: PredicateForm  # what the speaker wants, `wantBelieve(sam,self,...)`
     interval: Confidence
     meaning: Meaning
-    cost: float
+    cost: float  # how unlikely the reading is; the lowest cost is the best
     derivation: Derivation
     new_words: tuple[NewWord, ...] = ()
     features: UtteranceFeatures = field(default_factory=UtteranceFeatures)
@@ -58,23 +53,15 @@ class Reading:
 
 @dataclass(frozen=True)
 class Understanding:
-    """An utterance, who said it to whom, and its meaning.
-
-    Attributes:
-        meaning: a `Misunderstanding` or `AskBack` when it is not clear.
-        reading: the best reading, None when there is none.
-        readings: the number of different meanings.
-        new_words: the words that a statement teaches, with their roles in the sentence.
-        discourse: the discourse state after the utterance.
-    """
+    """An utterance, who said it to whom, its meaning, and the discourse state after it."""
 
     text: str
     speaker: str
     addressee: str
-    meaning: Meaning
-    reading: Reading | None = None
-    readings: int = 0
-    new_words: tuple[NewWord, ...] = ()
+    meaning: Meaning  # a `Misunderstanding` or `AskBack` when it is not clear
+    reading: Reading | None = None  # the best reading, None when there is none
+    readings: int = 0  # the number of different meanings
+    new_words: tuple[NewWord, ...] = ()  # those that a statement teaches, with their roles in it
     words: tuple[str, ...] = ()
     discourse: Discourse = field(default_factory=Discourse)
 

@@ -58,25 +58,18 @@ class UtteranceFeatures:
 
 @dataclass(frozen=True)
 class FeatureReader:
-    """Reads features off words.
+    """Reads features off words, by the tables of `features.yaml`, which says what they show.
 
-    Attributes:
-        phrases: the phrases with features by their first word, the longest first.
-        values: all values of each feature.
-        nouns: the nouns of each kind: parts, what is no part, and what cannot be handled.
-        defaults: the value of a feature that no words show, where it has one.
-        categories: the names of the categories of conditions, of people and things, and of goals.
-        words: lists of words, by the keys of `features.yaml`, which says what they show.
-        endings: those of abstract nouns, of words that hardly ever name a person, and of places.
+    The phrases with features go by their first word, the longest first.
     """
 
     phrases: Mapping[str, Sequence[tuple[tuple[str, ...], Values]]]
-    values: Values
-    nouns: Values
-    defaults: Values
-    categories: Values
+    values: Values  # all values of each feature
+    nouns: Values  # of each kind: parts, what is no part, and what cannot be handled
+    defaults: Values  # the value of a feature that no words show, where it has one
+    categories: Values  # of conditions, of people and things, and of goals
     words: Values
-    endings: Mapping[str, tuple[str, ...]]
+    endings: Mapping[str, tuple[str, ...]]  # of abstract nouns, of words for no person, of places
 
     def features(
         self, words: Sequence[tuple[str, str]], removed: Iterable[Sequence[str]]

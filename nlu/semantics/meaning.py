@@ -62,40 +62,25 @@ def _one_or_all(records: Sequence[_Record]) -> Json:
 
 @dataclass(frozen=True)
 class FunctionalRule(_Rule):
-    """An object is used for something: "a knife is often used for cutting".
-
-    Attributes:
-        object: the kind of object, or `ANY_OBJECT`.
-        affordance: the gerund of what it is used for.
-        confidence: (lower, upper) in [0, 1].
-        props: further properties that the object must have, sorted.
-        revises: whether it replaces what was taught before.
-        material: what it is used on ("bread", for cutting), or None for anything.
-        source: the person whose words the speaker reports ("anna"), or None for the speaker.
-    """
+    """An object is used for something: "a knife is often used for cutting"."""
 
     rule: ClassVar[str] = "functional"
-    object: str
-    affordance: str
-    confidence: Confidence
-    props: tuple[str, ...] = ()
-    revises: bool = False
-    material: str | None = None
-    source: str | None = None
+    object: str  # the kind of object, or `ANY_OBJECT`
+    affordance: str  # the gerund of what it is used for
+    confidence: Confidence  # (lower, upper) in [0, 1]
+    props: tuple[str, ...] = ()  # further properties that the object must have, sorted
+    revises: bool = False  # whether it replaces what was taught before
+    material: str | None = None  # what it is used on ("bread", for cutting), or None for anything
+    source: str | None = None  # whose words are reported ("anna"), None for the speaker
 
 
 @dataclass(frozen=True)
 class ActionRule(_Rule):
-    """In a context, an object is grasped by a part: "to pass a knife grab it by the blade".
-
-    Attributes:
-        context: the action during which the rule holds ("pass", "pickUp", ...).
-        object, confidence, props, revises, source: as of a `FunctionalRule`.
-    """
+    """In a context, an object is grasped by a part: "to pass a knife grab it by the blade"."""
 
     rule: ClassVar[str] = "action"
     object: str
-    context: str
+    context: str  # the action during which the rule holds ("pass", "pickUp", ...)
     part: str
     confidence: Confidence
     props: tuple[str, ...] = ()
@@ -157,24 +142,15 @@ class Statement(_Statement[Rule]):
 
 @dataclass(frozen=True)
 class ObjectReference(_Record):
-    """The object that a command refers to: exactly one of the first three attributes is set.
-
-    Attributes:
-        object: a kind of object, or `ANY_OBJECT` when only properties are asked for.
-        used_for: an affordance it must have.
-        not_used_for: an affordance it must not have.
-        props: further properties that it must have, sorted.
-        material: what the affordance is wanted for ("bread", for cutting), or None for anything.
-        other: whether it is none of those that were chosen before: "the other one".
-    """
+    """The object that a command refers to: exactly one of the first three attributes is set."""
 
     keys: ClassVar[Mapping[str, str]] = {"used_for": "usedFor", "not_used_for": "notUsedFor"}
-    object: str | None = None
-    used_for: str | None = None
-    not_used_for: str | None = None
-    props: tuple[str, ...] = ()
-    material: str | None = None
-    other: bool = False
+    object: str | None = None  # a kind, or `ANY_OBJECT` where only properties are asked for
+    used_for: str | None = None  # an affordance it must have
+    not_used_for: str | None = None  # an affordance it must not have
+    props: tuple[str, ...] = ()  # further properties that it must have, sorted
+    material: str | None = None  # what the use is for ("bread", for cutting), or None
+    other: bool = False  # whether it is none of those that were chosen before: "the other one"
 
     def __post_init__(self) -> None:
         if sum(value is not None for value in (self.object, self.used_for, self.not_used_for)) != 1:
@@ -183,59 +159,40 @@ class ObjectReference(_Record):
 
 @dataclass(frozen=True)
 class Command(_Record):
-    """An act on one object: "pass me the knife by the blade".
-
-    Attributes:
-        goal: `pass`, `pickUp`, `pointTo`, `grasp` or `use`.
-        part: the part to grasp, when the speaker names it.
-        recipient: who gets it, when it is not the speaker.
-        negated: whether the act is forbidden; then it must never be executed.
-    """
+    """An act on one object: "pass me the knife by the blade"."""
 
     kind: ClassVar[str] = "command"
-    goal: str
+    goal: str  # `pass`, `pickUp`, `pointTo`, `grasp` or `use`
     target: ObjectReference
-    part: str | None = None
-    recipient: str | None = None
-    negated: bool = False
+    part: str | None = None  # the part to grasp, when the speaker names it
+    recipient: str | None = None  # who gets it, when it is not the speaker
+    negated: bool = False  # whether the act is forbidden; then it must never be executed
 
 
 @dataclass(frozen=True)
 class ToolCommand(_Record):
-    """An act on something with a tool: "pound the nail [with the hammer]".
-
-    Attributes:
-        goal: `pound`, `cut`, `poke`, ...
-        patient: what the tool is used on.
-        tool: the tool named, or the affordance that the act needs.
-        negated: whether the act is forbidden; then it must never be executed.
-    """
+    """An act on something with a tool: "pound the nail [with the hammer]"."""
 
     kind: ClassVar[str] = "command"
-    goal: str
-    patient: str
-    tool: ObjectReference
-    negated: bool = False
+    goal: str  # `pound`, `cut`, `poke`, ...
+    patient: str  # what the tool is used on
+    tool: ObjectReference  # the tool named, or the affordance that the act needs
+    negated: bool = False  # whether the act is forbidden; then it must never be executed
 
 
 @dataclass(frozen=True)
 class Norm(_Record):
     """What must or must not be done from now on, or may be: "never hand knives to children".
 
-    Attributes:
-        norm: `forbidden`, `obliged` or `permitted`.
-        act: what is to be done; any object is `ANY_OBJECT`, and a tool that is not named, too. An
-            obligation with a part allows no other one.
-        confidence: (lower, upper) in [0, 1].
-        place: where it holds; None for anywhere.
-        before: what must be done before the act.
+    In its act any object is `ANY_OBJECT`, and a tool that is not named, too. An obligation with a
+    part allows no other one.
     """
 
-    norm: str
+    norm: str  # `forbidden`, `obliged` or `permitted`
     act: Command | ToolCommand
-    confidence: Confidence
-    place: str | None = None
-    before: Command | None = None
+    confidence: Confidence  # (lower, upper) in [0, 1]
+    place: str | None = None  # where it holds; None for anywhere
+    before: Command | None = None  # what must be done before the act
 
     def as_json(self) -> Json:
         """Return the norm as a JSON object, in which the act stands as a command does."""
@@ -257,15 +214,10 @@ class NormStatement:
 
 @dataclass(frozen=True)
 class KindRelation(_Rule):
-    """An object is of a more general kind: "a bread knife is a kind of knife".
-
-    Attributes:
-        kind_of: the more general kind.
-        object, confidence, revises, source: as of a `FunctionalRule`.
-    """
+    """An object is of a more general kind: "a bread knife is a kind of knife"."""
 
     props: ClassVar[tuple[str, ...]] = ()  # it holds of a kind as a whole
-    kind_of: str
+    kind_of: str  # the more general kind
     object: str
     confidence: Confidence
     revises: bool = False
@@ -283,15 +235,11 @@ class KindStatement(_Statement[KindRelation]):
 
 @dataclass(frozen=True)
 class ActionCommand(_Record):
-    """A taught action on several objects, or on none: "swap the knife and the spoon", "tidy up".
-
-    Attributes:
-        objects: what to act on, in the order of its parameters.
-    """
+    """A taught action on several objects, or on none: "swap the knife and the spoon", "tidy up"."""
 
     kind: ClassVar[str] = "command"
     goal: str
-    objects: tuple[ObjectReference, ...] = ()
+    objects: tuple[ObjectReference, ...] = ()  # what to act on, in the order of its parameters
 
 
 Act = Command | ToolCommand | ActionCommand
@@ -308,60 +256,36 @@ class Plan(_Record):
 
 @dataclass(frozen=True)
 class ActionCondition(_Record):
-    """What must be so before an action: "only if it is empty", "unless you hold a knife".
+    """What must be so before an action: "only if it is empty", "unless you hold a knife"."""
 
-    Attributes:
-        state: `is`, `sees` or `holds`.
-        object: the kind of object that it is about.
-        property: the property that it must have, for `is`.
-        negated: whether it must not be so.
-    """
-
-    state: str
-    object: str
-    property: str | None = None
-    negated: bool = False
+    state: str  # `is`, `sees` or `holds`
+    object: str  # the kind of object that it is about
+    property: str | None = None  # the property that it must have, for `is`
+    negated: bool = False  # whether it must not be so
 
 
 @dataclass(frozen=True)
 class FailureReaction(_Record):
-    """What to do when a step of an action fails: exactly one of the last four is set.
+    """What to do when a step of an action fails: exactly one of the last four is set."""
 
-    Attributes:
-        after: the failures, of those that branches of action trees handle, or `any`.
-        again: how often to try again.
-        other: whether to take another object.
-        steps: what to do instead.
-        stop: whether the action ends there, as failed.
-    """
-
-    after: tuple[str, ...]
-    again: int = 0
-    other: bool = False
-    steps: tuple[Act, ...] = ()
-    stop: bool = False
+    after: tuple[str, ...]  # the failures, of those that branches of action trees handle, or `any`
+    again: int = 0  # how often to try again
+    other: bool = False  # whether to take another object
+    steps: tuple[Act, ...] = ()  # what to do instead
+    stop: bool = False  # whether the action ends there, as failed
 
 
 @dataclass(frozen=True)
 class ActionDefinition(_Record):
-    """An action that is taught: "to serve a mug, first pick it up, then put it down".
-
-    Attributes:
-        action: its verb, with its particle.
-        parameters: the kinds of the objects that it is about, in order; `ANY_OBJECT` for any.
-        steps: the commands that it consists of, in order.
-        only_if: what must be so before the first of them.
-        if_fails: what to do when one of them fails.
-        links: the words between its objects, as "with"; none where they are all "and".
-    """
+    """An action that is taught: "to serve a mug, first pick it up, then put it down"."""
 
     kind: ClassVar[str] = "statement"
-    action: str
-    parameters: tuple[str, ...]
-    steps: tuple[Act, ...]
-    only_if: tuple[ActionCondition, ...] = ()
-    if_fails: tuple[FailureReaction, ...] = ()
-    links: tuple[str, ...] = ()
+    action: str  # its verb, with its particle
+    parameters: tuple[str, ...]  # the kinds of its objects in order; `ANY_OBJECT` for any
+    steps: tuple[Act, ...]  # the commands that it consists of, in order
+    only_if: tuple[ActionCondition, ...] = ()  # what must be so before the first of them
+    if_fails: tuple[FailureReaction, ...] = ()  # what to do when one of them fails
+    links: tuple[str, ...] = ()  # the words between its objects, if not all "and"
 
     @property
     def all_links(self) -> tuple[str, ...]:
@@ -403,22 +327,14 @@ class Question(_Record):
 
 @dataclass(frozen=True)
 class Retraction:
-    """The speaker retracts a rule: "forget that"; or all that they said about an object.
-
-    Attributes:
-        rule: the rule to retract; None stands for the rule taught last.
-        about: the object all of whose rules are retracted instead, or `ANY_OBJECT`.
-        part: the part that the last rule to hold something by it is retracted instead.
-        is_of_told: whether it names what the speaker told: "forget what I said".
-        action: the taught action that is retracted instead: "forget how to serve".
-    """
+    """The speaker retracts a rule: "forget that"; or all that they said about an object."""
 
     kind: ClassVar[str] = "correction"
-    rule: Rule | KindRelation | None = None
-    about: str | None = None
-    part: str | None = None
-    is_of_told: bool = False
-    action: str | None = None
+    rule: Rule | KindRelation | None = None  # None stands for the rule taught last
+    about: str | None = None  # the object all of whose rules are retracted instead, or `ANY_OBJECT`
+    part: str | None = None  # or the last rule to hold something by this part
+    is_of_told: bool = False  # whether it names what the speaker told: "forget what I said"
+    action: str | None = None  # the taught action that is retracted instead: "forget how to serve"
 
     def as_json(self) -> Json:
         """Return the retraction as a JSON object."""
@@ -447,30 +363,20 @@ class TrustStatement(_Record):
 
 @dataclass(frozen=True)
 class Acknowledgement(_Record):
-    """An utterance that only keeps the conversation going.
-
-    Attributes:
-        ack: `okay`, `thanks`, `praise`, `yes`, `no`, `greeting`, `farewell`, `apology` or `blame`.
-        name: how the speaker of a greeting is introduced, None when not.
-    """
+    """An utterance that only keeps the conversation going."""
 
     kind: ClassVar[str] = "acknowledgement"
-    ack: str
-    name: str | None = None
+    ack: str  # `okay`, `thanks`, `praise`, `yes`, `no`, `greeting`, `farewell`, `apology`, `blame`
+    name: str | None = None  # how the speaker of a greeting is introduced, None when not
 
 
 @dataclass(frozen=True)
 class Control(_Record):
-    """A control word, obeyed at any time: "stop", "wait", "put it down".
-
-    Attributes:
-        control: `stop`, `wait`, `release`, `putDown`, `putBack` or `continue`.
-        object: the object to let go of or to put down, when it is named.
-    """
+    """A control word, obeyed at any time: "stop", "wait", "put it down"."""
 
     kind: ClassVar[str] = "control"
-    control: str
-    object: str | None = None
+    control: str  # `stop`, `wait`, `release`, `putDown`, `putBack` or `continue`
+    object: str | None = None  # the object to let go of or to put down, when it is named
 
     @property
     def is_halt(self) -> bool:
@@ -482,19 +388,14 @@ class Control(_Record):
 class Answer(_Record):
     """A short answer to a question of Hilt: "the red one", "the second", "neither".
 
-    Attributes:
-        name: the object, part or use that it names; `ANY_OBJECT` when it names properties only.
-        props: the properties that it names, sorted.
-        is_use: whether the name is that of a use.
-        number: which of the choices that were offered, from 1.
-        choice: `none`, `any` or `unknown` ("I don't know").
+    It names an object, a part or a use; `ANY_OBJECT` when it names properties only.
     """
 
     name: str | None = None
-    props: tuple[str, ...] = ()
-    is_use: bool = False
-    number: int | None = None
-    choice: str | None = None
+    props: tuple[str, ...] = ()  # the properties that it names, sorted
+    is_use: bool = False  # whether the name is that of a use
+    number: int | None = None  # which of the choices that were offered, from 1
+    choice: str | None = None  # `none`, `any` or `unknown` ("I don't know")
 
     @property
     def is_dismissal(self) -> bool:
@@ -521,20 +422,13 @@ class AskBack:
 
 @dataclass(frozen=True)
 class Misunderstanding:
-    """The utterance is not understood, with the reason.
-
-    Attributes:
-        message: one sentence for the speaker.
-        where: the longest span that was understood; empty when nothing was.
-        expected: what was expected after it.
-        nearest: similar sentences that would be understood, best first.
-    """
+    """The utterance is not understood, with the reason."""
 
     kind: ClassVar[str] = "error"
-    message: str
-    where: str = ""
-    expected: tuple[str, ...] = ()
-    nearest: tuple[str, ...] = ()
+    message: str  # one sentence for the speaker
+    where: str = ""  # the longest span that was understood; empty when nothing was
+    expected: tuple[str, ...] = ()  # what was expected after it
+    nearest: tuple[str, ...] = ()  # similar sentences that would be understood, best first
 
     def as_json(self) -> Json:
         """Return the failure as a JSON object."""
