@@ -204,8 +204,9 @@ class Interpreter:
         if form.name == "holding":
             command = self.command(form.arguments[0])
             part, owner = part_and_owner(form.arguments[1])
-            is_on_one = isinstance(command, Command) and command.part is None
-            if not is_on_one or (owner and self._reference(owner) != command.target):
+            if not isinstance(command, Command) or command.part is not None:
+                raise UninterpretableError("one_thing_at_a_time")
+            if owner and self._reference(owner) != command.target:
                 raise UninterpretableError("one_thing_at_a_time")
             return replace(command, part=part)
         if form.name == "graspObject":
