@@ -41,7 +41,7 @@ from .parsing.clarification import Clarifier
 from .parsing.parser import SentenceParser
 from .parsing.periphery import PeripheryReader, load_table
 from .parsing.procedures import ProcedureReader
-from .parsing.reading_filter import ReadingFilter
+from .parsing.readings import ReadingFilter
 from .parsing.strategies import UtteranceParser
 from .parsing.understanding import Understanding, UtteranceContext
 from .parsing.utterance_pieces import PieceReader

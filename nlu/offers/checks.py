@@ -13,11 +13,21 @@ from itertools import pairwise
 from ..grammar.word_patterns import Phrase, WordLists, places_of
 from ..lexicon.tokenizer import BREAK
 from ..lexicon.vocabulary import NewWord
-from ..parsing.clause_spans import features_of_names
-from ..semantics import meaning as meanings
+from ..parsing.readings import features_of_names
 from ..semantics.clause_features import CONDITION, HIDING, MAIN, FeatureReader, UtteranceFeatures
 from ..semantics.licence_table import ACCEPT, LicenceTable
-from ..semantics.meaning import Command, Meaning, Question, Rule, Statement, ToolCommand
+from ..semantics.meaning import (
+    LIKELY,
+    ActionRule,
+    Command,
+    Meaning,
+    Question,
+    Retraction,
+    Rule,
+    Statement,
+    ToolCommand,
+    only_revises,
+)
 from .mentions import Mentions, Span
 
 OPERATORS = ("negative", "implied_negation", "weak_negation", "condition", "exception", "doubtful")
@@ -59,12 +69,12 @@ class OfferChecks:
         return next((name for name, keeps in kept.items() if not keeps()), "")
 
     def _is_licensed(self, meaning: Meaning, mentions: Mentions, asides: Sequence[Span]) -> bool:
-        words, features = mentions.tokens.words, self.clause_features(mentions, asides)
-        if isinstance(meaning, (Command, ToolCommand)):
-            acts = [place for place in _places_of_act(meaning, mentions) if place]
-            doers = [self.reader.of_words(words[n - 1 : n]).get("agent", _HEARER) for n in acts]
-            if "tense" in features.main or any(doer != _HEARER for doer in doers):
-                return False
+        features = self.clause_features(mentions, asides)
+        if isinstance(meaning, (Command, ToolCommand)) and (
+            "tense" in features.main or self._is_done_by_others(meaning, mentions)
+        ):
+            return False
+        words = mentions.tokens.words
         new = [
             NewWord(each.name, each.role, " ".join(words[each.start : each.end]))
             for each in mentions.names
@@ -73,6 +83,12 @@ class OfferChecks:
         named = dict(features_of_names(self.reader, words, meaning, new))
         features = replace(features, main={**features.main, **named})
         return self.licence.outcome(meaning, features) == ACCEPT
+
+    def _is_done_by_others(self, meaning: Command | ToolCommand, mentions: Mentions) -> bool:
+        words = mentions.tokens.words
+        acts = [m for m in mentions.names if m.role == "act" and m.name == meaning.goal]
+        subjects = [self.reader.of_words(words[m.start - 1 : m.start]) for m in acts if m.start]
+        return any(each.get("agent", _HEARER) != _HEARER for each in subjects)
 
     def is_licensed_beside(self, meaning: Meaning, around: Sequence[Phrase]) -> bool:
         """Whether a meaning stays what it is beside some words that are said by the way."""
@@ -87,16 +103,9 @@ class OfferChecks:
 
     def clause_features(self, mentions: Mentions, asides: Sequence[Span]) -> UtteranceFeatures:
         """The features of the clauses of an utterance that names this."""
-        words, pauses = mentions.tokens.words, mentions.tokens.pauses
-        named = {n for m in mentions.known for n in range(m.start, m.end)}
+        words = mentions.tokens.words
         beside = {place for span in asides for place in range(*span)}
-        main: list[tuple[str, str]] = []
-        clause = MAIN
-        for place, word in enumerate(words):
-            clause = MAIN if place in pauses or word == BREAK else clause
-            clause = CONDITION if self.words.has("condition", word) else clause
-            if place not in beside:
-                main.append((word, "" if place in named else clause))
+        main = [each for n, each in enumerate(self._clauses(mentions)) if n not in beside]
         return self.reader.features(main, [words[start:end] for start, end in asides])
 
     def signs(self, mentions: Mentions) -> frozenset[str]:
@@ -125,18 +134,24 @@ class OfferChecks:
             return False
         count = len(set(self._places("negative", words)) - beside)
         signs = int(is_negative(meaning))
-        return count == signs or (count == signs + 1 and meanings.only_revises(meaning))
+        return count == signs or (count == signs + 1 and only_revises(meaning))
 
     def _reasons(self, meaning: Meaning, mentions: Mentions) -> Iterator[Span]:
+        if not isinstance(meaning, Command):
+            return
         words = mentions.tokens.words
-        asked = _places_of_act(meaning, mentions) if isinstance(meaning, Command) else ()
+        asked = {m.start for m in mentions.names if m.role == "act" and m.name == meaning.goal}
+        for start, end in self._clause_spans(mentions) if asked else ():
+            is_reason = asked.isdisjoint(range(start, end))
+            if is_reason and self.is_clause_of_its_own(words[start:end]):
+                yield start, end
+
+    def _clause_spans(self, mentions: Mentions) -> Iterator[Span]:
+        words = mentions.tokens.words
         parting = self.words.phrases("turning") | self.words.phrases("because")
-        for piece in mentions.pieces if asked else ():
-            inner = [n for n in range(piece[0] + 1, piece[1]) if (words[n],) in parting]
-            for start, end in pairwise((piece[0], *inner, piece[1])):
-                is_reason = not any(start <= place < end for place in asked)
-                if is_reason and self.is_clause_of_its_own(words[start:end]):
-                    yield start, end
+        for start, end in mentions.pieces:
+            inner = [n for n in range(start + 1, end) if (words[n],) in parting]
+            yield from pairwise((start, *inner, end))
 
     def _keeps_recipient(self, meaning: Meaning, mentions: Mentions) -> bool:
         if not isinstance(meaning, Command) or not self._has("recipient", mentions.tokens.words):
@@ -179,7 +194,7 @@ class OfferChecks:
         if isinstance(meaning, Statement):
             told = {rule.confidence for rule in meaning.rules}
             return not said or (len(said) == 1 and told == said)
-        return all(is_negative(meaning) and upper < meanings.LIKELY for _, upper in said)
+        return all(is_negative(meaning) and upper < LIKELY for _, upper in said)
 
     def _keeps_condition(self, meaning: Meaning, mentions: Mentions) -> bool:
         if self.spoken("exception", mentions) or self.spoken("doubtful", mentions):
@@ -189,14 +204,7 @@ class OfferChecks:
             return False
         if isinstance(meaning, (Command, ToolCommand)):
             return all(self._asks(meaning, n, mentions) for n in self.spoken("condition", mentions))
-        names: set[str | None] = set()
-        if isinstance(meaning, Statement):
-            names = {
-                r.context if isinstance(r, meanings.ActionRule) else r.affordance
-                for r in meaning.rules
-            }
-        elif isinstance(meaning, Question):
-            names = {meaning.affordance, meaning.context}
+        names = _acts_and_uses(meaning)
         spoken = [each.start for each in mentions.names if each.name in names]
         return all(
             any(place < other < end for other in spoken)
@@ -206,7 +214,8 @@ class OfferChecks:
         )
 
     def _asks(self, meaning: Command | ToolCommand, place: int, mentions: Mentions) -> bool:
-        between = range(place + 1, min(_places_of_act(meaning, mentions), default=0))
+        acts = [m.start for m in mentions.names if m.role == "act" and m.name == meaning.goal]
+        between = range(place + 1, min(acts, default=0))
         is_one_clause = set(between).isdisjoint(mentions.tokens.pauses)
         words = [mentions.tokens.words[each] for each in between]
         return is_one_clause and self._has("hearer", words)
@@ -217,7 +226,7 @@ class OfferChecks:
         words = mentions.tokens.words
         acts, named = (mentions.by_role.get(role, {}) for role in ("act", "part"))
         held = "grasp" in acts or self._has("gripping", words)
-        parts = {rule.part for rule in meaning.rules if isinstance(rule, meanings.ActionRule)}
+        parts = {rule.part for rule in meaning.rules if isinstance(rule, ActionRule)}
         for each in (each for part in parts for each in named.get(part, ())):
             said = words[max(0, each.start - 3) : each.start]
             is_part = not each.is_new or self.reader.is_part(each.name)
@@ -225,6 +234,16 @@ class OfferChecks:
             if not is_held or not (is_part or self._has("before_part", said)):
                 return False
         return True
+
+    def _clauses(self, mentions: Mentions) -> Iterator[tuple[str, str]]:
+        named = {n for m in mentions.known for n in range(m.start, m.end)}
+        clause = MAIN
+        for place, word in enumerate(mentions.tokens.words):
+            if place in mentions.tokens.pauses or word == BREAK:
+                clause = MAIN
+            if self.words.has("condition", word):
+                clause = CONDITION
+            yield word, "" if place in named else clause
 
     def _has(self, kind: str, words: Sequence[str]) -> bool:
         return any(True for _ in self._places(kind, words))
@@ -238,7 +257,7 @@ def is_negative(meaning: Meaning) -> bool:
     match meaning:
         case Statement(rules):
             return any(rule.denies for rule in rules)
-        case meanings.Retraction(rule):
+        case Retraction(rule):
             return rule is not None and rule.denies
         case Command() | ToolCommand():
             target = meaning.target if isinstance(meaning, Command) else meaning.tool
@@ -250,8 +269,15 @@ def is_negative(meaning: Meaning) -> bool:
 
 
 def _said_of(rule: Rule) -> str:
-    return rule.part if isinstance(rule, meanings.ActionRule) else rule.affordance
+    return rule.part if isinstance(rule, ActionRule) else rule.affordance
 
 
-def _places_of_act(command: Command | ToolCommand, mentions: Mentions) -> list[int]:
-    return [m.start for m in mentions.names if m.role == "act" and m.name == command.goal]
+def _acts_and_uses(meaning: Meaning) -> frozenset[str]:
+    match meaning:
+        case Statement(rules):
+            named = (r.context if isinstance(r, ActionRule) else r.affordance for r in rules)
+            return frozenset(named)
+        case Question():
+            return frozenset(filter(None, (meaning.affordance, meaning.context)))
+        case _:
+            return frozenset()

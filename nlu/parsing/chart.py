@@ -25,14 +25,12 @@ class Derivation(NamedTuple):
     """A derivation of a category for the tokens from `start` up to, not including, `end`."""
 
     category: Category
-    value: Value  #: the meaning
-    cost: float  #: the sum of the costs of its words and unary rules; the lower, the likelier
+    value: Value  # the meaning
+    cost: float  # the sum of the costs of its words and unary rules; the lower, the likelier
     start: int
     end: int
-    #: the lexical entry, unary rule, or combinatory rule that gave it
-    rule: Entry | UnaryRule | BinaryRule
-    #: none for a word, one for a unary rule, two for a combination
-    parts: tuple[Derivation, ...] = ()
+    rule: Entry | UnaryRule | BinaryRule  # the lexical entry or rule that gave it
+    parts: tuple[Derivation, ...] = ()  # one for a unary rule, two for a combination
 
 
 class _BackPointer(NamedTuple):
@@ -197,23 +195,14 @@ class DerivationStep:
 
     words: str
     category: str
-    term: str  #: the lambda term of its span, in normal form
-    rule: str  #: `>`, `<`, `>B`, `<B`, a unary rule, or empty for a word
+    term: str  # the lambda term of its span, in normal form
+    rule: str  # `>`, `<`, `>B`, `<B`, a unary rule, or empty for a word
     parts: tuple[DerivationStep, ...]
 
     def __str__(self) -> str:
-        return "\n".join(self.lines())
-
-    def lines(self, depth: int = 0) -> Iterator[str]:
-        """One line for each step, parents before children, indented by depth."""
-        mark = f'"{self.words}"' if not self.parts else self.rule
-        yield f"{'  ' * depth}{self.category} : {self.term}    {mark}"
-        for part in self.parts:
-            yield from part.lines(depth + 1)
-
-    def as_json(self) -> dict[str, object]:
-        """The tree as a JSON object."""
-        return {**vars(self), "parts": [part.as_json() for part in self.parts]}
+        mark = self.rule if self.parts else f'"{self.words}"'
+        below = "".join(f"\n{part}" for part in self.parts).replace("\n", "\n  ")
+        return f"{self.category} : {self.term}    {mark}{below}"
 
 
 def derivation_step(derivation: Derivation, words: tuple[str, ...]) -> DerivationStep:

@@ -105,12 +105,12 @@ def _union(names: Sequence[str], sets: Mapping[str, frozenset[str]]) -> frozense
 class Core:
     """What an utterance may mean, without what surrounds it."""
 
-    tokens: Tokens  #: the core, with its periphery as removed phrases
-    kinds: frozenset[str]  #: the kinds of meaning that it may have there
-    preamble: tuple[Tokens, ...]  #: the sentences before it
-    is_referring: bool  #: whether the periphery may name what a pronoun of the core stands for
-    referent: str | None  #: the only known thing that it names and the core does not
-    has_person: bool  #: whether the core has a pronoun for somebody
+    tokens: Tokens  # the core, with its periphery as removed phrases
+    kinds: frozenset[str]  # the kinds of meaning that it may have there
+    preamble: tuple[Tokens, ...]  # the sentences before it
+    is_referring: bool  # whether the periphery may name what a pronoun of the core stands for
+    referent: str | None  # the only known thing that it names and the core does not
+    has_person: bool  # whether the core has a pronoun for somebody
 
 
 @dataclass(frozen=True, repr=False)

@@ -68,10 +68,10 @@ class ClauseState:
 class ActionHead:
     """The action that a procedure teaches."""
 
-    name: str  #: its verb, with its particle
-    things: tuple[ObjectReference, ...]  #: the objects that it is about
-    links: tuple[str, ...]  #: the words between the objects
-    new_words: tuple[NewWord, ...]  #: the verb, and the objects that were not known
+    name: str  # its verb, with its particle
+    things: tuple[ObjectReference, ...]  # the objects that it is about
+    links: tuple[str, ...]  # the words between the objects
+    new_words: tuple[NewWord, ...]  # the verb, and the objects that were not known
 
     @property
     def parameters(self) -> tuple[str, ...]:
@@ -316,8 +316,8 @@ class _Clauses:
         found = self._sentence(tokens, replace(self._context, discourse=state.discourse))
         act = found.meaning
         # An action with a frame is done with several objects, or with none.
-        is_command = isinstance(act, (Command, ToolCommand)) and not act.negated
-        if not is_command or act.goal in self._reader.frames:
+        frames = self._reader.frames
+        if not isinstance(act, (Command, ToolCommand)) or act.negated or act.goal in frames:
             return None
         if isinstance(act, Command) and act.target.object == _ANYTHING:
             act = replace(act, target=replace(act.target, object=ANY_OBJECT))

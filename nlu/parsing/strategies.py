@@ -42,11 +42,10 @@ from ..semantics.meaning import (
 from ..semantics.predicates import PredicateForm, UnlearnableError
 from .chart import Chart
 from .clarification import Clarifier
-from .clause_spans import features_of
 from .parser import SentenceParser, decide
 from .periphery import MAX_CORES, Core, PeripheryReader, kinds_of_core
 from .procedures import ProcedureReader
-from .reading_filter import ReadingFilter
+from .readings import ReadingFilter, features_of
 from .understanding import Understanding, UtteranceContext
 
 MAX_SEGMENTS = 4

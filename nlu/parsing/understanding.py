@@ -35,35 +35,34 @@ class UtteranceContext:
 
 @dataclass(frozen=True)
 class Reading:
-    """One reading of an utterance."""
+    """One reading of an utterance.
 
-    speech_act: PredicateForm  #: `STATEMENT(sam,self,...)`
-    intention: PredicateForm  #: what the speaker wants, `wantBelieve(sam,self,...)`
-    #: how sure the intention is, by the pragmatic rules and by how well the speech was recognised,
-    #: as (lower, upper) in [0, 1]
+    The interval, (lower, upper) in [0, 1], says how sure the intention is, by the pragmatic rules
+    and by how well the speech was recognised.
+    """
+
+    speech_act: PredicateForm  # `STATEMENT(sam,self,...)`
+    intention: PredicateForm  # what the speaker wants, `wantBelieve(sam,self,...)`
     interval: Confidence
     meaning: Meaning
-    cost: float  #: how unlikely the reading is; the lowest cost is the best
+    cost: float  # how unlikely the reading is; the lowest cost is the best
     derivation: Derivation
     new_words: tuple[NewWord, ...] = ()
-    #: those of its clauses, such as who does it and when
     features: UtteranceFeatures = field(default_factory=UtteranceFeatures)
 
 
 @dataclass(frozen=True)
 class Understanding:
-    """An utterance, who said it to whom, and its meaning."""
+    """An utterance, who said it to whom, its meaning, and the discourse state after it."""
 
     text: str
     speaker: str
     addressee: str
-    meaning: Meaning  #: a `Misunderstanding` or `AskBack` when it is not clear
-    reading: Reading | None = None  #: the best reading, None when there is none
-    readings: int = 0  #: the number of different meanings
-    #: the words that a statement teaches, with their roles in the sentence
-    new_words: tuple[NewWord, ...] = ()
+    meaning: Meaning  # a `Misunderstanding` or `AskBack` when it is not clear
+    reading: Reading | None = None  # the best reading, None when there is none
+    readings: int = 0  # the number of different meanings
+    new_words: tuple[NewWord, ...] = ()  # those that a statement teaches, with their roles in it
     words: tuple[str, ...] = ()
-    #: the discourse state after the utterance
     discourse: Discourse = field(default_factory=Discourse)
 
     @classmethod

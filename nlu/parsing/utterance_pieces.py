@@ -56,13 +56,13 @@ _OLD = frozenset({"agent=they", "agent=people", "agent=somebody", "agent=speaker
 
 @dataclass(frozen=True)
 class UtterancePiece:
-    """A piece of an utterance from pause to pause: tokens `[start, end)`, form, operators."""
+    """A piece of an utterance from pause to pause: tokens `[start, end)`, form and operators."""
 
     start: int
     end: int
-    pause: Pause  #: the pause before it
-    lead: int  #: how many words of it only join it to what precedes: "so", "but"
-    joined: Pause  #: the pause that these words amount to
+    pause: Pause  # the pause before it
+    lead: int  # how many words of it only join it to what precedes: "so", "but"
+    joined: Pause  # the pause that these words amount to
     form: str
     signs: frozenset[str]
 

@@ -42,11 +42,9 @@ _WORDS = ("part_words", "holding_words", "owners", "embedding", "determiners", "
 class UtteranceFeatures:
     """The features of an utterance by clause."""
 
-    main: Values = field(default_factory=dict)  #: those of the main clause
-    #: those of the clause that says when, or what for
-    condition: Values = field(default_factory=dict)
-    #: those of the phrases that were taken to add nothing
-    aside: Values = field(default_factory=dict)
+    main: Values = field(default_factory=dict)  # of the main clause
+    condition: Values = field(default_factory=dict)  # of the clause that says when, or what for
+    aside: Values = field(default_factory=dict)  # of the phrases that add nothing
 
     def of(self, clause: str) -> Values:
         """The values of the features of one clause."""
@@ -60,18 +58,18 @@ class UtteranceFeatures:
 
 @dataclass(frozen=True)
 class FeatureReader:
-    """Reads features off words."""
+    """Reads features off words, by the tables of `features.yaml`, which says what they show.
 
-    #: the phrases with features by their first word, the longest first
+    The phrases with features go by their first word, the longest first.
+    """
+
     phrases: Mapping[str, Sequence[tuple[tuple[str, ...], Values]]]
-    values: Values  #: all values of each feature
-    nouns: Values  #: the nouns of each kind: parts, what is no part, and what cannot be handled
-    defaults: Values  #: the value of a feature that no words show, where it has one
-    #: the names of the categories of conditions, of people and things, and of goals
-    categories: Values
-    words: Values  #: lists of words, by the keys of `features.yaml`, which says what they show
-    #: those of abstract nouns, of words that hardly ever name a person, and of places
-    endings: Mapping[str, tuple[str, ...]]
+    values: Values  # all values of each feature
+    nouns: Values  # of each kind: parts, what is no part, and what cannot be handled
+    defaults: Values  # the value of a feature that no words show, where it has one
+    categories: Values  # of conditions, of people and things, and of goals
+    words: Values
+    endings: Mapping[str, tuple[str, ...]]  # of abstract nouns, of words for no person, of places
 
     def features(
         self, words: Sequence[tuple[str, str]], removed: Iterable[Sequence[str]]
@@ -124,11 +122,9 @@ class FeatureReader:
 
     def is_person(self, name: str, before: Sequence[str], *, is_new: bool) -> bool:
         """Whether a word names a person after those `before`: not "my aunt", "experience"."""
-        if self.has_feature(name) or not (
-            self.words["determiners"] | self.words["owners"]
-        ).isdisjoint(before):
-            return False
-        return not is_new or not (self.is_abstract(name) or name.endswith(self.endings["nameless"]))
+        is_owned = not (self.words["determiners"] | self.words["owners"]).isdisjoint(before)
+        is_thing = self.is_abstract(name) or name.endswith(self.endings["nameless"])
+        return not self.has_feature(name) and not is_owned and not (is_new and is_thing)
 
     def _found(self, words: Sequence[str]) -> Iterator[Values]:
         place = 0
@@ -155,9 +151,12 @@ def load_features(path: Path) -> FeatureReader:
         if unmarked:
             defaults[feature] = frozenset(unmarked)
         for value, phrases in group.entries().items():
-            for item in phrases.items():
-                for phrase in spellings(item):
-                    _add(found.setdefault(phrase, {}), feature, value, item)
+            for item, phrase in ((i, phrase) for i in phrases.items() for phrase in spellings(i)):
+                known = found.setdefault(phrase, {})
+                if feature in known:
+                    both = f"{', '.join(known[feature])} and {value}"
+                    raise item.fail(f'"{item.text()}" has two values of {feature}: {both}.')
+                known[feature] = frozenset({value})
     by_first: dict[str, list[tuple[tuple[str, ...], Values]]] = {}
     for phrase, each in sorted(found.items(), key=lambda pair: -len(pair[0])):
         by_first.setdefault(phrase[0], []).append((phrase, each))
@@ -177,13 +176,6 @@ def load_features(path: Path) -> FeatureReader:
 
 def _words(group: YamlNode) -> frozenset[str]:
     return frozenset(" ".join(phrase) for item in group.items() for phrase in spellings(item))
-
-
-def _add(known: dict[str, frozenset[str]], feature: str, value: str, item: YamlNode) -> None:
-    if feature in known:
-        other = ", ".join(known[feature])
-        raise item.fail(f'"{item.text()}" has two values of {feature}: {other} and {value}.')
-    known[feature] = frozenset({value})
 
 
 def _joined(found: Iterable[Values]) -> Values:
@@ -209,10 +201,11 @@ def check_spellings(path: Path, reader: FeatureReader) -> None:
         for feature, found in _features(pattern, reader).items():
             pairs = combinations(found.items(), 2) if feature not in varying else ()
             for (other, other_spelling), (one, spelling) in pairs:
-                if one - other and other - one:
+                first, second = (" and ".join(sorted(each)) for each in (one - other, other - one))
+                if first and second:
                     raise pattern.fail(
-                        f'"{pattern.text()}" mixes two values of {feature}: {_shown(one - other)} '
-                        f'in "{" ".join(spelling)}" and {_shown(other - one)} in '
+                        f'"{pattern.text()}" mixes two values of {feature}: {first} '
+                        f'in "{" ".join(spelling)}" and {second} in '
                         f'"{" ".join(other_spelling)}". Write a pattern for each.'
                     )
 
@@ -235,7 +228,3 @@ def _features(pattern: YamlNode, reader: FeatureReader) -> dict[str, dict[frozen
         for feature, values in reader.of_words(words).items():
             found.setdefault(feature, {}).setdefault(values, words)
     return found
-
-
-def _shown(values: frozenset[str]) -> str:
-    return " and ".join(sorted(values))

@@ -22,8 +22,6 @@ _ORDINALS = {"former": 0, "latter": -1}
 _HOLDING = frozenset({"implies", "permitted", "holding", "graspObject", "correctPart", "fillPart"})
 """The forms that may say by which part, and by which other part not."""
 
-_OF_USE = frozenset({"usedFor", "notUsedFor", "both"})
-
 
 def resolve(form: PredicateForm, discourse: Discourse) -> PredicateForm:
     """Return the form with every pronoun replaced by its referent.
@@ -31,9 +29,15 @@ def resolve(form: PredicateForm, discourse: Discourse) -> PredicateForm:
     It raises `UninterpretableError` without a referent, or where one rule is about two objects.
     """
     discourse = discourse.accessible
-    form = form.mapped(lambda part: _ordinal(part, discourse)).mapped(_with_use).mapped(_with_tool)
+    form = form.mapped(lambda part: _ordinal(part, discourse))
+    # Twice, since the tool may be "something that is used for cutting".
+    form = form.mapped(_with_use_or_tool).mapped(_with_use_or_tool)
     form = _as_correction(form, discourse) or form
-    _check_correction(form, discourse)
+    if form.name in {"correctPart", "fillPart"}:
+        parts = {getattr(said, "part", None) for said in (discourse.rule, discourse.last)} - {None}
+        others = {each.arguments[1].said for each in form if each.name == "butNot"}
+        if parts and not others <= parts:  # "not by the rim", of which nobody spoke
+            raise UninterpretableError("of_which_object", asks=True)
     form = form.mapped(_with_each_material).mapped(_with_each_part)
     form = form.mapped(_to_anyone).mapped(lambda part: _person(part, discourse))
     if THEY in form:
@@ -66,13 +70,12 @@ def _ordinal(part: PredicateForm, discourse: Discourse) -> PredicateForm | None:
     return discourse.pair[_ORDINALS[part.name]]
 
 
-def _to_anyone(part: PredicateForm) -> PredicateForm | None:
-    return part.mapped(_without_recipient) if part.name in {"implies", "within"} else None
+def _to_anyone(form: PredicateForm) -> PredicateForm | None:
+    def change(act: PredicateForm) -> PredicateForm | None:
+        is_to_them = len(act.arguments) > 2 and act.arguments[-1] in PERSONAL
+        return PredicateForm(act.name, act.arguments[:-1]) if is_to_them else None
 
-
-def _without_recipient(act: PredicateForm) -> PredicateForm | None:
-    is_to_them = len(act.arguments) > 2 and act.arguments[-1] in PERSONAL
-    return PredicateForm(act.name, act.arguments[:-1]) if is_to_them else None
+    return form.mapped(change) if form.name in {"implies", "within"} else None
 
 
 def _person(part: PredicateForm, discourse: Discourse) -> PredicateForm | None:
@@ -93,23 +96,22 @@ def _resolve_they(form: PredicateForm, discourse: Discourse) -> PredicateForm:
     return each[0] if len(each) == 1 else PredicateForm("and", tuple(each))
 
 
-def _with_use(form: PredicateForm) -> PredicateForm | None:
-    if form.name != "thatIs":
-        return None
-    thing, clause = form.arguments
-    if clause.name != "implies" or clause.arguments[1].name in {"graspObject", *_OF_USE}:
-        raise UninterpretableError("one_thing_at_a_time")
-    _, use, degree = clause.arguments
-    return PredicateForm("notUsedFor" if degree.name == "none" else "usedFor", (thing, use))
-
-
-def _with_tool(form: PredicateForm) -> PredicateForm | None:
-    if form.name != "use" or len(form.arguments) != 3:
-        return None
-    _, tool, act = form.arguments
-    if not is_tool_act(act) or len(act.arguments) != 2:
-        raise UninterpretableError("one_thing_at_a_time")
-    return PredicateForm(act.name, (*act.arguments, tool))
+def _with_use_or_tool(form: PredicateForm) -> PredicateForm | None:
+    match form.name, form.arguments:
+        case "thatIs", (thing, PredicateForm("implies", (_, use, degree))) if use.name not in {
+            "graspObject",
+            "usedFor",
+            "notUsedFor",
+            "both",
+        }:
+            name = "notUsedFor" if degree.name == "none" else "usedFor"
+            return PredicateForm(name, (thing, use))
+        case "use", (_, tool, act) if is_tool_act(act) and len(act.arguments) == 2:
+            return PredicateForm(act.name, (*act.arguments, tool))
+        case ("thatIs", _) | ("use", (_, _, _)):
+            raise UninterpretableError("one_thing_at_a_time")
+        case _:
+            return None
 
 
 def _with_each_material(form: PredicateForm) -> PredicateForm | None:
@@ -133,15 +135,6 @@ def _as_correction(form: PredicateForm, discourse: Discourse) -> PredicateForm |
         return None
     part, other = several.arguments
     return PredicateForm("correctPart", (part,)) if other.said == rule.part else None
-
-
-def _check_correction(form: PredicateForm, discourse: Discourse) -> None:
-    if form.name not in {"correctPart", "fillPart"}:
-        return
-    parts = {getattr(said, "part", None) for said in (discourse.rule, discourse.last)} - {None}
-    others = {each.arguments[1].said for each in form if each.name == "butNot"}
-    if parts and not others <= parts:  # "not by the rim", of which nobody spoke
-        raise UninterpretableError("of_which_object", asks=True)
 
 
 def _with_each_part(form: PredicateForm) -> PredicateForm | None:
@@ -174,8 +167,15 @@ def resolve_rules(form: PredicateForm, discourse: Discourse) -> PredicateForm:
             known = _object_of_rule(first) or discourse.object
             second = resolve_rules(other, replace(discourse, object=known))
             return PredicateForm("and", (first, second))
-        case "implies", _:
-            return _resolve_rule(form, discourse)
+        case "implies", (_, act, *_):
+            alternatives = _alternatives(form)
+            if not alternatives:
+                is_held = act.name == "graspObject"
+                known = discourse.object or IT
+                return (
+                    _resolve_action_rule(form, discourse) if is_held else form.replacing(IT, known)
+                )
+            form = PredicateForm("and", alternatives)
         case "within", (occasion, rule):
             form = _on_occasion(occasion, rule)
         case "holding", (PredicateForm(arguments=(_, held, *_)) as act, place):
@@ -235,15 +235,6 @@ def _on_occasion(occasion: PredicateForm, rule: PredicateForm) -> PredicateForm:
     if rule.arguments[0].name != occasion.name or len(occasion.arguments) < 2:
         raise UninterpretableError("one_thing_at_a_time")
     return rule.replacing(IT, occasion.arguments[1])
-
-
-def _resolve_rule(form: PredicateForm, discourse: Discourse) -> PredicateForm:
-    alternatives = _alternatives(form)
-    if alternatives:
-        return resolve_rules(PredicateForm("and", alternatives), discourse)
-    if form.arguments[1].name == "graspObject":
-        return _resolve_action_rule(form, discourse)
-    return form.replacing(IT, discourse.object) if discourse.object else form
 
 
 def _alternatives(form: PredicateForm) -> tuple[PredicateForm, ...]:

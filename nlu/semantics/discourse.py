@@ -32,20 +32,15 @@ SOMETHING = frozenset({"something", "anything"})
 class Discourse:
     """The discourse state."""
 
-    object: PredicateForm | None = None  #: the object mentioned last
-    rule: Rule | None = None  #: the rule taught, corrected or applied last
-    #: the last rule, question or command, which a fragment completes
-    last: Rule | Question | Command | ToolCommand | None = None
-    command: Command | ToolCommand | None = None  #: the last command, which "do it again" repeats
-    #: all objects that the last turn with any named, in order
-    named: tuple[PredicateForm, ...] = ()
-    #: "the former", ..., "the latter": the last turn's objects, or two mentioned in a row
-    pair: tuple[PredicateForm, ...] = ()
-    person: PredicateForm | None = None  #: the person named last, except the speaker
-    #: whether the last turn asked why a thing was held as it was, or just why
-    asks_why: bool = False
-    #: whether the last turn was not understood, so that nothing can be referred to
-    has_failed: bool = False
+    object: PredicateForm | None = None  # the object mentioned last
+    rule: Rule | None = None  # the rule taught, corrected or applied last
+    last: Rule | Question | Command | ToolCommand | None = None  # what a fragment completes
+    command: Command | ToolCommand | None = None  # the last command, which "do it again" repeats
+    named: tuple[PredicateForm, ...] = ()  # all objects that the last turn with any named, in order
+    pair: tuple[PredicateForm, ...] = ()  # the last turn's objects, or two in a row
+    person: PredicateForm | None = None  # the person named last, except the speaker
+    asks_why: bool = False  # whether the last turn asked why a thing was held so, or just why
+    has_failed: bool = False  # whether the last turn was not understood: nothing is referred to
 
     def about(self, name: str) -> Discourse:
         """Return this state after an object of this name was mentioned."""

@@ -32,10 +32,10 @@ _OF_USES = {"uses_of", "about", "how", "see"}
 class FragmentValues:
     """The values that a fragment names: for one slot, and perhaps a degree of confidence."""
 
-    mode: str  #: that of its predicate, as `predicates.yaml` says
-    default: Confidence  #: the confidence of a rule without a degree
-    asks: bool = False  #: whether it is a question
-    is_other: bool = False  #: whether its target was only named as the other one of two
+    mode: str  # that of its predicate, as `predicates.yaml` says
+    default: Confidence  # the confidence of a rule without a degree
+    asks: bool = False  # whether it is a question
+    is_other: bool = False  # whether its target was only named as the other one of two
     target: ObjectReference | None = None
     use: str | None = None
     material: str | None = None
@@ -54,21 +54,19 @@ class FragmentValues:
 
 def complete(fragment: FragmentValues, discourse: Discourse) -> Meaning:
     """Return the meaning of a fragment; `UninterpretableError` if no turn is completed by it."""
-    if fragment.mode == "keep":
-        return _kept(discourse.accessible, fragment.default)
-    if fragment.mode == "again":
-        if discourse.accessible.command is None:
-            raise UninterpretableError("nothing_to_repeat", asks=True)
-        return discourse.accessible.command
     discourse = discourse.accessible
-    fragment = _with_other_of_pair(fragment, discourse)
+    if fragment.mode == "keep":
+        return _kept(discourse, fragment.default)
+    if fragment.mode == "again":
+        if discourse.command is None:
+            raise UninterpretableError("nothing_to_repeat", asks=True)
+        return discourse.command
+    other = _other_of_pair(discourse)
+    if other and isinstance(discourse.last, Question) and _is_other(fragment):
+        fragment = replace(fragment, target=ObjectReference(other), asks=True, is_other=True)
     completed, rule = _completed(fragment, discourse), discourse.rule
     if discourse.asks_why and fragment.asks and isinstance(rule, ActionRule):
         completed = Question("how", object=rule.object, context=rule.context)
-    if isinstance(completed, Question) and discourse.command and _is_other(fragment):
-        completed = discourse.command  # "why that one?", "no, the other one"
-    if fragment.material and not fragment.use:
-        fragment = _with_use_of(completed, fragment)
     match completed:
         case FunctionalRule() | ActionRule() as rule:
             return _as_rule(fragment, rule)
@@ -83,13 +81,6 @@ def complete(fragment: FragmentValues, discourse: Discourse) -> Meaning:
             raise UninterpretableError("as_question", asks=True)
         case None:
             raise _nothing()
-
-
-def _with_other_of_pair(fragment: FragmentValues, discourse: Discourse) -> FragmentValues:
-    other = _other_of_pair(discourse)
-    if not isinstance(discourse.last, Question) or not _is_other(fragment) or other is None:
-        return fragment
-    return replace(fragment, target=ObjectReference(other), asks=True, is_other=True)
 
 
 def _is_other(fragment: FragmentValues) -> bool:
@@ -131,8 +122,7 @@ def _kept(discourse: Discourse, usual: Confidence) -> Meaning:
         case Command(target=ObjectReference(object=str(name), props=props)) as last if (
             last.part and name != ANY_OBJECT and not last.negated
         ):
-            rule = ActionRule(name, last.goal, last.part, usual, props)
-            return AskBack(choices=(Statement((rule,)),))
+            return _offered(ActionRule(name, last.goal, last.part, usual, props))
         case FunctionalRule() | ActionRule() as rule:
             return Statement((replace(rule, revises=False),))
         case _:
@@ -149,8 +139,8 @@ def _as_rule(fragment: FragmentValues, rule: Rule) -> Meaning:
         return question_on(changed)
     if rule.denies and fragment.part and not fragment.adds and not fragment.confidence:
         # Another part is held then, but only "by the handle" may also deny it.
-        instead = Statement((replace(changed, confidence=fragment.default),))
-        return instead if fragment.part_of else AskBack(choices=(instead,))
+        instead = replace(changed, confidence=fragment.default)
+        return Statement((instead,)) if fragment.part_of else _offered(instead)
     is_same = replace(changed, confidence=rule.confidence) == rule
     return Statement((replace(changed, revises=is_same or not fragment.adds),))
 
@@ -189,19 +179,25 @@ def question_on(rule: Rule, ask: str = "is_used_for") -> Question:
     return Question(ask, object=rule.object, context=rule.context, part=rule.part)
 
 
-def _as_question(  # noqa: PLR0911 - a case per slot
+def _as_question(  # noqa: PLR0911, PLR0912 - a case per slot
     fragment: FragmentValues, question: Question
 ) -> Question | AskBack:
     if fragment.recipient:
         raise _nothing()
+    about, use, material = question.object, question.affordance, question.material
     if fragment.confidence:
-        return _as_answer(fragment, question)
+        has_more = fragment.target or fragment.use or fragment.part
+        if about is None or use is None or has_more:
+            raise _nothing()
+        return _offered(FunctionalRule(about, use, fragment.confidence, material=material))
+    if fragment.material and not fragment.use:
+        if question.ask not in _OF_OBJECTS or material is None:
+            raise _nothing()
+        fragment = replace(fragment, use=use)
     if fragment.target:
         name, props = _kind(fragment.target)
-        if fragment.mode == "too" and not fragment.asks and question.affordance:
-            use, material = question.affordance, question.material
-            rule = FunctionalRule(name, use, fragment.default, props, material=material)
-            return AskBack(choices=(Statement((rule,)),))
+        if fragment.mode == "too" and not fragment.asks and use:
+            return _offered(FunctionalRule(name, use, fragment.default, props, material=material))
         if props or fragment.part:
             raise UninterpretableError("one_thing_at_a_time")
         if fragment.context:
@@ -211,33 +207,20 @@ def _as_question(  # noqa: PLR0911 - a case per slot
         ask = "is_used_for" if question.ask in _OF_OBJECTS else question.ask
         return replace(question, ask=ask, object=name, part=None)
     if fragment.use:
-        if question.ask not in _OF_USES and question.affordance is None:
+        if question.ask not in _OF_USES and use is None:
             raise _nothing()
-        ask = "is_used_for" if question.ask in _OF_USES and question.object else question.ask
+        ask = "is_used_for" if question.ask in _OF_USES and about else question.ask
         question = replace(question, ask=ask, context=None, part=None)
         return replace(question, affordance=fragment.use, material=fragment.material)
-    if question.object is None or question.context is None or fragment.part is None:
+    if about is None or question.context is None or fragment.part is None:
         raise _nothing()
     if fragment.asks or fragment.mode != "fill":
         return replace(question, part=fragment.part)
-    rule = ActionRule(question.object, question.context, fragment.part, fragment.default)
+    return _offered(ActionRule(about, question.context, fragment.part, fragment.default))
+
+
+def _offered(rule: Rule) -> AskBack:
     return AskBack(choices=(Statement((rule,)),))
-
-
-def _as_answer(fragment: FragmentValues, question: Question) -> AskBack:
-    has_more = fragment.target or fragment.use or fragment.part
-    if question.object is None or question.affordance is None or has_more:
-        raise _nothing()
-    confidence = fragment.confidence or fragment.default
-    use, material = question.affordance, question.material
-    rule = FunctionalRule(question.object, use, confidence, material=material)
-    return AskBack(choices=(Statement((rule,)),))
-
-
-def _with_use_of(last: object, fragment: FragmentValues) -> FragmentValues:
-    if not isinstance(last, (FunctionalRule, Question)) or last.material is None:
-        raise _nothing()
-    return replace(fragment, use=last.affordance)
 
 
 def _as_command(
@@ -255,11 +238,9 @@ def _as_command(
     if fragment.context:
         command = replace(command, goal=fragment.context, recipient=None)
     if fragment.target:
-        target = fragment.target
-        is_described = fragment.mode == "other" and command.target.object is None
-        if target.object == ANY_OBJECT or is_described:
-            props = target.props or command.target.props
-            target = replace(command.target, props=props, other=target.other)
+        target, before = fragment.target, command.target
+        if target.object == ANY_OBJECT:
+            target = replace(before, props=target.props or before.props, other=target.other)
         return replace(command, target=target, part=fragment.part, negated=False)
     if fragment.part:
         return replace(command, part=fragment.part)

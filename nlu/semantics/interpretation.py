@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
+from ..lexicon.learned_lexicon import ImmutableIndex
 from ..lexicon.vocabulary import NewWord
 from .discourse import SOMETHING, Discourse
 from .fragments import FragmentValues, complete, question_on
@@ -48,11 +49,10 @@ class Interpreter:
     """Maps predicate forms to meanings, with the interval of each degree of confidence."""
 
     intervals: Mapping[str, Confidence]
-    #: acts done with a tool, each with the affordance that the tool must have
-    tool_acts: Mapping[str, str]
-    acts: frozenset[str]  #: further acts on one object that were learned
-    new_acts: frozenset[str] = frozenset()  #: the acts that new words of an utterance name
-    is_general: bool = False  #: whether commands may be about any object, as in norms
+    tool_acts: ImmutableIndex[str, str]  # done with a tool, each with the affordance of the tool
+    acts: ImmutableIndex[str, str]  # further acts on one object that were learned
+    new_acts: frozenset[str] = frozenset()  # the acts that new words of an utterance name
+    is_general: bool = False  # whether commands may be about any object, as in norms
 
     def with_words(self, words: Sequence[NewWord]) -> Interpreter:
         """Return this interpreter with the acts that new words name."""
@@ -88,7 +88,13 @@ class Interpreter:
 
     def _statement(self, form: PredicateForm) -> Statement | KindStatement:
         if form.name == "and" and form.arguments[0].name == "graspObject":
-            raise self._order_beside_rule(*form.arguments)
+            order, rule = form.arguments
+            part, target = self._part_of_object(order.arguments[1])
+            usual = self.intervals["high"]
+            held = ActionRule(target.object or "", "grasp", part, usual, target.props)
+            is_denied = is_contradictory((held, *self._rules(rule)))
+            key = "contradiction" if is_denied else "one_thing_at_a_time"
+            raise UninterpretableError(key, asks=is_denied)
         said = self._stated(form)
         if len({rule.source for rule in said.rules}) > 1:
             raise UninterpretableError("whose_words", asks=True)
@@ -103,13 +109,6 @@ class Interpreter:
         if kinds and rules:
             raise UninterpretableError("not_a_rule")
         return KindStatement(kinds) if kinds else Statement(rules)
-
-    def _order_beside_rule(self, order: PredicateForm, rule: PredicateForm) -> UninterpretableError:
-        part, target = self._part_of_object(order.arguments[1])
-        held = ActionRule(target.object or "", "grasp", part, self.intervals["high"], target.props)
-        is_denied = is_contradictory((held, *self._rules(rule)))
-        key = "contradiction" if is_denied else "one_thing_at_a_time"
-        return UninterpretableError(key, asks=is_denied)
 
     def _rules(self, form: PredicateForm) -> Iterator[Rule | KindRelation]:
         if form.name == "and":
@@ -163,12 +162,7 @@ class Interpreter:
         mode = "too" if is_too and mode not in {"also", "same"} else mode
         value, *degree = said.arguments
         fragment = FragmentValues(mode, self.intervals["high"], asks)
-        if slot == "material":
-            fragment = replace(fragment, material=_kind(value))
-        elif slot == "tool":
-            fragment = replace(fragment, tool=self._reference(value))
-        elif slot != "whole":
-            fragment = self._filled(fragment, slot, value)
+        fragment = self._filled(fragment, slot, value)
         if slot in {"held", "act"}:
             fragment = self._filled(fragment, "part", degree.pop())
         if degree:
@@ -178,30 +172,43 @@ class Interpreter:
     def _filled(self, fragment: FragmentValues, slot: str, value: PredicateForm) -> FragmentValues:
         match slot:
             case "target" | "held":
-                return replace(fragment, target=self._reference(value))
+                fragment = replace(fragment, target=self._reference(value))
             case "use":
                 affordance, material = _use(value)
-                return replace(fragment, use=affordance, material=material)
+                fragment = replace(fragment, use=affordance, material=material)
+            case "material":
+                fragment = replace(fragment, material=_kind(value))
+            case "tool":
+                fragment = replace(fragment, tool=self._reference(value))
             case "part":
                 part, owner = part_and_owner(value)
                 part_of = kind_and_properties(owner)[0] if owner else None
-                return replace(fragment, part=part, part_of=part_of)
+                fragment = replace(fragment, part=part, part_of=part_of)
             case "context" | "act":
                 if not self.is_act_on_object(value.name):
                     raise UninterpretableError("no_act")
                 target = self._reference(value.arguments[1])
-                return replace(fragment, context=value.name, target=target)
+                fragment = replace(fragment, context=value.name, target=target)
             case "recipient":
-                return replace(fragment, recipient=name_of(value))
-            case _:
-                return replace(fragment, confidence=self.intervals[value.name])
+                fragment = replace(fragment, recipient=name_of(value))
+            case "degree":
+                fragment = replace(fragment, confidence=self.intervals[value.name])
+            case _:  # the whole
+                pass
+        return fragment
 
     def command(self, form: PredicateForm) -> Command | ToolCommand:
         """Return the command of a form such as `pass(self,knife)`; else `UninterpretableError`."""
         if form.name == "not":
             return replace(self.command(form.arguments[0]), negated=True)
         if form.name == "holding":
-            return self._command_with_part(form)
+            command = self.command(form.arguments[0])
+            part, owner = part_and_owner(form.arguments[1])
+            if not isinstance(command, Command) or command.part is not None:
+                raise UninterpretableError("one_thing_at_a_time")
+            if owner and self._reference(owner) != command.target:
+                raise UninterpretableError("one_thing_at_a_time")
+            return replace(command, part=part)
         if form.name == "graspObject":
             part, target = self._part_of_object(form.arguments[1])
             return Command("grasp", target, part=part)
@@ -247,15 +254,6 @@ class Interpreter:
         if form.name in SOMETHING and not (props or other or self.is_general):
             raise UninterpretableError("which_thing", asks=True)
         return ObjectReference(object=kind_and_properties(form)[0], props=props, other=other)
-
-    def _command_with_part(self, form: PredicateForm) -> Command:
-        command = self.command(form.arguments[0])
-        part, owner = part_and_owner(form.arguments[1])
-        if not isinstance(command, Command) or command.part is not None:
-            raise UninterpretableError("one_thing_at_a_time")
-        if owner and self._reference(owner) != command.target:
-            raise UninterpretableError("one_thing_at_a_time")
-        return replace(command, part=part)
 
     def _part_of_object(self, form: PredicateForm) -> tuple[str, ObjectReference]:
         if form.name != "partOf":
@@ -388,9 +386,8 @@ class Interpreter:
             # "Why did you take the knife?" asks for the choice of the object, not of the part.
             return Question(ask, object=_kind(form.arguments[1]))
         acts = {"holding", "graspObject", "pass", "pickUp", "pointTo", "use"}
-        if form.name in acts or form.name in self.tool_acts:
-            return self._question_on_act(ask, form)
-        return Question(ask, object=_kind(form))
+        is_act = form.name in acts or form.name in self.tool_acts
+        return self._question_on_act(ask, form) if is_act else Question(ask, object=_kind(form))
 
 
 def _use(form: PredicateForm) -> tuple[str, str | None]:

@@ -46,9 +46,8 @@ class LicenceRow:
     """A row of the table: for the kinds of meaning `of`, with these features, what follows."""
 
     of: frozenset[str]
-    #: for each clause the values of which it must have one, for each of some features
-    clauses: Mapping[str, Values]
-    then: str  #: `ACCEPT`, or the name of the answer that asks back
+    clauses: Mapping[str, Values]  # for each feature, the values of which one must be there
+    then: str  # `ACCEPT`, or the name of the answer that asks back
 
     def applies(self, kinds: frozenset[str], features: UtteranceFeatures) -> bool:
         """Whether the row decides on a meaning of some kinds with these features."""
@@ -68,9 +67,19 @@ class LicenceTable:
 
     def outcome(self, meaning: Meaning, features: UtteranceFeatures) -> str:
         """Return `ACCEPT`, or the name of the answer that asks whether this is meant."""
-        kinds = kinds_of(meaning)
-        if not kinds:
-            return ACCEPT
+        match meaning:
+            case Statement(rules):
+                kinds = frozenset(map(_kind, rules))
+            case KindStatement():
+                kinds = frozenset({"use"})  # what holds of objects of a kind, as their uses do
+            case NormStatement():
+                kinds = frozenset({"norm"})
+            case Retraction():
+                kinds = frozenset({"retraction"})
+            case Command(negated=False) | ToolCommand(negated=False):
+                kinds = frozenset({"command"})
+            case _:
+                return ACCEPT
         return next(row.then for row in self.rows if row.applies(kinds, features))
 
     def weakened(self, meaning: Meaning, features: UtteranceFeatures) -> Meaning:
@@ -100,21 +109,6 @@ def bounded(interval: Confidence, bound: Confidence) -> Confidence:
     if upper < LIKELY:
         return lower, max(upper, round(1 - bound[0], 4))
     return min(lower, bound[0]), upper
-
-
-def kinds_of(meaning: Meaning) -> frozenset[str]:
-    """The kinds of meaning that rows speak of; empty for what needs no licence."""
-    if isinstance(meaning, Statement):
-        return frozenset(map(_kind, meaning.rules))
-    if isinstance(meaning, KindStatement):
-        return frozenset({"use"})  # what holds of objects of a kind, as their uses do
-    if isinstance(meaning, NormStatement):
-        return frozenset({"norm"})
-    if isinstance(meaning, Retraction):
-        return frozenset({"retraction"})
-    if isinstance(meaning, (Command, ToolCommand)) and not meaning.negated:
-        return frozenset({"command"})
-    return frozenset()
 
 
 def load_licence(

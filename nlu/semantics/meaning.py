@@ -7,7 +7,7 @@ pair (lower, upper) in [0, 1]. `as_json` follows the meaning schema of `docs/lan
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import ClassVar, Generic, TypeVar
 
@@ -22,8 +22,11 @@ LIKELY = 0.5  # a rule whose upper bound is below states that something is not s
 class _Record:
     """A value whose JSON object holds those of its attributes that are not None, False or empty."""
 
+    keys: ClassVar[Mapping[str, str]] = {}  # what attributes are called there, where otherwise
+
     def as_json(self) -> Json:
-        return {key: _plain(value) for key, value in vars(self).items() if value}
+        values = ((name, value) for name, value in vars(self).items() if value)
+        return {self.keys.get(name, name): _plain(value) for name, value in values}
 
 
 def _plain(value: object) -> object:
@@ -62,14 +65,13 @@ class FunctionalRule(_Rule):
     """An object is used for something: "a knife is often used for cutting"."""
 
     rule: ClassVar[str] = "functional"
-    object: str  #: the kind of object, or `ANY_OBJECT`
-    affordance: str  #: the gerund of what it is used for
-    confidence: Confidence  #: (lower, upper) in [0, 1]
-    props: tuple[str, ...] = ()  #: further properties that the object must have, sorted
-    revises: bool = False  #: whether it replaces what was taught before
-    material: str | None = None  #: what it is used on ("bread", for cutting), or None for anything
-    #: the person whose words the speaker reports ("anna"), or None for the speaker
-    source: str | None = None
+    object: str  # the kind of object, or `ANY_OBJECT`
+    affordance: str  # the gerund of what it is used for
+    confidence: Confidence  # (lower, upper) in [0, 1]
+    props: tuple[str, ...] = ()  # further properties that the object must have, sorted
+    revises: bool = False  # whether it replaces what was taught before
+    material: str | None = None  # what it is used on ("bread", for cutting), or None for anything
+    source: str | None = None  # whose words are reported ("anna"), None for the speaker
 
 
 @dataclass(frozen=True)
@@ -77,9 +79,8 @@ class ActionRule(_Rule):
     """In a context, an object is grasped by a part: "to pass a knife grab it by the blade"."""
 
     rule: ClassVar[str] = "action"
-    #: object, confidence, props, revises, source: as of a `FunctionalRule`
     object: str
-    context: str  #: the action during which the rule holds ("pass", "pickUp", ...)
+    context: str  # the action during which the rule holds ("pass", "pickUp", ...)
     part: str
     confidence: Confidence
     props: tuple[str, ...] = ()
@@ -143,23 +144,17 @@ class Statement(_Statement[Rule]):
 class ObjectReference(_Record):
     """The object that a command refers to: exactly one of the first three attributes is set."""
 
-    #: a kind of object, or `ANY_OBJECT` when only properties are asked for
-    object: str | None = None
-    used_for: str | None = None  #: an affordance it must have
-    not_used_for: str | None = None  #: an affordance it must not have
-    props: tuple[str, ...] = ()  #: further properties that it must have, sorted
-    #: what the affordance is wanted for ("bread", for cutting), or None for anything
-    material: str | None = None
-    other: bool = False  #: whether it is none of those that were chosen before: "the other one"
+    keys: ClassVar[Mapping[str, str]] = {"used_for": "usedFor", "not_used_for": "notUsedFor"}
+    object: str | None = None  # a kind, or `ANY_OBJECT` where only properties are asked for
+    used_for: str | None = None  # an affordance it must have
+    not_used_for: str | None = None  # an affordance it must not have
+    props: tuple[str, ...] = ()  # further properties that it must have, sorted
+    material: str | None = None  # what the use is for ("bread", for cutting), or None
+    other: bool = False  # whether it is none of those that were chosen before: "the other one"
 
     def __post_init__(self) -> None:
         if sum(value is not None for value in (self.object, self.used_for, self.not_used_for)) != 1:
             raise ValueError("A reference needs exactly one of object, used_for and not_used_for.")
-
-    def as_json(self) -> Json:
-        """Return the reference as a JSON object."""
-        keys = {"used_for": "usedFor", "not_used_for": "notUsedFor"}
-        return {keys.get(name, name): value for name, value in super().as_json().items()}
 
 
 @dataclass(frozen=True)
@@ -167,11 +162,11 @@ class Command(_Record):
     """An act on one object: "pass me the knife by the blade"."""
 
     kind: ClassVar[str] = "command"
-    goal: str  #: `pass`, `pickUp`, `pointTo`, `grasp` or `use`
+    goal: str  # `pass`, `pickUp`, `pointTo`, `grasp` or `use`
     target: ObjectReference
-    part: str | None = None  #: the part to grasp, when the speaker names it
-    recipient: str | None = None  #: who gets it, when it is not the speaker
-    negated: bool = False  #: whether the act is forbidden; then it must never be executed
+    part: str | None = None  # the part to grasp, when the speaker names it
+    recipient: str | None = None  # who gets it, when it is not the speaker
+    negated: bool = False  # whether the act is forbidden; then it must never be executed
 
 
 @dataclass(frozen=True)
@@ -179,23 +174,25 @@ class ToolCommand(_Record):
     """An act on something with a tool: "pound the nail [with the hammer]"."""
 
     kind: ClassVar[str] = "command"
-    goal: str  #: `pound`, `cut`, `poke`, ...
-    patient: str  #: what the tool is used on
-    tool: ObjectReference  #: the tool named, or the affordance that the act needs
-    negated: bool = False  #: whether the act is forbidden; then it must never be executed
+    goal: str  # `pound`, `cut`, `poke`, ...
+    patient: str  # what the tool is used on
+    tool: ObjectReference  # the tool named, or the affordance that the act needs
+    negated: bool = False  # whether the act is forbidden; then it must never be executed
 
 
 @dataclass(frozen=True)
 class Norm(_Record):
-    """What must or must not be done from now on, or may be: "never hand knives to children"."""
+    """What must or must not be done from now on, or may be: "never hand knives to children".
 
-    norm: str  #: `forbidden`, `obliged` or `permitted`
-    #: what is to be done; any object is `ANY_OBJECT`, and a tool that is not named, too. An
-    #: obligation with a part allows no other one.
+    In its act any object is `ANY_OBJECT`, and a tool that is not named, too. An obligation with a
+    part allows no other one.
+    """
+
+    norm: str  # `forbidden`, `obliged` or `permitted`
     act: Command | ToolCommand
-    confidence: Confidence  #: (lower, upper) in [0, 1]
-    place: str | None = None  #: where it holds; None for anywhere
-    before: Command | None = None  #: what must be done before the act
+    confidence: Confidence  # (lower, upper) in [0, 1]
+    place: str | None = None  # where it holds; None for anywhere
+    before: Command | None = None  # what must be done before the act
 
     def as_json(self) -> Json:
         """Return the norm as a JSON object, in which the act stands as a command does."""
@@ -220,8 +217,7 @@ class KindRelation(_Rule):
     """An object is of a more general kind: "a bread knife is a kind of knife"."""
 
     props: ClassVar[tuple[str, ...]] = ()  # it holds of a kind as a whole
-    kind_of: str  #: the more general kind
-    #: object, confidence, revises, source: as of a `FunctionalRule`
+    kind_of: str  # the more general kind
     object: str
     confidence: Confidence
     revises: bool = False
@@ -243,43 +239,40 @@ class ActionCommand(_Record):
 
     kind: ClassVar[str] = "command"
     goal: str
-    objects: tuple[ObjectReference, ...] = ()  #: what to act on, in the order of its parameters
+    objects: tuple[ObjectReference, ...] = ()  # what to act on, in the order of its parameters
 
 
 Act = Command | ToolCommand | ActionCommand
 
 
 @dataclass(frozen=True)
-class Plan:
+class Plan(_Record):
     """Several commands to be carried out in order: "pick up the mug and then point to it"."""
 
     kind: ClassVar[str] = "command"
+    keys: ClassVar[Mapping[str, str]] = {"steps": "plan"}
     steps: tuple[Act, ...]
-
-    def as_json(self) -> Json:
-        """Return the commands as `{"plan": [...]}`."""
-        return {"plan": [step.as_json() for step in self.steps]}
 
 
 @dataclass(frozen=True)
 class ActionCondition(_Record):
     """What must be so before an action: "only if it is empty", "unless you hold a knife"."""
 
-    state: str  #: `is`, `sees` or `holds`
-    object: str  #: the kind of object that it is about
-    property: str | None = None  #: the property that it must have, for `is`
-    negated: bool = False  #: whether it must not be so
+    state: str  # `is`, `sees` or `holds`
+    object: str  # the kind of object that it is about
+    property: str | None = None  # the property that it must have, for `is`
+    negated: bool = False  # whether it must not be so
 
 
 @dataclass(frozen=True)
 class FailureReaction(_Record):
     """What to do when a step of an action fails: exactly one of the last four is set."""
 
-    after: tuple[str, ...]  #: the failures, of those that branches of action trees handle, or `any`
-    again: int = 0  #: how often to try again
-    other: bool = False  #: whether to take another object
-    steps: tuple[Act, ...] = ()  #: what to do instead
-    stop: bool = False  #: whether the action ends there, as failed
+    after: tuple[str, ...]  # the failures, of those that branches of action trees handle, or `any`
+    again: int = 0  # how often to try again
+    other: bool = False  # whether to take another object
+    steps: tuple[Act, ...] = ()  # what to do instead
+    stop: bool = False  # whether the action ends there, as failed
 
 
 @dataclass(frozen=True)
@@ -287,14 +280,12 @@ class ActionDefinition(_Record):
     """An action that is taught: "to serve a mug, first pick it up, then put it down"."""
 
     kind: ClassVar[str] = "statement"
-    action: str  #: its verb, with its particle
-    #: the kinds of the objects that it is about, in order; `ANY_OBJECT` for any
-    parameters: tuple[str, ...]
-    steps: tuple[Act, ...]  #: the commands that it consists of, in order
-    only_if: tuple[ActionCondition, ...] = ()  #: what must be so before the first of them
-    if_fails: tuple[FailureReaction, ...] = ()  #: what to do when one of them fails
-    #: the words between its objects, as "with"; none where they are all "and"
-    links: tuple[str, ...] = ()
+    action: str  # its verb, with its particle
+    parameters: tuple[str, ...]  # the kinds of its objects in order; `ANY_OBJECT` for any
+    steps: tuple[Act, ...]  # the commands that it consists of, in order
+    only_if: tuple[ActionCondition, ...] = ()  # what must be so before the first of them
+    if_fails: tuple[FailureReaction, ...] = ()  # what to do when one of them fails
+    links: tuple[str, ...] = ()  # the words between its objects, if not all "and"
 
     @property
     def all_links(self) -> tuple[str, ...]:
@@ -334,14 +325,11 @@ class Retraction:
     """The speaker retracts a rule: "forget that"; or all that they said about an object."""
 
     kind: ClassVar[str] = "correction"
-    #: the rule to retract; None stands for the rule taught last
-    rule: Rule | KindRelation | None = None
-    #: the object all of whose rules are retracted instead, or `ANY_OBJECT`
-    about: str | None = None
-    #: the part that the last rule to hold something by it is retracted instead
-    part: str | None = None
-    is_of_told: bool = False  #: whether it names what the speaker told: "forget what I said"
-    action: str | None = None  #: the taught action that is retracted instead: "forget how to serve"
+    rule: Rule | KindRelation | None = None  # None stands for the rule taught last
+    about: str | None = None  # the object all of whose rules are retracted instead, or `ANY_OBJECT`
+    part: str | None = None  # or the last rule to hold something by this part
+    is_of_told: bool = False  # whether it names what the speaker told: "forget what I said"
+    action: str | None = None  # the taught action that is retracted instead: "forget how to serve"
 
     def as_json(self) -> Json:
         """Return the retraction as a JSON object."""
@@ -373,9 +361,8 @@ class Acknowledgement(_Record):
     """An utterance that only keeps the conversation going."""
 
     kind: ClassVar[str] = "acknowledgement"
-    #: `okay`, `thanks`, `praise`, `yes`, `no`, `greeting`, `farewell`, `apology` or `blame`
-    ack: str
-    name: str | None = None  #: how the speaker of a greeting is introduced, None when not
+    ack: str  # `okay`, `thanks`, `praise`, `yes`, `no`, `greeting`, `farewell`, `apology`, `blame`
+    name: str | None = None  # how the speaker of a greeting is introduced, None when not
 
 
 @dataclass(frozen=True)
@@ -383,8 +370,8 @@ class Control(_Record):
     """A control word, obeyed at any time: "stop", "wait", "put it down"."""
 
     kind: ClassVar[str] = "control"
-    control: str  #: `stop`, `wait`, `release`, `putDown`, `putBack` or `continue`
-    object: str | None = None  #: the object to let go of or to put down, when it is named
+    control: str  # `stop`, `wait`, `release`, `putDown`, `putBack` or `continue`
+    object: str | None = None  # the object to let go of or to put down, when it is named
 
     @property
     def is_halt(self) -> bool:
@@ -394,14 +381,16 @@ class Control(_Record):
 
 @dataclass(frozen=True)
 class Answer(_Record):
-    """A short answer to a question of Hilt: "the red one", "the second", "neither"."""
+    """A short answer to a question of Hilt: "the red one", "the second", "neither".
 
-    #: the object, part or use that it names; `ANY_OBJECT` when it names properties only
+    It names an object, a part or a use; `ANY_OBJECT` when it names properties only.
+    """
+
     name: str | None = None
-    props: tuple[str, ...] = ()  #: the properties that it names, sorted
-    is_use: bool = False  #: whether the name is that of a use
-    number: int | None = None  #: which of the choices that were offered, from 1
-    choice: str | None = None  #: `none`, `any` or `unknown` ("I don't know")
+    props: tuple[str, ...] = ()  # the properties that it names, sorted
+    is_use: bool = False  # whether the name is that of a use
+    number: int | None = None  # which of the choices that were offered, from 1
+    choice: str | None = None  # `none`, `any` or `unknown` ("I don't know")
 
     @property
     def is_dismissal(self) -> bool:
@@ -431,10 +420,10 @@ class Misunderstanding:
     """The utterance is not understood, with the reason."""
 
     kind: ClassVar[str] = "error"
-    message: str  #: one sentence for the speaker
-    where: str = ""  #: the longest span that was understood; empty when nothing was
-    expected: tuple[str, ...] = ()  #: what was expected after it
-    nearest: tuple[str, ...] = ()  #: similar sentences that would be understood, best first
+    message: str  # one sentence for the speaker
+    where: str = ""  # the longest span that was understood; empty when nothing was
+    expected: tuple[str, ...] = ()  # what was expected after it
+    nearest: tuple[str, ...] = ()  # similar sentences that would be understood, best first
 
     def as_json(self) -> Json:
         """Return the failure as a JSON object."""

@@ -111,9 +111,6 @@ class _NormReader:
             raise UninterpretableError("one_thing_at_a_time")  # that is a plan for now
         return replace(norm, norm="permitted" if name == "without" else "obliged", before=first)
 
-    def _norm(self, name: str, act: PredicateForm) -> Norm:
-        return Norm(name, self._act(act, name), self.interpreter.intervals["high"])
-
     def _within(self, form: PredicateForm) -> Iterator[Norm]:
         if form.name == "not":
             form = PredicateForm("forbidden", (form,))
@@ -130,7 +127,7 @@ class _NormReader:
             act = Command(rule.context, target, part=rule.part)
             yield Norm("forbidden" if rule.denies else "obliged", act, usual)
 
-    def _act(self, form: PredicateForm, name: str) -> Command | ToolCommand:
+    def _norm(self, name: str, form: PredicateForm) -> Norm:
         act = self.interpreter.command(form.arguments[0] if form.name == "not" else form)
         if any(part.name in {"usedFor", "notUsedFor", "other"} for part in form):
             raise UninterpretableError("norm_on_use", asks=True)
@@ -138,7 +135,7 @@ class _NormReader:
             says_its_use = name == "permitted" or act.patient == ANY_OBJECT
             if says_its_use:
                 raise UninterpretableError("say_the_use")
-        return act
+        return Norm(name, act, self.interpreter.intervals["high"])
 
 
 def _command(act: Command | ToolCommand) -> Command:

@@ -23,7 +23,7 @@ from ...ontology.evidence_operators import (
 )
 from ...ontology.yaml_reader import YamlNode, read_yaml
 from ..grammar.grammar import PREDICATES_FILE
-from ..grammar.notation import read_rule
+from ..grammar.notation_reader import read_rule
 from ..grammar.terms import NeutralTerm, Value, evaluate
 from .meaning import Confidence
 
@@ -117,10 +117,10 @@ def fill(pattern: PredicateForm, found: Mapping[str, PredicateForm]) -> Predicat
 class PredicateTable:
     """What `predicates.yaml` says of the forms of questions and fragments, by their predicates."""
 
-    asks: Mapping[str, str]  #: how questions are called that are not called like their forms
-    bare: frozenset[str]  #: the questions that may name nothing
-    named: Mapping[str, str]  #: what a question names that has one argument
-    fragments: Mapping[str, tuple[str, str]]  #: the slot that each fragment fills, and its mode
+    asks: Mapping[str, str]  # how questions are called that are not called like their forms
+    bare: frozenset[str]  # the questions that may name nothing
+    named: Mapping[str, str]  # what a question names that has one argument
+    fragments: Mapping[str, tuple[str, str]]  # the slot that each fragment fills, and its mode
 
 
 @cache
@@ -183,8 +183,8 @@ class Intention:
     """What a speaker may want, as a form like `want(sam,pass(self,knife))`."""
 
     form: PredicateForm
-    interval: Confidence  #: how sure it is, (lower, upper) in [0, 1]
-    certainty: float  #: the same in one number, in [0, 1]; 0 when it rather is not meant
+    interval: Confidence  # how sure it is, (lower, upper) in [0, 1]
+    certainty: float  # the same in one number, in [0, 1]; 0 when it rather is not meant
 
 
 def load_pragmatics(path: Path = PRAGMATICS_FILE) -> Pragmatics:

@@ -87,14 +87,6 @@ def test_the_derivation_shows_a_term_at_each_step(language: Language) -> None:
     ]
 
 
-def test_the_derivation_is_there_as_json(language: Language) -> None:
-    """The derivation can be written as JSON for other programs."""
-    derivation = language.understand("pass me the knife").derivation
-
-    assert derivation is not None
-    assert json.loads(json.dumps(derivation.as_json()))["rule"] == "CP => C"
-
-
 def test_a_failure_has_the_longest_span_understood(language: Language) -> None:
     """A failure has the longest span, what was expected after it, and similar sentences."""
     meaning = language.understand("to pass a knife grab").meaning
