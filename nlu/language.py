@@ -45,18 +45,10 @@ from .parsing.reading_filter import ReadingFilter
 from .parsing.strategies import UtteranceParser
 from .parsing.understanding import Understanding, UtteranceContext
 from .parsing.utterance_pieces import PieceReader
+from .semantics import meaning as meanings
 from .semantics.discourse import Discourse, after_offer
 from .semantics.interpretation import Interpreter
-from .semantics.meaning import (
-    TEACHING,
-    Acknowledgement,
-    Answer,
-    AskBack,
-    Confidence,
-    Control,
-    Meaning,
-    Misunderstanding,
-)
+from .semantics.meaning import Acknowledgement, AskBack, Confidence, Control, Meaning
 
 MAX_CONTROL_WORDS = 12
 
@@ -223,7 +215,7 @@ class Language:
         is_understood = rest.kind not in {"error", "ask_back"}
         if is_harmless or (is_understood and courtesy.is_formal):
             return replace(rest, text=failed.text)
-        if courtesy.kind and isinstance(failed.meaning, Misunderstanding):
+        if courtesy.kind and isinstance(failed.meaning, meanings.Misunderstanding):
             said = f"{self.answers.say(answer_to(courtesy.kind))} {failed.meaning.message}"
             return replace(failed, meaning=replace(failed.meaning, message=said))
         return None
@@ -329,7 +321,7 @@ class Language:
         is_plain = others <= {self.answers.phrases["joined"]}
         return tuple(found[n] for n in range(start, end) if n in found) if is_plain else ()
 
-    def short_answers(self, text: str, discourse: Discourse) -> list[Answer]:
+    def short_answers(self, text: str, discourse: Discourse) -> list[meanings.Answer]:
         """Return the short answers that a text may be to a question of Hilt, likeliest first."""
         tokens, known = self._tokens(text).without_breaks(), self.utterance_parser.known_words
         if self.utterance_parser.clarification.of_input(text, tokens):
@@ -396,7 +388,7 @@ class Session:
         """Return the meaning of an utterance at this point, and the session after it."""
         understood = self.language.understand(text, speaker=speaker, discourse=self.discourse)
         language = self.language
-        if isinstance(understood.meaning, TEACHING):
+        if isinstance(understood.meaning, meanings.TEACHING):
             language = language.with_words(understood.new_words)
         return understood, Session(language, understood.discourse)
 
@@ -410,9 +402,9 @@ class Session:
 
 def _is_not_understood(meaning: Meaning, text: str) -> bool:
     match meaning:
-        case Misunderstanding(where=where, expected=()):
+        case meanings.Misunderstanding(where=where, expected=()):
             return where != text.strip()  # else it was understood as a whole
-        case Misunderstanding() | AskBack(choices=() | (str(),)):
+        case meanings.Misunderstanding() | AskBack(choices=() | (str(),)):
             return True
         case _:
             return False

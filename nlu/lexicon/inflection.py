@@ -23,10 +23,7 @@ Rule: TypeAlias = tuple[re.Pattern[str], str]
 class FormTable:
     """The irregular words and the rules (pattern, replacement) of one form.
 
-    Attributes:
-        irregular: the forms of words that follow no rule.
-        rules: of these the first whose pattern is found in the word applies.
-        backwards: rules that guess the word from the form.
+    The first rule applies whose pattern is found in the word; those `backwards` guess the word.
     """
 
     irregular: Mapping[str, str]
