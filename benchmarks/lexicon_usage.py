@@ -30,7 +30,7 @@ from utterances import NEAR, Utterance, data_sets, dialogues, documented, genera
 from hilt.nlu import Language, Reading, Session
 from hilt.nlu.grammar.grammar import UnaryRule
 from hilt.nlu.grammar.word_patterns import variants
-from hilt.nlu.language_tables import LANGUAGES_FOLDER
+from hilt.nlu.language import LANGUAGES_FOLDER
 from hilt.nlu.lexicon.discourse_markers import DiscourseMarkers
 from hilt.nlu.lexicon.lexicon import Entry
 from hilt.nlu.lexicon.loader import LexiconBuilder

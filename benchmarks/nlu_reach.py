@@ -23,7 +23,7 @@ from rich.table import Table
 from utterances import NEAR, Utterance, data_sets
 
 from hilt.nlu import Language, Session
-from hilt.nlu import language_tables as loader
+from hilt.nlu import language as loader
 from hilt.ontology.errors import HiltError
 
 ENGLISH = loader.LANGUAGES_FOLDER / "english"

@@ -6,7 +6,7 @@ every text that a recogniser finds with it is understood. Hilt understands many 
 
 import random
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 
 from .generation.templates import SLOT, AnswerTemplates
@@ -55,14 +55,12 @@ _LEFT_OUT = 0.7  # how often people leave out what may be left out
 
 def grammar_of(language: Language) -> str:
     """Return the grammar of a language with the words that it knows now."""
-    rules = _rules(language)
-    lines = [HEADER, f"public <utterance> = {_either(rules['utterance'])};"]
-    lines += [
-        f"<{name}> = {_either(choices)};"
-        for name, choices in rules.items()
-        if choices and name != "utterance"
+    lines = [
+        f"<{name}> = {' | '.join(dict.fromkeys(choices))};\n"
+        for name, choices in _rules(language).items()
+        if choices
     ]
-    return "\n".join(lines) + "\n"
+    return f"{HEADER}\npublic {''.join(lines)}"
 
 
 def sentences(language: Language, count: int, rng: random.Random) -> Iterator[str]:
@@ -115,7 +113,7 @@ def _rules(language: Language) -> dict[str, list[str]]:
     stated = [sections["rules"][key] for key in ("functional", "action")]
     replies = [*sections["replies"].values(), sections["rules"]["last_taken_back"]]
     return {
-        "utterance": [f"<{kind}>" for kind in KINDS],
+        "utterance": [f"<{kind}>" for kind in KINDS],  # the first one, which is public
         "rule": list(map(form, stated)),
         "command": [
             form(text).replace("<act>", _ACTS.get(shape.split()[0], "<act>"))
@@ -146,7 +144,3 @@ def _filled(template: str, answers: AnswerTemplates) -> str:
         return agrees or _FILLED.get(f"{found[1]}:{found[2]}") or _FILLED[found[1]]
 
     return " ".join(_SILENT.sub(" ", SLOT.sub(slot, template)).split())
-
-
-def _either(choices: Iterable[str]) -> str:
-    return " | ".join(dict.fromkeys(choices))

@@ -15,16 +15,20 @@ from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache, partial
 from pathlib import Path
+from typing import NamedTuple
 
-from ..ontology.confidence import Degrees
+from ..ontology.confidence import Degrees, load_degrees
+from ..ontology.disk_cache import kept
+from ..ontology.errors import UnknownNameError
 from ..ontology.garbage_collection import paused_garbage_collection
 from ..ontology.yaml_reader import read_yaml
 from .generation.realizer import Realizer, load_realizer
 from .generation.templates import AnswerTemplates, Slot, load_answers
+from .grammar.combinators import CombinationTable
+from .grammar.grammar import Grammar, load_grammar
 from .grammar.word_patterns import load_word_lists
-from .language_tables import language_folder, load_tables
 from .lexicon.discourse_markers import ControlPhrases
-from .lexicon.inflection import Inflection
+from .lexicon.inflection import Inflection, load_inflection
 from .lexicon.learned_lexicon import LearnedLexicon
 from .lexicon.lexicon import Lexicon
 from .lexicon.loader import LexiconBuilder
@@ -45,20 +49,39 @@ from .parsing.readings import ReadingFilter
 from .parsing.strategies import UtteranceParser
 from .parsing.understanding import Understanding, UtteranceContext
 from .parsing.utterance_pieces import PieceReader
+from .semantics import meaning as meanings
+from .semantics.clause_features import FeatureReader, load_features
 from .semantics.discourse import Discourse, after_offer
 from .semantics.interpretation import Interpreter
-from .semantics.meaning import (
-    TEACHING,
-    Acknowledgement,
-    Answer,
-    AskBack,
-    Confidence,
-    Control,
-    Meaning,
-    Misunderstanding,
+from .semantics.licence_table import LicenceTable, load_licence
+from .semantics.meaning import Acknowledgement, AskBack, Confidence, Control, Meaning
+from .semantics.predicates import Pragmatics, load_pragmatics
+
+LANGUAGES_FOLDER = Path(__file__).parents[1] / "ontology"
+
+_WORD_FILES = (
+    "lexicon.yaml",
+    "clauses.yaml",
+    "attitudes.yaml",
+    "constructions.yaml",
+    "requests.yaml",
+    "conversation.yaml",
+    "fragments.yaml",
+    "norms.yaml",
 )
 
 MAX_CONTROL_WORDS = 12
+
+
+class LanguageTables(NamedTuple):
+    """What the files of a language say, apart from names and answers."""
+
+    degrees: Degrees
+    grammar: Grammar
+    builder: LexiconBuilder
+    pragmatics: Pragmatics
+    features: FeatureReader
+    licence: LicenceTable
 
 
 @dataclass(frozen=True, repr=False)
@@ -219,7 +242,7 @@ class Language:
         is_understood = rest.kind not in {"error", "ask_back"}
         if is_harmless or (is_understood and courtesy.is_formal):
             return replace(rest, text=failed.text)
-        if courtesy.kind and isinstance(failed.meaning, Misunderstanding):
+        if courtesy.kind and isinstance(failed.meaning, meanings.Misunderstanding):
             said = f"{self.answers.say(answer_to(courtesy.kind))} {failed.meaning.message}"
             return replace(failed, meaning=replace(failed.meaning, message=said))
         return None
@@ -325,7 +348,7 @@ class Language:
         is_plain = others <= {self.answers.phrases["joined"]}
         return tuple(found[n] for n in range(start, end) if n in found) if is_plain else ()
 
-    def short_answers(self, text: str, discourse: Discourse) -> list[Answer]:
+    def short_answers(self, text: str, discourse: Discourse) -> list[meanings.Answer]:
         """Return the short answers that a text may be to a question of Hilt, likeliest first."""
         tokens, known = self._tokens(text).without_breaks(), self.utterance_parser.known_words
         if self.utterance_parser.clarification.of_input(text, tokens):
@@ -392,7 +415,7 @@ class Session:
         """Return the meaning of an utterance at this point, and the session after it."""
         understood = self.language.understand(text, speaker=speaker, discourse=self.discourse)
         language = self.language
-        if isinstance(understood.meaning, TEACHING):
+        if isinstance(understood.meaning, meanings.TEACHING):
             language = language.with_words(understood.new_words)
         return understood, Session(language, understood.discourse)
 
@@ -406,9 +429,41 @@ class Session:
 
 def _is_not_understood(meaning: Meaning, text: str) -> bool:
     match meaning:
-        case Misunderstanding(where=where, expected=()):
+        case meanings.Misunderstanding(where=where, expected=()):
             return where != text.strip()  # else it was understood as a whole
-        case Misunderstanding() | AskBack(choices=() | (str(),)):
+        case meanings.Misunderstanding() | AskBack(choices=() | (str(),)):
             return True
         case _:
             return False
+
+
+def language_folder(language: str) -> Path:
+    """Return the folder of a language; `UnknownNameError` if there is none."""
+    known = [path.parent.name for path in LANGUAGES_FOLDER.glob("*/lexicon.yaml")]
+    if language not in known:
+        raise UnknownNameError("language", language, known)
+    return LANGUAGES_FOLDER / language
+
+
+def load_tables(folder: Path) -> LanguageTables:
+    """Return what the files in a folder say, a new value at each call.
+
+    It is kept for the next program until a file of language or code changes, as reading the files
+    takes several times as long. `DataError` says where a file is wrong.
+    """
+    code = Path(__file__).parent
+    sources = (*code.glob("*.py"), *code.glob("*/*.py"), *code.glob("*/*.lark"))
+    files = (*folder.glob("*.*"), *LANGUAGES_FOLDER.glob("*.*"), *sources)
+    return kept(folder.name, files, partial(_read_tables, folder))
+
+
+def _read_tables(folder: Path) -> LanguageTables:
+    degrees = load_degrees()
+    grammar = load_grammar(folder / "grammar.yaml", degrees=degrees.intervals)
+    inflection = load_inflection(folder / "inflection.yaml")
+    builder = LexiconBuilder(grammar, inflection, CombinationTable(grammar.unary))
+    for name in _WORD_FILES:
+        builder.read(folder / name)
+    features = load_features(folder / "features.yaml")
+    licence = load_licence(features.values, degrees.intervals)
+    return LanguageTables(degrees, grammar, builder, load_pragmatics(), features, licence)

@@ -26,6 +26,11 @@ class AtomicCategory:
         return self.name
 
     @property
+    def atom(self) -> AtomicCategory:
+        """The category itself."""
+        return self
+
+    @property
     def is_words(self) -> bool:
         """Whether it stands for certain words of a construction, and nothing else."""
         return self.name.startswith('"')
@@ -44,6 +49,11 @@ class Functor:
     argument: Category
     forward: bool  # whether the argument is sought to the right
     composes: bool = False  # whether the slash allows harmonic composition
+
+    @property
+    def atom(self) -> AtomicCategory:
+        """The category that is left once all arguments are found."""
+        return self.result.atom
 
     def __str__(self) -> str:
         slash = ("/" if self.forward else "\\") + ("^" if self.composes else "")

@@ -147,19 +147,10 @@ class CombinationTable:
     def _joined(self, left: tuple[Sign, ...], right: tuple[Sign, ...]) -> tuple[Joined, ...]:
         # Only functors combine, and most neighbours are not what they seek: look at the few others.
         lefts, rights = self._by_plain(left), self._by_plain(right)
-        ways = self._ways
-        pairs = [
-            (one, other)
-            for one in left
-            if ways[one].forward
-            for other in rights.get(ways[one].sought, ())
-        ]
-        pairs += [
-            (one, other)
-            for other in right
-            if ways[other].forward is False
-            for one in lefts.get(ways[other].sought, ())
-        ]
+        forward = [(n, way) for n in left if (way := self._ways[n]).forward]
+        backward = [(n, way) for n in right if (way := self._ways[n]).forward is False]
+        pairs = [(one, n) for one, way in forward for n in rights.get(way.sought, ())]
+        pairs += [(n, other) for other, way in backward for n in lefts.get(way.sought, ())]
         return tuple(
             (result, one, other, rule)
             for one, other in dict.fromkeys(pairs)

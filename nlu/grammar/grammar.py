@@ -15,7 +15,6 @@ from .categories import (
     AtomicCategory,
     Category,
     FunctionType,
-    Functor,
     Signature,
     Type,
     TypeMismatchError,
@@ -33,13 +32,13 @@ SPEECH_ACTS = ("STATEMENT", "INSTRUCT", "QUESTION", "CORRECT", "FRAGMENT", "REPL
 
 @dataclass(frozen=True)
 class UnaryRule:
-    """A change of category that needs no word."""
+    """A change of category that needs no word; its term maps the old meaning to the new one."""
 
     source: Category
     target: Category
-    term: Term  #: the function from the old meaning to the new one, and `value` its evaluation
+    term: Term
     value: Value
-    cost: float = 0.0  #: how unlikely the change is
+    cost: float = 0.0
 
     def __str__(self) -> str:
         return f"{self.source} => {self.target}"
@@ -91,11 +90,9 @@ class Grammar:
 
     def described(self, category: Category) -> str:
         """A category in words for messages; empty where nobody expects it."""
-        while isinstance(category, Functor):
-            category = category.result
-        said = self.descriptions.get(category.name)
+        said = self.descriptions.get(category.atom.name)
         if said is None:  # words of a construction, shown in the first of their spellings
-            spellings = map(" ".join, expand(compile_pattern(category.words)))
+            spellings = map(" ".join, expand(compile_pattern(category.atom.words)))
             said = f'"{next(filter(None, spellings))}"'
         return said
 

@@ -118,12 +118,10 @@ def match_pattern(
 
 def spellings(field: YamlNode) -> list[tuple[str, ...]]:
     """All that a pattern stands for, each as its words; `DataError` for over `MAX_SPELLINGS`."""
-    found: dict[tuple[str, ...], None] = {}
-    for words in expand(compile_pattern(read_words(field))):
-        found[words] = None
-        if len(found) > MAX_SPELLINGS:
-            raise field.fail(_TOO_MANY)
-    return list(found)
+    found = list(islice(expand(compile_pattern(read_words(field))), MAX_SPELLINGS + 1))
+    if len(found) > MAX_SPELLINGS:
+        raise field.fail(_TOO_MANY)
+    return list(dict.fromkeys(found))
 
 
 def read_patterns(field: YamlNode) -> Steps:

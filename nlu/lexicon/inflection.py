@@ -21,11 +21,14 @@ Rule: TypeAlias = tuple[re.Pattern[str], str]
 
 @dataclass(frozen=True)
 class FormTable:
-    """The irregular words and the rules (pattern, replacement) of one form."""
+    """The irregular words and the rules (pattern, replacement) of one form.
 
-    irregular: Mapping[str, str]  #: the forms of words that follow no rule
-    rules: tuple[Rule, ...]  #: of these the first whose pattern is found in the word applies
-    backwards: tuple[Rule, ...] = ()  #: rules that guess the word from the form
+    The first rule applies whose pattern is found in the word; those `backwards` guess the word.
+    """
+
+    irregular: Mapping[str, str]
+    rules: tuple[Rule, ...]
+    backwards: tuple[Rule, ...] = ()
 
     def of(self, word: str) -> str:
         """This form of one word."""

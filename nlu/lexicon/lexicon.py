@@ -92,10 +92,9 @@ class LexiconNode:
 
     def next(self, word: str) -> LexiconNode | None:
         """The node that a word leads to."""
-        found = self._next.get(word)
-        if found is None and word in self._following:
-            found = self._next[word] = self._lexicon.node(self._following[word])
-        return found
+        if word not in self._next and word in self._following:
+            self._next[word] = self._lexicon.node(self._following[word])
+        return self._next.get(word)
 
     def index(self, combinator: CombinationTable) -> EntryIndex:
         """The entries, sorted once."""

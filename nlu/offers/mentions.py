@@ -9,7 +9,6 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
 
-from ..grammar.categories import Category, Functor
 from ..lexicon.lexicon import Entry, Lexicon
 from ..lexicon.tokenizer import Tokens
 from ..lexicon.unknown_words import KnownWords
@@ -192,16 +191,10 @@ def _as_acts(found: Iterable[Mention], lexicon: Lexicon) -> Iterator[Mention]:
 def _known(words: tuple[str, ...], lexicon: Lexicon) -> Iterator[Mention]:
     for start in range(len(words)):
         for end, node in lexicon.nodes(words, start):
-            roles = ((_ROLES.get(_result(each.category)), each.name) for each in node.entries)
+            roles = ((_ROLES.get(each.category.atom.name), each.name) for each in node.entries)
             for role, name in dict.fromkeys(roles):
                 if role and name:
                     yield Mention(role, name, start, end)
-
-
-def _result(category: Category) -> str:
-    while isinstance(category, Functor):
-        category = category.result
-    return str(category)
 
 
 def _new(tokens: Tokens, known: KnownWords) -> Iterator[Mention]:
@@ -214,13 +207,10 @@ def _new(tokens: Tokens, known: KnownWords) -> Iterator[Mention]:
                 end = start + 1 + entry.says.count(" ")
                 is_unknown = tokens.items[start] in unknown
                 yield Mention(role, entry.name, start, end, is_new=True, is_unknown=is_unknown)
-                if role == "object" and _may_be_person(tokens.words, start):
+                first, second = ("", "", *tokens.words[:start])[-2:]
+                may_be_person = second in _BEFORE_PEOPLE and first not in {"", *_BEFORE_PLACES}
+                if role == "object" and may_be_person:
                     yield Mention("person", entry.name, start, end, True, is_unknown)
-
-
-def _may_be_person(words: tuple[str, ...], start: int) -> bool:
-    before = words[max(0, start - 2) : start]
-    return len(before) > 1 and before[1] in _BEFORE_PEOPLE and before[0] not in _BEFORE_PLACES
 
 
 def _fits(role: str, entry: Entry, words: tuple[str, ...], start: int) -> bool:

@@ -98,15 +98,15 @@ class OfferFinder:
     def mentions(self, tokens: Tokens, discourse: Discourse) -> Mentions:
         """Return what an utterance names, with its features."""
         found = find_mentions(tokens, self.known, self.degrees, discourse)
-        names = (each for each in found.names if not self._is_of_gripping(each, tokens.words))
+        names: list[Mention] = []
+        for each in found.names:  # but those that only say to grip something
+            said = tokens.words[each.start : each.end]
+            is_act = each.role == "affordance" and each.name in self.checks.reader.words["acts"]
+            is_verb = each.role in {"affordance", "act"}
+            if not is_act and (is_verb or not self.checks.words.has("gripping", *said)):
+                names.append(each)
         found = replace(found, names=tuple(names))
         return replace(found, features=self.checks.signs(found))
-
-    def _is_of_gripping(self, mention: Mention, words: Phrase) -> bool:
-        if mention.role == "affordance":
-            return mention.name in self.checks.reader.words["acts"]
-        said = words[mention.start : mention.end]
-        return mention.role != "act" and self.checks.words.has("gripping", *said)
 
     def of_corrected(self, tokens: Tokens, context: UtteranceContext) -> tuple[Meaning, ...]:
         """Return the meanings that an utterance has with its misspelled words corrected."""

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from hilt.nlu.language_tables import LanguageTables, language_folder, load_tables
+from hilt.nlu.language import LanguageTables, language_folder, load_tables
 from hilt.ontology.errors import UnknownNameError
 
 

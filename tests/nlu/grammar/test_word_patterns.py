@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from hilt.nlu.grammar.word_patterns import load_word_lists, read_patterns, spellings, variants
-from hilt.nlu.language_tables import LANGUAGES_FOLDER
+from hilt.nlu.language import LANGUAGES_FOLDER
 from hilt.ontology.errors import DataError
 from hilt.ontology.yaml_reader import YamlNode
 
