@@ -14,7 +14,8 @@ from pathlib import Path
 from ..ontology.errors import InUseError, StoreError
 from .knowledge_base import KnowledgeBase
 from .stores.base import MEMORY
-from .stores.directory import replaced_place, sync, unfinished_name
+from .stores.directory import replaced_place, unfinished_name
+from .stores.mark import sync
 from .stores.opening import open_store
 from .stores.oxigraph import open_folder
 

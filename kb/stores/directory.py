@@ -1,9 +1,4 @@
-"""The folder of a base on disk: its files, its write-ahead log, and snapshots of it.
-
-The engine puts every change into a write-ahead log (`*.log`) before it returns, and replays it when
-the folder is opened. `WriteAheadLogSync` syncs the log alone, because the engine's own `flush`
-rewrites its tables, which takes some twenty disk waits; that is done from time to time, so that the
-log stays short and a folder opens fast.
+"""The folder of a base on disk: its files, and snapshots of it.
 
 A snapshot is the folder's content at one moment, for a reader in another process. The engine's
 table files never change, so a snapshot links them and copies only the rest: milliseconds. Snapshots
@@ -16,20 +11,15 @@ import errno
 import glob
 import os
 import shutil
-import sys
 import tempfile
 import time
 import weakref
 from pathlib import Path
 
 from ...ontology.errors import StoreError
-from .mark import MARK, MarkWriter, read_mark
+from .mark import MARK, MARKER_FILE, read_mark
 
-MARKER_FILE = "CURRENT"  # the engine writes it into every folder that it makes
 SNAPSHOTS = "snapshots"
-MAX_LOGGED_CHANGES = 1_000  # after which the tables are written and the log begins anew
-# Elsewhere fdatasync does not promise what it does on Linux, so the engine's flush is used.
-_CAN_SYNC_LOG = sys.platform == "linux"
 _TRIES, _PAUSE_S = 100, 0.02
 _TABLE = ".sst"  # the suffix of the files that never change
 _NOT_COPIED = {"LOCK", "LOG", SNAPSHOTS, MARK}  # the mark is copied first
@@ -67,37 +57,6 @@ def remove_leftovers(folder: Path) -> None:
             file.unlink(missing_ok=True)
 
 
-class WriteAheadLogSync:
-    """The engine's write-ahead log of one folder, and its mark, as the owner sees them."""
-
-    def __init__(self, folder: Path) -> None:
-        """Watch the log of a folder."""
-        self._folder, self._mark = folder, MarkWriter(folder)
-        self._known = set[str]()
-        self.changes = 0  # in the log that are not in the tables yet
-
-    def sync(self, number: int) -> bool:
-        """Sync and mark the log up to an utterance; False when tables must be written instead."""
-        self.changes += 1
-        if not _CAN_SYNC_LOG or self.changes >= MAX_LOGGED_CHANGES:
-            return False
-        changed = self._mark.changed_logs()
-        for file in changed:
-            with contextlib.suppress(FileNotFoundError):  # it is in the tables by now
-                sync(file)
-        if not self._known.issuperset(file.name for file in changed):
-            sync(self._folder)  # a new file is safe only when its directory entry is on disk too
-        self._known.update(file.name for file in changed)
-        self._mark.write(number)
-        return True
-
-    def reset(self, number: int) -> None:
-        """Note that the tables hold all changes."""
-        self.changes = 0
-        self._mark.changed_logs()
-        self._mark.write(number)
-
-
 class Snapshot:
     """A new, empty folder for a snapshot, removed when nobody refers to it any more."""
 
@@ -117,11 +76,11 @@ class Snapshot:
 def take_snapshot(folder: Path) -> Snapshot:
     """A snapshot of a folder that another process writes to; StoreError if it never pauses."""
     try:
-        return _copy_until_consistent(folder, Snapshot(folder))
+        return _filled(Snapshot(folder), folder)
     except OSError as error:
         if error.errno != errno.ENOSPC:
             raise
-    return _copy_until_consistent(folder, Snapshot(None))
+    return _filled(Snapshot(None), folder)
 
 
 def _remove(path: Path, owner: int | None = None) -> None:
@@ -147,29 +106,20 @@ def remove_what_dead_processes_left(folder: Path) -> None:
             _remove(left)
 
 
-def _copy_until_consistent(folder: Path, snapshot: Snapshot) -> Snapshot:
+def _filled(snapshot: Snapshot, folder: Path) -> Snapshot:
     for _ in range(_TRIES):
-        if _copy(folder, snapshot.path):
-            return snapshot
+        before = _state(folder)
+        if marked := read_mark(folder):
+            (snapshot.path / MARK).write_bytes(marked)
+        with contextlib.suppress(FileNotFoundError):  # the engine has merged files meanwhile
+            for name in before:
+                _copy_file(folder / name, snapshot.path / name)
+            if _state(folder) == before:
+                return snapshot
+        for file in snapshot.path.iterdir():
+            file.unlink()
         time.sleep(_PAUSE_S)
     raise StoreError(f'The knowledge base "{folder}" is too busy to be read. Try again.')
-
-
-def _copy(folder: Path, target: Path) -> bool:
-    before = _state(folder)
-    if marked := read_mark(folder):
-        (target / MARK).write_bytes(marked)
-    try:
-        for name in before:
-            _copy_file(folder / name, target / name)
-    except FileNotFoundError:  # the engine has merged files meanwhile
-        pass
-    else:
-        if _state(folder) == before:
-            return True
-    for file in target.iterdir():
-        file.unlink()
-    return False
 
 
 def _state(folder: Path) -> dict[str, int]:
@@ -201,16 +151,5 @@ def _is_alive(process: str) -> bool:
     except ProcessLookupError:
         return False
     except (ValueError, OverflowError, PermissionError):
-        return True
+        pass
     return True
-
-
-def sync(path: Path) -> None:
-    """Wait until a file or the entries of a folder are on disk."""
-    if path.is_dir() and os.name == "nt":  # folders cannot be opened there
-        return
-    handle = os.open(path, os.O_RDONLY)
-    try:
-        os.fsync(handle) if path.is_dir() else getattr(os, "fdatasync", os.fsync)(handle)
-    finally:
-        os.close(handle)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from ...ontology.errors import DataError, HiltError, InUseError, QueryError, StoreError
 from ..sparql.query_text import syntax_message
-from .directory import MARKER_FILE
+from .mark import MARKER_FILE
 
 _REMOTE_CONTEXT = "LoadDocumentCallback"  # what pyoxigraph says of a JSON-LD context elsewhere
 _NO_SPACE = "No space left"

@@ -1,4 +1,9 @@
-"""The mark of what was acknowledged: a small file beside the engine's own.
+"""The write-ahead log of a folder, and the mark of what was acknowledged, a small file beside it.
+
+The engine puts every change into a write-ahead log (`*.log`) before it returns, and replays it when
+the folder is opened. `WriteAheadLogSync` syncs the log alone, because the engine's own `flush`
+rewrites its tables, which takes some twenty disk waits; that is done from time to time, so that the
+log stays short and a folder opens fast.
 
 The engine replays its log up to the first damaged record, and says nothing of those behind it. So
 the mark has the length and the checksum of each log after the last acknowledged write, and of the
@@ -12,6 +17,7 @@ written after the log is safe, so that it never promises more.
 import contextlib
 import json
 import os
+import sys
 import time
 import zlib
 from collections.abc import Iterator, Mapping
@@ -22,32 +28,57 @@ from ...ontology.errors import StoreError
 
 End: TypeAlias = "tuple[int, int]"  # of what a file held: in bytes, and their CRC-32
 
-MARK = "acknowledged"  # its file
+MARKER_FILE = "CURRENT"  # of the engine, in every folder; it names the manifest that counts
+MARK = "acknowledged"  # the file of the mark
+MAX_LOGGED_CHANGES = 1_000  # after which the tables are written and the log begins anew
+# Elsewhere fdatasync does not promise what it does on Linux, so the engine's flush is used.
+_CAN_SYNC_LOG = sys.platform == "linux"
 _SECTOR = 512  # bytes
 _TRIES, _PAUSE_S = 5, 0.02  # it may be that another process, which owns the folder, was writing
-_CURRENT = "CURRENT"  # the engine's file that names the manifest that counts
 _CRC_32C = 0x82F63B78  # its polynomial
 _BLOCK, _HEADER, _LOG_HEADER = 2**15, 7, 11  # bytes, of the engine's manifest and logs
 
 
-class MarkWriter:
-    """Keeps the mark of a folder, as the folder's owner."""
+class WriteAheadLogSync:
+    """The engine's write-ahead log of one folder, and its mark, as the owner sees them."""
 
     def __init__(self, folder: Path) -> None:
         """Start with nothing known of the files."""
         self._folder = folder
         self._logs: dict[str, End] = {}
         self._manifests: dict[str, End] = {}
+        self._known = set[str]()  # logs whose directory entry is on disk
+        self.changes = 0  # in the log that are not in the tables yet
 
-    def changed_logs(self) -> list[Path]:
-        """The logs that hold more than when this was asked last."""
+    def sync(self, number: int) -> bool:
+        """Sync and mark the log up to an utterance; False when tables must be written instead."""
+        self.changes += 1
+        if not _CAN_SYNC_LOG or self.changes >= MAX_LOGGED_CHANGES:
+            return False
+        changed = self._changed_logs()
+        for name in changed:
+            with contextlib.suppress(FileNotFoundError):  # it is in the tables by now
+                sync(self._folder / name)
+        if not self._known.issuperset(changed):
+            sync(self._folder)  # a new file is safe only when its directory entry is on disk too
+        self._known.update(changed)
+        self._write_mark(number)
+        return True
+
+    def reset(self, number: int) -> None:
+        """Note that the tables hold all changes."""
+        self.changes = 0
+        self._changed_logs()
+        self._write_mark(number)
+
+    def _changed_logs(self) -> list[str]:
         before, self._logs = self._logs, {}
         for file in self._folder.glob("*.log"):
             with contextlib.suppress(FileNotFoundError):  # it is in the tables by now
                 self._logs[file.name] = _log_end(file, *before.get(file.name, (0, 0)))
-        return [self._folder / name for name, end in self._logs.items() if before.get(name) != end]
+        return [name for name, end in self._logs.items() if before.get(name) != end]
 
-    def write(self, number: int) -> None:
+    def _write_mark(self, number: int) -> None:
         """Mark what the manifest holds, and the logs when they were looked at; it is on disk then.
 
         `number` is that of the last utterance.
@@ -62,6 +93,17 @@ class MarkWriter:
             getattr(os, "fdatasync", os.fsync)(handle)
         finally:
             os.close(handle)
+
+
+def sync(path: Path) -> None:
+    """Wait until a file or the entries of a folder are on disk."""
+    if path.is_dir() and os.name == "nt":  # folders cannot be opened there
+        return
+    handle = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(handle) if path.is_dir() else getattr(os, "fdatasync", os.fsync)(handle)
+    finally:
+        os.close(handle)
 
 
 def read_mark(folder: Path) -> bytes:
@@ -89,7 +131,7 @@ def check_files(folder: Path, name: str) -> int:
     for _ in range(_TRIES):
         found: list[Any] = json.loads(read_mark(folder)[9:] or b"[0, {}]")
         number, files = found[0], {one: (end[0], end[1]) for one, end in found[1].items()}
-        problem = _damage(folder, files) if (folder / _CURRENT).exists() else ""
+        problem = _damage(folder, files) if (folder / MARKER_FILE).exists() else ""
         if not problem:
             return number
         time.sleep(_PAUSE_S)
@@ -103,7 +145,7 @@ def check_number(found: int, number: int, name: str) -> None:
 
 
 def _manifest(folder: Path) -> str:
-    return (folder / _CURRENT).read_text(encoding="ascii", errors="replace").strip()
+    return (folder / MARKER_FILE).read_text(encoding="ascii", errors="replace").strip()
 
 
 def _end(file: Path, at: int = 0, crc: int = 0, most: int | None = None) -> End:

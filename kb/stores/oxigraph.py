@@ -30,9 +30,8 @@ from ..sparql import results
 from ..sparql.query_text import delete_insert, keywords
 from . import directory
 from .base import MEMORY, last_utterance
-from .directory import WriteAheadLogSync
 from .errors import open_error, translated_errors
-from .mark import check_files, check_number
+from .mark import WriteAheadLogSync, check_files, check_number
 from .query_subprocess import WorkerProcess
 from .rdf_text import from_engine, named_node, quad_from_engine, quad_to_engine, to_engine
 

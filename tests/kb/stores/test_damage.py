@@ -34,8 +34,8 @@ FLIPS = int(os.environ.get("HILT_FLIPS", "20"))
 MAKER = """
 import os, sys
 from hilt.kb import Interval, KnowledgeBase, functional
-from hilt.kb.stores import directory
-directory.MAX_LOGGED_CHANGES = 30  # so that the tables are written now and then
+from hilt.kb.stores import mark
+mark.MAX_LOGGED_CHANGES = 30  # so that the tables are written now and then
 place, end, *counts = sys.argv[1:]
 for count in counts:
     kb = KnowledgeBase.open(place)
