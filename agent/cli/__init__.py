@@ -81,34 +81,28 @@ def _run(command: Any, arguments: Sequence[str], *, debug: bool) -> int:
     except typer.Abort:
         return INTERRUPTED
     except Exception as error:
-        code = _code_of(error)
-        if code is None:
+        is_expected = isinstance(error, errors.HiltError | OSError)
+        if not is_expected and not hasattr(error, "format_message"):
             raise  # no mistake of who typed this
         if debug:
             traceback.print_exc()
-        told = error if isinstance(error, errors.HiltError) else _in_words(error)
+        told, code = _told(error)
         report_error(told, as_json="--json" in arguments)
         return code
 
 
-def _code_of(error: Exception) -> int | None:
+def _told(error: Any) -> tuple[errors.HiltError | str, int]:
     if isinstance(error, errors.HiltError):
         is_wrong = isinstance(error, UNREADABLE) and not isinstance(error, MISSED)
-        return WRONG_USAGE if is_wrong else FAILED
-    if hasattr(error, "format_message"):
-        return WRONG_USAGE
-    return FAILED if isinstance(error, OSError) else None
-
-
-def _in_words(error: Exception) -> str:
+        return error, WRONG_USAGE if is_wrong else FAILED
     if isinstance(error, OSError):
         what = f"{error.filename}: cannot be read or" if error.filename else "The output cannot be"
-        return f"{what} written: {error.strerror or error}."
-    message: str = error.format_message().rstrip(".")  # pyright: ignore[reportAttributeAccessIssue]
+        return f"{what} written: {error.strerror or error}.", FAILED
+    message: str = error.format_message().rstrip(".")
     context = getattr(error, "ctx", None)
     path = context.command_path if context else "hilt"
     stop = "" if message.endswith("?") else "."
-    return f"{message}{stop} Run: {path} --help"
+    return f"{message}{stop} Run: {path} --help", WRONG_USAGE
 
 
 def _reordered(command: Any, arguments: Sequence[str]) -> list[str]:

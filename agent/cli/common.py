@@ -27,7 +27,6 @@ if TYPE_CHECKING:
     from ...kb.bulk.reconciliation import ImportSummary
     from ...kb.knowledge_base import KnowledgeBase
     from ..agent import Agent
-    from ..dialogue.reply import Reply
 
 FAILED = 1  # exit code
 STDIN = "-"  # instead of a text
@@ -142,18 +141,14 @@ def converse(
         elif reply.ending == "not_understood":
             report_error(reply.said)
         else:
-            _show_reply(agent, reply)
+            out, console = terminal(), presentation.console
+            out.print(console.turn(reply))
+            if reply.result and reply.result.steps:
+                out.print(console.goal_result(reply.result, agent.quote))
+            if reply.ending == "refused" and agent.base.trust(reply.speaker) is None:
+                what_to_do = f"Run: hilt trust {shlex.quote(reply.speaker)} DEGREE"
+                typer.echo(f"Nobody has said how far to trust them. {what_to_do}", err=True)
     exit_with(done)
-
-
-def _show_reply(agent: Agent, reply: Reply) -> None:
-    out, console = terminal(), presentation.console
-    out.print(console.turn(reply))
-    if reply.result and reply.result.steps:
-        out.print(console.goal_result(reply.result, agent.quote))
-    if reply.ending == "refused" and agent.base.trust(reply.speaker) is None:
-        what_to_do = f"Run: hilt trust {shlex.quote(reply.speaker)} DEGREE"
-        typer.echo(f"Nobody has said how far to trust them. {what_to_do}", err=True)
 
 
 def utterances(text: str) -> Iterator[str]:
@@ -252,10 +247,7 @@ def announce(document: object, text: str, *, as_json: bool, err: bool = False) -
 
 
 def write_svg(path: Path, svg: str) -> None:
-    """Write a picture to a file, whose name must end in .svg.
-
-    DataError if it does not, or the file cannot be written.
-    """
+    """Write a picture to a file; DataError if its name does not end in .svg, or it cannot be."""
     if path.suffix.lower() != ".svg":
         raise DataError("expected a file ending in .svg.", source=str(path))
     write_bytes(path, svg.encode())
@@ -277,7 +269,9 @@ def exit_with(done: bool) -> None:
 
 def report_error(error: HiltError | str, *, as_json: bool = False) -> None:
     """Print a line on stderr for each mistake; on a terminal also the text, with a caret."""
-    several = _mistakes(error)
+    several = (isinstance(error, DataError) and error.mistakes) or (error,)
+    if isinstance(error, ValidationError):
+        several = error.findings
     if as_json:
         print_json({"errors": [_as_json(one) for one in several]}, err=True)
         return
@@ -293,9 +287,3 @@ def _as_json(error: HiltError | str) -> dict[str, object]:
     kind = "Error" if isinstance(error, str) else type(error).__name__
     places = ("source", "line", "column") if isinstance(error, DataError) else ()
     return {"type": kind, "message": str(error), **{name: getattr(error, name) for name in places}}
-
-
-def _mistakes(error: HiltError | str) -> Sequence[HiltError | str]:
-    if isinstance(error, ValidationError):
-        return error.findings
-    return (isinstance(error, DataError) and error.mistakes) or (error,)

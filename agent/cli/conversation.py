@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Generator
-from contextlib import ExitStack, contextmanager, nullcontext
+from contextlib import ExitStack, nullcontext
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
@@ -15,9 +14,6 @@ from .. import presentation
 from ..config import AgentConfig
 from . import common, options
 from .options import AsJson, Kb, Speaker, app, example, with_config
-
-if TYPE_CHECKING:
-    from ..agent import Agent
 
 
 @app.command(epilog=example("demo --no-sim"))
@@ -81,20 +77,13 @@ def do(
     from ..agent import Agent
 
     said = common.read_alternatives(alternatives, text)
-    with Agent.open(kb, config) as agent, _filmed(agent, record):
+    with Agent.open(kb, config) as agent, ExitStack() as filming:
+        if record and not agent.simulate:
+            raise typer.BadParameter("--record films a robot. Leave out --no-sim.")
+        if record:
+            filming.callback(typer.echo, f"Film written to {record}.", err=True)  # also if it fails
+            filming.enter_context(agent.filmed(record))
         common.converse(agent, text, speaker, "do", heard=heard, alternatives=said, as_json=as_json)
-
-
-@contextmanager
-def _filmed(agent: Agent, path: Path | None) -> Generator[None]:
-    if path is None:
-        yield
-        return
-    if not agent.simulate:
-        raise typer.BadParameter("--record films a robot. Leave out --no-sim.")
-    with ExitStack() as afterwards, agent.filmed(path):
-        afterwards.callback(typer.echo, f"Film written to {path}.", err=True)  # also if it fails
-        yield
 
 
 @app.command(epilog=example('ask "how do you pass a knife?"'))

@@ -4,16 +4,13 @@ from __future__ import annotations
 
 from contextlib import nullcontext
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from ...ontology.errors import check_simulator
 from .common import exit_with, print_json, terminal
 from .options import AsJson, Seed, app, example
-
-if TYPE_CHECKING:
-    from ..evaluation.reports.report import EvaluationReport
 
 What = Annotated[
     str | None,
@@ -49,8 +46,9 @@ Reports = Annotated[
     typer.Option("--report", help="A file for the report: .html, .json or .csv; more than one."),
 ]
 Resume = Annotated[bool, typer.Option("--resume", help="Go on with the run that --out holds.")]
-
 Cases = Annotated[bool, typer.Option("--cases", help="Print a table of all cases too.")]
+
+OPTIONS = ("sim", "scenes", "scenarios", "gap", "poses", "trials", "curves", "file")  # if given
 
 
 @app.command(epilog=example("evaluate paper --report paper.html"))
@@ -83,6 +81,7 @@ def evaluate(  # noqa: PLR0917 - every option is a parameter
     under failing vision, hearing and teachers, as curves. custom: objects, norms and scenes of your
     own, from FILE. facts: a table of object, use and share, from FILE.
     """
+    given = locals()
     if what is None:
         raise typer.BadParameter("name an evaluation.")
     if resume and out is None:
@@ -92,20 +91,10 @@ def evaluate(  # noqa: PLR0917 - every option is a parameter
     from ..evaluation.runners.journal import RunJournal
     from ..evaluation.runners.runner import make_runner, run_experiment
 
-    given = {
-        "sim": sim or None,
-        "scenes": scenes,
-        "scenarios": scenarios,
-        "gap": gap,
-        "poses": poses,
-        "trials": trials,
-        "curves": curves,
-        "file": str(file or data) if file or data else None,
-        "seed": seed,
-    }
     for path in report_to or ():
         check_format(path)
-    options = {name: value for name, value in given.items() if value is not None}
+    given = given | {"file": str(file or data or "")}
+    options = {name: given[name] for name in OPTIONS if given[name]} | {"seed": seed}
     experiment = make_experiment(what, options)
     if experiment.simulates:
         check_simulator()
@@ -121,13 +110,9 @@ def evaluate(  # noqa: PLR0917 - every option is a parameter
     if as_json:
         print_json(report.as_json())
     else:
-        _show(report, cases=show_cases)
+        for table in (report.table() if show_cases else None, report.points()):
+            if table is not None:
+                terminal().print(table)
+        for line in report.lines():
+            terminal().print(line, markup=False, highlight=False, soft_wrap=True)
     exit_with(report.is_right)
-
-
-def _show(report: EvaluationReport, *, cases: bool) -> None:
-    for table in (report.table() if cases else None, report.points()):
-        if table is not None:
-            terminal().print(table)
-    for line in report.lines():
-        terminal().print(line, markup=False, highlight=False, soft_wrap=True)

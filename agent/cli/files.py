@@ -16,7 +16,6 @@ from . import common
 from .options import AsJson, DryRun, Kb, app, example
 
 if TYPE_CHECKING:
-    from ...kb.formats.ontology import OntologySummary
     from ...kb.validation import ValidationFinding
 
 FORMATS = "turtle, turtle12, ntriples, rdfxml, trig, nquads, jsonld, sheet (YAML), csv, graphml"
@@ -71,7 +70,12 @@ def import_(
 
         with common.open_to_change(kb, dry_run=dry_run) as base:
             read = import_ontology(base, file, name=name, format=file_format, dry_run=dry_run)
-        _show_ontology(read, dry_run=dry_run, as_json=as_json)
+        summary = {"applied": not dry_run, **read.as_json()}
+        text = (
+            f"{'Would read' if dry_run else 'Read'} {counted(read.statements, 'statement')} into "
+            f"{summary['graph']}: {read.added} new, {read.removed} gone."
+        )
+        common.announce(summary, text, as_json=as_json, err=True)
         return
     if as_ != "rules":
         raise DataError(f'expected "rules" or "ontology", found "{as_}".', source="--as")
@@ -81,15 +85,6 @@ def import_(
     with common.open_to_change(kb, dry_run=dry_run) as base, _progress("Reading", size) as advance:
         found = import_file(base, file, format=file_format, dry_run=dry_run, progress=advance)
     common.show_import(found, file, dry_run=dry_run, as_json=as_json)
-
-
-def _show_ontology(found: OntologySummary, *, dry_run: bool, as_json: bool) -> None:
-    summary = {"applied": not dry_run, **found.as_json()}
-    text = (
-        f"{'Would read' if dry_run else 'Read'} {counted(found.statements, 'statement')} into "
-        f"{summary['graph']}: {found.added} new, {found.removed} gone."
-    )
-    common.announce(summary, text, as_json=as_json, err=True)
 
 
 @contextmanager
@@ -163,7 +158,10 @@ def _findings_in_file(file: str, file_format: str | None) -> list[ValidationFind
 
     with closing(read_file(file, format=file_format)) as staged, _progress("Checking") as progress:
         found = findings(staged, progress=progress)
-    return locate_findings(found, _text(file) if found else "")
+    path = Path(file)
+    has_lines = path.suffix.lower() in WITH_LINES and path.stat().st_size <= MOST_TEXT
+    text = path.read_text(encoding="utf-8", errors="replace") if found and has_lines else ""
+    return locate_findings(found, text)
 
 
 def _findings_in_base(kb: str | None, *, deep: bool) -> list[ValidationFinding]:
@@ -174,13 +172,6 @@ def _findings_in_base(kb: str | None, *, deep: bool) -> list[ValidationFinding]:
         if deep and isinstance(base.store, EmbeddedStore):
             base.store.check_tables()
         return findings(base.store, whole=True, progress=progress)
-
-
-def _text(file: str) -> str:
-    path = Path(file)
-    if path.suffix.lower() not in WITH_LINES or path.stat().st_size > MOST_TEXT:
-        return ""
-    return path.read_text(encoding="utf-8", errors="replace")
 
 
 @app.command(epilog=example("backup saved/"))

@@ -22,9 +22,7 @@ from .options import AsJson, DryRun, Gui, Kb, Record, Speaker, app, example
 from .rules import Object
 
 if TYPE_CHECKING:
-    from ...kb.history import Utterance
     from ...kb.knowledge_base import KnowledgeBase
-    from ...kb.rule import Rule
 
 ADDRESSES = ("http://", "https://", "memory:")
 By = Annotated[str | None, typer.Option(help="Only what this one said.")]
@@ -54,7 +52,11 @@ def history(
     with common.open_for_reading(kb) as base:
         rule = find_rule(base, about) if about else None
         said = base.history(since=since or 0, newest_first=True)  # so that the last come at once
-        shown = [*islice((one for one in said if _is_wanted(one, speaker, rule)), last)][::-1]
+        if speaker:
+            said = (one for one in said if one.speaker.casefold() == speaker.casefold())
+        if rule:
+            said = (one for one in said if rule.id in one.asserts + one.retracts + one.supersedes)
+        shown = [*islice(said, last)][::-1]
     common.show(shown, presentation.console.history, as_json=as_json)
 
 
@@ -226,13 +228,6 @@ def replay(
         quote = partial(presentation.console.replay_result, quote=lambda n: base.utterance(n).text)
         common.show(found, quote, as_json=as_json)
     common.exit_with(not found.differences)
-
-
-def _is_wanted(utterance: Utterance, speaker: str | None, rule: Rule | None) -> bool:
-    touched = (*utterance.asserts, *utterance.retracts, *utterance.supersedes)
-    return (speaker is None or utterance.speaker.casefold() == speaker.casefold()) and (
-        rule is None or rule.id in touched
-    )
 
 
 def _forgotten(base: KnowledgeBase, what: list[str], speaker: str) -> str:

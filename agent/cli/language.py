@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, cast
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -137,21 +137,15 @@ def _session(lexicon: Path | None) -> Session:
 
 def _parse_file(session: Session, path: Path, speaker: str) -> None:
     for number, line in enumerate(read_text(path).split("\n"), start=1):
-        if line.strip():
-            text, before = _case(line, str(path), number)
-            found, _ = session.after(before, speaker=speaker).hear(text, speaker=speaker)
-            print_json(found.as_json())
-
-
-def _case(line: str, source: str, number: int) -> tuple[str, list[str]]:
-    try:
-        document: object = json.loads(line)
-    except ValueError as error:
-        raise DataError(f"expected JSON: {error}.", source=source, line=number) from error
-    case = cast("dict[str, object]", document) if isinstance(document, dict) else {}
-    text, given = case.get("text"), case.get("before") or []
-    before = cast("list[object]", given) if isinstance(given, list) else [given]
-    if not isinstance(text, str) or not all(isinstance(each, str) for each in before):
-        problem = 'expected {"text": ..., "before": [...]} with texts.'
-        raise DataError(problem, source=source, line=number)
-    return text, [str(each) for each in before]
+        if not line.strip():
+            continue
+        try:
+            case: dict[str, Any] = json.loads(line)
+            text, before = case["text"], case.get("before", [])
+            if isinstance(before, str) or not all(isinstance(t, str) for t in (text, *before)):
+                raise TypeError
+        except (AttributeError, KeyError, TypeError, ValueError) as error:
+            problem = 'expected JSON, {"text": ..., "before": [...]} with texts.'
+            raise DataError(problem, source=str(path), line=number) from error
+        found, _ = session.after(before, speaker=speaker).hear(text, speaker=speaker)
+        print_json(found.as_json())

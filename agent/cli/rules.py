@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
@@ -14,12 +14,6 @@ from .. import presentation
 from ..presentation.plain_text import counted
 from . import common
 from .options import AsJson, DryRun, Kb, Speaker, app, example
-
-if TYPE_CHECKING:
-    from networkx import MultiDiGraph
-
-    from ...kb.sparql.named_queries import NamedQuery
-    from ...kb.sparql.results import QueryResult
 
 MOST_RULES = 500  # in one picture; nobody finds anything in more
 Object = Annotated[str | None, typer.Option("--object", help="About this object.")]
@@ -120,7 +114,7 @@ def graph(
     as_json: AsJson = False,
 ) -> None:
     """Draw the rules as a graph, coloured by context; --json prints it and draws nothing."""
-    from ...kb.formats.graphml import graph_of
+    from ...kb.formats.graphml import draw_graph, graph_of
     from ...kb.views import parse_moment, view
 
     moment = None if at is None else parse_moment(at)
@@ -142,7 +136,10 @@ def graph(
             "GraphML.",
             source=file,
         )
-    _write_picture(found, file)
+    suffix = ".svg" if file == common.STDIN else Path(file).suffix.lower()
+    if suffix not in {".svg", ".png"}:
+        raise DataError(f'the extension "{suffix}" is no picture; use .svg or .png.', source=file)
+    common.write_bytes(file, draw_graph(found, suffix[1:]))
     typer.echo(f"Drew {counted(len(rules), 'rule')} into {file}.", err=True)
 
 
@@ -177,13 +174,20 @@ def query(
         raise QueryError(
             "No query was given. Give the name of a named query, or SPARQL; --list shows the names."
         )
+    from ...kb.sparql.named_queries import named_query, read_query
     from ...kb.sparql.results import QueryLimits
+    from ...kb.stores.rdf_text import write_result
 
-    asked = _asked(question)
+    text = common.read_sparql(question)
+    is_name = text == question and all(sign.isalnum() or sign == "-" for sign in text)
+    asked = named_query(text) if is_name else read_query(text)
     bindings = asked.bindings(_arguments(arg or ()))
     with common.open_for_reading(kb) as base, common.spinner("Searching"):
         found = base.query(asked.text, bindings, limits=QueryLimits(timeout, memory))
-    _print_result(found, "json" if as_json else format_)
+    if format_ == TABLE and not as_json:
+        common.terminal().print(presentation.console.results(found))
+    else:
+        typer.echo(write_result(found, "json" if as_json else format_), nl=False)
 
 
 @app.command(epilog=example("update change.ru --dry-run"))
@@ -211,23 +215,6 @@ def update(
     common.announce(found, done, as_json=as_json, err=True)
 
 
-def _write_picture(graph: MultiDiGraph[str], file: str) -> None:
-    from ...kb.formats.graphml import draw_graph
-
-    suffix = ".svg" if file == common.STDIN else Path(file).suffix.lower()
-    if suffix not in {".svg", ".png"}:
-        raise DataError(f'the extension "{suffix}" is no picture; use .svg or .png.', source=file)
-    common.write_bytes(file, draw_graph(graph, suffix[1:]))
-
-
-def _asked(question: str) -> NamedQuery:
-    from ...kb.sparql.named_queries import named_query, read_query
-
-    text = common.read_sparql(question)
-    is_name = text == question and all(sign.isalnum() or sign == "-" for sign in text)
-    return named_query(text) if is_name else read_query(text)
-
-
 def _arguments(given: Sequence[str]) -> dict[str, list[str]]:
     found: dict[str, list[str]] = {}
     for one in given:
@@ -236,15 +223,6 @@ def _arguments(given: Sequence[str]) -> dict[str, list[str]]:
             raise QueryError(f'"{one}" gives no value: expected NAME=VALUE.')
         found.setdefault(name, []).append(value)
     return found
-
-
-def _print_result(found: QueryResult, format_: str) -> None:
-    from ...kb.stores.rdf_text import write_result
-
-    if format_ == TABLE:
-        common.terminal().print(presentation.console.results(found))
-    else:
-        typer.echo(write_result(found, format_), nl=False)
 
 
 def _list_queries(*, as_json: bool) -> None:

@@ -7,13 +7,14 @@ has one in the scene.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 
+import yaml
+
 from ...kb.rule import DEFAULT_SPEAKER
-from ...ontology.yaml_reader import read_yaml
 
 SCENARIOS_FILE = Path(__file__).with_name("scenarios.yaml")
 LEVELS = ("generally", "often", "sometimes", "occasionally")  # highest first
@@ -28,7 +29,7 @@ class LearningScenario:
 
     name: str
     #: affordance -> level -> the objects of that level
-    affordances: Mapping[str, Mapping[str, tuple[str, ...]]]
+    affordances: Mapping[str, Mapping[str, Sequence[str]]]
     #: object -> context -> the part to grasp; every object has an entry
     grasps: Mapping[str, Mapping[str, str]]
     #: the words of confidence in descending order; grasps are taught with the first
@@ -103,14 +104,6 @@ def command(action: str, affordance: str) -> str:
 @cache
 def load_scenarios() -> tuple[LearningScenario, LearningScenario]:
     """Return Scenario A, which the file contains, and Scenario B, its mirror image."""
-    top = read_yaml(SCENARIOS_FILE).entries(required={"affordances", "grasps"}, optional=())
-    affordances = {
-        name: {level: names.texts() for level, names in spec.entries(optional=LEVELS).items()}
-        for name, spec in top["affordances"].entries().items()
-    }
-    grasps = {
-        name: {context: part.text() for context, part in spec.entries(optional=CONTEXTS).items()}
-        for name, spec in top["grasps"].entries().items()
-    }
-    scenario = LearningScenario("A", affordances, grasps)
+    file = yaml.safe_load(SCENARIOS_FILE.read_text(encoding="utf-8"))
+    scenario = LearningScenario("A", **file)
     return scenario, scenario.mirrored("B")

@@ -7,9 +7,10 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterable, Sequence
+from datetime import datetime
 from itertools import islice
 from operator import attrgetter
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 from rich.console import Console, ConsoleOptions, Group, RenderableType, RenderResult
 from rich.markup import escape
@@ -25,8 +26,6 @@ from ...ontology.vocabulary import prefixed
 from .plain_text import counted, printable
 
 if TYPE_CHECKING:
-    from datetime import datetime
-
     from ...inference.experience import GraspRecord, TeacherRecord
     from ...inference.explanation import Counterfactual
     from ...inference.induction import InducedRule
@@ -86,10 +85,13 @@ def grid(rows: Iterable[Iterable[Text | str]]) -> Table:
 def table(
     columns: Sequence[str], rows: Iterable[Iterable[object]], *counts: str, **more: Any
 ) -> Table:
-    """Return a table of texts; `counts` is the noun of its rows, and its plural if irregular."""
+    """Return a table of texts; `counts` is the noun of its rows, and its plural if irregular.
+
+    Times are shown as those of this place, and sets in alphabetical order.
+    """
     found = RecordTable(*(Column(each, overflow="fold") for each in columns), **more)
     for row in rows:
-        found.add_row(*(cell if isinstance(cell, Text) else escape(str(cell)) for cell in row))
+        found.add_row(*map(_cell, row))
     if counts:
         found.caption = counted(found.row_count, *counts)
     return found
@@ -100,12 +102,14 @@ def yes_or_no(is_so: bool) -> Text:
     return Text("yes", "green") if is_so else Text("no", "red")
 
 
-def _listed(found: Iterable[object]) -> str:
-    return ", ".join(sorted(map(str, found)))
-
-
-def _time(moment: datetime) -> str:
-    return moment.astimezone().strftime("%Y-%m-%d %H:%M:%S")
+def _cell(value: object) -> Text | str:
+    if isinstance(value, Text):
+        return value
+    if isinstance(value, datetime):
+        return value.astimezone().strftime("%Y-%m-%d %H:%M:%S")
+    if isinstance(value, frozenset):
+        return escape(", ".join(sorted(map(str, cast("frozenset[object]", value)))))
+    return "" if value is None else escape(str(value))
 
 
 def turn(reply: Reply) -> RenderableType:
@@ -135,15 +139,9 @@ def understanding(found: Understanding) -> RenderableType:
 
 def rules(found: Iterable[Rule]) -> Table:
     """A table of rules with interval and source."""
-    rows = (
-        (_digits(rule), rule_text(rule), rule.interval, rule.speaker, rule.utterance)
-        for rule in found
-    )
+    ids = ((rule, rule.id.removeprefix("rule/")[:SHOWN_DIGITS]) for rule in found)
+    rows = ((id_, rule_text(r), r.interval, r.speaker, r.utterance) for r, id_ in ids)
     return table(("id", "rule", "interval", "speaker", "utterance"), rows, "rule")
-
-
-def _digits(rule: Rule) -> str:
-    return rule.id.removeprefix("rule/")[:SHOWN_DIGITS]
 
 
 def sentences(found: Iterable[Rule], describe: Callable[[Rule], str]) -> RenderableType:
@@ -167,20 +165,22 @@ def walk(steps: Sequence[WalkStep]) -> Tree:
         parent, _, name = step.node.rpartition("/")
         branch = branches.get(parent, tree).add(Text(name, "bold"))
         branches[step.node] = branch
-        for operation, result in _operations(step):
+        seen = ", ".join(f"{name} {sure:.2f}" for name, sure in step.percepts.items())
+        bound = step.constraint
+        what = f"{_by_part(bound.object, bound.part)} {bound.interval}" if bound else ""
+        operations = {
+            "getFeatures": ", ".join(step.features) or "none",
+            "visual search": seen or ("nothing seen" if step.features else "not needed"),
+            "getAffordance": what or "no constraint",
+            "action": step.action.replace("_", " "),
+        }
+        for operation, result in operations.items():
             branch.add(Text.assemble((f"{operation:<15}", "dim"), result))
     return tree
 
 
-def _operations(step: WalkStep) -> Iterable[tuple[str, str]]:
-    seen = ", ".join(f"{name} {sure:.2f}" for name, sure in step.percepts.items())
-    constraint = step.constraint
-    held_by = f" by the {constraint.part}" if constraint and constraint.part else ""
-    bound = f"{constraint.object}{held_by} {constraint.interval}" if constraint else ""
-    yield "getFeatures", ", ".join(step.features) or "none"
-    yield "visual search", seen or ("nothing seen" if step.features else "not needed")
-    yield "getAffordance", bound or "no constraint"
-    yield "action", step.action.replace("_", " ")
+def _by_part(name: str | None, part: str | None) -> str:
+    return " by the ".join(filter(None, (name, part)))
 
 
 def decision(made: Decision, quote: Quote) -> Table:
@@ -219,12 +219,12 @@ def reasons(made: Decision, quote: Quote) -> Table:
 
 
 def _told_by(candidate: Candidate, quote: Quote) -> list[str]:
-    told = ((rule, rule.utterance) for rule in candidate.rules if rule.utterance)
-    return [f'{_source(rule)}: "{quote(utterance)}"' for rule, utterance in told]
-
-
-def _source(rule: Rule) -> str:
-    return "It is like" if rule.status == "induced" else f"{proper_name(rule.speaker)} said"
+    told: list[str] = []
+    for rule in candidate.rules:
+        who = "It is like" if rule.status == "induced" else f"{proper_name(rule.speaker)} said"
+        if rule.utterance:
+            told.append(f'{who}: "{quote(rule.utterance)}"')
+    return told
 
 
 def execution_result(happened: WorldOutcome) -> Table:
@@ -284,26 +284,15 @@ def _told(rule: Rule) -> str:
 
 def induced(found: Sequence[InducedRule]) -> RenderableType:
     """Return rules that follow by similarity, with their reasons."""
-    rows = (
-        (
-            rule_text(each.rule),
-            each.rule.interval,
-            rule_text(each.source),
-            f"{each.similarity:.2f}",
-            ", ".join(each.shared),
-        )
-        for each in found
-    )
+    alike = ((each, f"{each.similarity:.2f}", ", ".join(each.shared)) for each in found)
+    rows = ((rule_text(i.rule), i.rule.interval, rule_text(i.source), *more) for i, *more in alike)
     return table(("rule", "interval", "from", "alike", "both have"), rows, "rule")
 
 
 def hypotheses(found: Sequence[Hypothesis]) -> RenderableType:
     """Return hypotheses that explain a conclusion, the likeliest first."""
-    told = ((each, {rule.speaker for rule in each.rules}) for each in found)
-    rows = (
-        (_listed(each.features), _listed(each.contexts), each.interval, _listed(speakers))
-        for each, speakers in told
-    )
+    told = ((each, frozenset(rule.speaker for rule in each.rules)) for each in found)
+    rows = ((each.features, each.contexts, each.interval, speakers) for each, speakers in told)
     return table(("if it were", "while", "then", "told by"), rows, "hypothesis", "hypotheses")
 
 
@@ -349,10 +338,7 @@ def questions(named: Iterable[NamedQuery]) -> Table:
 
 def history(found: Sequence[Utterance]) -> Table:
     """Utterances with their effect, a row each."""
-    rows = (
-        (said.sequence, _time(said.time), said.speaker, printable(said.text), _effect(said))
-        for said in found
-    )
+    rows = ((u.sequence, u.time, u.speaker, printable(u.text), _effect(u)) for u in found)
     return table(("", "when", "who", "said", "did"), rows, "utterance")
 
 
@@ -388,17 +374,8 @@ def difference(found: BaseDifference) -> RenderableType:
 
 def episodes(found: Sequence[Episode]) -> Table:
     """Return a table of episodes, a row each."""
-    rows = (
-        (
-            one.id,
-            _time(one.time) if one.time else "",
-            one.speaker,
-            one.text,
-            one.outcome,
-            " by the ".join(filter(None, (one.object, one.part))),
-        )
-        for one in found
-    )
+    chosen = ((one, _by_part(one.object, one.part)) for one in found)
+    rows = ((one.id, one.time, one.speaker, one.text, one.outcome, it) for one, it in chosen)
     return table(("id", "when", "who", "said", "outcome", "chosen"), rows, "episode")
 
 
@@ -411,10 +388,8 @@ def experience(found: Sequence[GraspRecord]) -> Table:
 
 def teachers(found: Sequence[TeacherRecord]) -> Table:
     """Return a table of what the record says about each speaker."""
-    rows = (
-        (one.speaker, f"{one.trust:g}", one.counts, one.counts.interval, f"{one.suggested:.2f}")
-        for one in found
-    )
+    trust = ((one, f"{one.trust:g}", f"{one.suggested:.2f}") for one in found)
+    rows = ((one.speaker, now, one.counts, one.counts.interval, to) for one, now, to in trust)
     return table(("who", "trust", "grasps as told", "holds", "suggested"), rows, "teacher")
 
 

@@ -1,18 +1,10 @@
 """Verification of all 3840 · 2^288 pairs of problem situation and learning scenario.
 
-The paper calls them infeasible to test (section 4.1). They factorise: if (H1) the beliefs depend on
-the set of rules taught alone, (H2) the score of a cell on that cell alone, and (H3) a choice on the
-order of the scores alone, then the program is right everywhere if it is right on
-
-    words       288 sentences, 15 commands, 256 scenes
-    scores      72 · 16 scores of a cell at a code
-    choices     every weak order of the objects of every scene
-    grasps      8 · 2 · 16² choices between the parts of an object
-
-2,189,146 cases, which are run with the code under test. The hypotheses are tested too
-(`hypotheses`), and choices are made among scores that can only be compared (H3). The certificate
-contains all results in one file that others can check: `examples/check_certificate.py` computes it
-again from the definition, without Hilt, and compares number by number.
+The paper calls them infeasible to test (section 4.1). Under the hypotheses of docs/verification.md
+they factorise into 2,189,146 cases, which are run with the code under test: `words`, `scores` of a
+cell at a code, `choices` from every weak order of every scene, `grasps` by two parts. The other
+checks test the hypotheses. The certificate contains all results in one file that others can check:
+`examples/check_certificate.py` computes it again from the definition, without Hilt.
 """
 
 from collections import defaultdict
@@ -46,23 +38,14 @@ DRAWN = ("teaching", "situations", "growth")  # from the seed
 
 @dataclass(frozen=True)
 class AllScenariosExperiment(Experiment):
-    """The verification of all learning scenarios.
-
-    Attributes:
-        seed: the seed of the learning scenarios that test the hypotheses.
-        objects: number of objects of the paper; fewer for a quick run.
-        affordances: number of its affordances.
-        taught: number of random learning scenarios taught by sentence.
-        traced: number of learning scenarios of which all situations are traced.
-        grown: number of random orders in which all rules are taught one by one.
-    """
+    """The verification of all learning scenarios; what tests the hypotheses depends on the seed."""
 
     name: ClassVar[str] = "all-scenarios"
-    objects: int = 8
-    affordances: int = 5
-    taught: int = 50
-    traced: int = 3
-    grown: int = 8
+    objects: int = 8  # of the paper; fewer for a quick run
+    affordances: int = 5  # of the paper
+    taught: int = 50  # random learning scenarios that are taught by sentence
+    traced: int = 3  # learning scenarios of which all situations are traced
+    grown: int = 8  # random orders in which all rules are taught one by one
 
     def cases(self) -> Sequence[Case]:
         """Return the finite cases, in blocks, and the tests of the hypotheses."""

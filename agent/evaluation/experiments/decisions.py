@@ -6,10 +6,6 @@ case can depend on another one. The whole system is tested: the command is parse
 read from the knowledge base, the choice is inferred. Without simulation the agent sees the scene
 perfectly; with simulation a robot looks with its cameras and executes its decision, on an
 undisturbed table.
-
-The paper evaluates 2 scenarios x 10 scenes x 15 commands. Its scenes are drawn at random: the first
-has all objects, they are distinct, and together they test all four principles. All 256 scenes make
-7,680 cases. Its 16 grasp rules are each taught by sentence and executed in simulation.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -37,8 +33,8 @@ MAX_SCENES = 255  # the non-empty subsets of eight objects
 class DecisionExperiment(Experiment):
     """An experiment that gives each command in each scene to an agent taught each scenario."""
 
-    sim: bool = False  #: whether a simulated robot executes its decisions
-    gap: float = GAP  #: smallest distance between two objects on its table [m]
+    sim: bool = False  # whether a simulated robot executes its decisions
+    gap: float = GAP  # smallest distance between two objects on its table [m]
 
     @property
     def actions(self) -> Sequence[str]:
@@ -158,15 +154,10 @@ class SituationsExperiment(DecisionExperiment):
 
 @dataclass(frozen=True)
 class GraspExperiment(Experiment):
-    """Grasps of a single object on the table.
-
-    Attributes:
-        seed: the seed of the first pose; the next poses have the next seeds.
-        poses: number of random poses for each object and context.
-    """
+    """Grasps of a single object on the table, from random poses; each has the next seed."""
 
     name: ClassVar[str] = "grasps"
-    poses: int = 3
+    poses: int = 3  # for each object and context
 
     @property
     def simulates(self) -> bool:

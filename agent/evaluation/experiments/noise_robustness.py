@@ -1,28 +1,26 @@
 """Accuracy under noise: imperfect sensors, misrecognised words, and teachers who are wrong.
 
-The paper expects that all errors are due to sensor noise (section 4.1). This experiment measures
-it, and also what the paper left out: speech recognition and teachers. A trial teaches one scenario
-and gives the 15 commands, each in a scene of its own; the ground truth comes from the scenario
-alone. All lines and values of a curve are measured with the same scenes.
-
-A curve varies one kind of noise; its points have a 95 % confidence interval: Wilson's score
-interval (1927) at the effective sample size. The commands of one trial are correlated, so that they
-count as fewer independent ones (Kish, Survey Sampling, 1965: the design effect is the variance of
-the trial means over that of independent samples).
+The paper expects that all errors are due to sensor noise (section 4.1). A trial teaches one
+scenario and gives the 15 commands, each in a scene of its own; all lines and values of a curve are
+measured with the same scenes. A point has a 95 % confidence interval: Wilson's score interval
+(1927) at the effective sample size, since the commands of one trial are correlated (Kish, Survey
+Sampling, 1965: the design effect is the variance of the trial means over that of independent
+samples).
 """
 
 from collections import Counter, defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from math import sqrt
 from pathlib import Path
 from random import Random
 from typing import ClassVar, Literal, NamedTuple, get_args
 
+import yaml
+
 from ....ontology.errors import HiltError, UnknownNameError
-from ....ontology.yaml_reader import YamlNode, read_yaml
 from ....sim.scene.scene import scene_with
 from ...agent import Agent
 from ...config import AgentConfig
@@ -50,24 +48,15 @@ class AccuracyCurve:
 
     name: str
     label: str
-    values: tuple[float, ...]  #: the noise levels; the first is no noise
-    #: label of a line -> inference setting ("fusion=mean"), or another variant
-    lines: Mapping[str, str]
-    sound: tuple[str, ...]  #: the lines that must be right in every case without noise
-    is_sensor_noise: bool
+    values: Sequence[float]  # the noise levels; the first is no noise
+    # label of a line -> inference setting ("fusion=mean"), or another variant
+    lines: Mapping[str, str] = field(default_factory=lambda: {"default": ""})
+    doubtful: Sequence[str] = ()  # the lines that need not be right in every case without noise
+    sensor: bool = False  # whether the noise is in the sensors
 
 
-def _curve(name: str, spec: YamlNode) -> AccuracyCurve:
-    keys = spec.entries(required={"label", "values"}, optional={"lines", "sound", "sensor"})
-    named = keys["lines"].entries() if "lines" in keys else {}
-    lines = {line: variant.text() for line, variant in named.items()} or {"default": ""}
-    sound = keys["sound"].texts(choices=lines) if "sound" in keys else tuple(lines)
-    is_sensor_noise = "sensor" in keys and keys["sensor"].truth()
-    label, values = keys["label"].text(), keys["values"].numbers()
-    return AccuracyCurve(name, label, values, lines, sound, is_sensor_noise)
-
-
-CURVES = {name: _curve(name, spec) for name, spec in read_yaml(CURVES_FILE).entries().items()}
+_FILE = yaml.safe_load(CURVES_FILE.read_text(encoding="utf-8"))
+CURVES = {name: AccuracyCurve(name, **keys) for name, keys in _FILE.items()}
 
 
 def curve_points(results: Sequence[CaseResult]) -> list[Json]:
@@ -96,19 +85,12 @@ def curve_points(results: Sequence[CaseResult]) -> list[Json]:
 
 @dataclass(frozen=True)
 class NoiseExperiment(Experiment):
-    """Accuracy as a function of noise, as curves; UnknownNameError if there is no such curve.
-
-    Attributes:
-        seed: the seed of scenes, sensors and speech recognition.
-        trials: number of trials at each point of a curve; half of them with Scenario B.
-        curves: comma-separated names of curves; all if empty.
-        sim: whether a simulated robot executes its decisions; then only successes are right.
-    """
+    """Accuracy as a function of noise, as curves; UnknownNameError if there is no such curve."""
 
     name: ClassVar[str] = "noise"
-    trials: int = 30
-    curves: str = ""
-    sim: bool = False
+    trials: int = 30  # at each point of a curve; half of them with Scenario B
+    curves: str = ""  # their names, with commas between them; all if empty
+    sim: bool = False  # whether a simulated robot acts; then only successes are right
 
     def __post_init__(self) -> None:
         for name in self._wanted:
@@ -142,7 +124,7 @@ class NoiseExperiment(Experiment):
         counted = Counter(outcome for outcome, _ in outcomes)
         facts: Json = {"commands": len(outcomes), **{name: counted[name] for name in OUTCOMES}}
         facts["why"] = [f"{outcome}: {text}" for outcome, text in outcomes if outcome != "right"]
-        must = value == 0 and line in curve.sound
+        must = value == 0 and line not in curve.doubtful
         is_right = not must or counted["right"] == len(outcomes)
         found = f"{counted['right']} of {len(outcomes)} right"
         expected = "all right" if must else "any number"
@@ -158,16 +140,12 @@ class NoiseExperiment(Experiment):
             for points in curve["lines"].values()
             if points[0]["accuracy"] == 1.0 and min(point["upper"] for point in points) < 1.0
         }
-        of_sensors = sorted(name for name in lowered if CURVES[name].is_sensor_noise)
+        of_sensors = sorted(name for name in lowered if CURVES[name].sensor)
         others = sorted(lowered - {*of_sensors})
         note = NOTE if others else "Nothing but failing sensors lowers the accuracy in this run."
         lowered_by = {"lowered_by_sensors": of_sensors, "lowered_by_others": others}
         claim = {"text": CLAIM, **lowered_by, "holds": not others, "note": note}
         return {"curves": curves, "claim": claim}
-
-    def files(self, results: Sequence[CaseResult]) -> Mapping[str, Json]:
-        """Return the curves as a file."""
-        return {"curves.json": self.summary(results)}
 
 
 @dataclass(frozen=True)
@@ -206,7 +184,7 @@ class _Trial:
     def _taught_agent(self) -> Agent:
         curve, variant, number = self.curve, self.curve.lines[self.line], self.trial % 2
         choices = variant if "=" in variant else ""
-        if curve.is_sensor_noise:
+        if curve.sensor:
             return _taught(number, choices, noise=f"{curve.name}={self.value}")
         if curve.name == "speech":
             return _taught_by([self._recognised(each, 0.0) for each in self._scenario.sentences()])

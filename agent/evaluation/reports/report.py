@@ -128,20 +128,17 @@ class EvaluationReport:
         """Return a table of the points of the curves; None if there are none."""
         from ...presentation.console import table
 
-        curves = self.summary.get("curves")
+        rows: list[Sequence[object]] = []
+        for curve in self.summary.get("curves", ()):
+            measure = str(curve.get("measure", "accuracy"))
+            form = ".1%" if measure == "accuracy" else ".2f"
+            for line, points in curve["lines"].items():
+                for at in points:
+                    band = f"{at['lower']:{form}} to {at['upper']:{form}}"
+                    shown = (f"{at['x']:g}", f"{at[measure]:{form}}", band, at["decisions"])
+                    rows.append((curve["curve"], line, *shown))
         columns = ("curve", "line", "at", "mean", "95 % interval", "decisions")
-        return table(columns, _points(curves)) if curves else None
-
-
-def _points(curves: Sequence[Json]) -> Iterator[Sequence[object]]:
-    for curve in curves:
-        measure = str(curve.get("measure", "accuracy"))
-        form = ".1%" if measure == "accuracy" else ".2f"
-        for line, points in curve["lines"].items():
-            for at in points:
-                band = f"{at['lower']:{form}} to {at['upper']:{form}}"
-                shown = (f"{at['x']:g}", f"{at[measure]:{form}}", band, at["decisions"])
-                yield (curve["curve"], line, *shown)
+        return table(columns, rows) if rows else None
 
 
 def as_text(value: object) -> str:

@@ -9,10 +9,9 @@ import faulthandler
 import json
 import os
 import socket
-from collections.abc import Callable, Generator, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from itertools import islice
@@ -168,44 +167,38 @@ def _import_ray() -> Any:
 class RayRunner:
     """Runs cases on a Ray cluster; MissingExtraError if Ray is not installed."""
 
-    address: str  #: the address of its head node, "auto", or "local" to start a cluster
-    #: maximum number of cases at the same time; None is the number of processors
-    workers: int | None = None
-    timeout_s: float = TIMEOUT_S  #: how long a case may take before it is stopped [s]
+    address: str  # of its head node, "auto", or "local" to start a cluster
+    workers: int | None = None  # cases at the same time; None is the number of processors
+    timeout_s: float = TIMEOUT_S  # how long a case may take before it is stopped [s]
     _ray: Any = field(default_factory=_import_ray, repr=False, compare=False)
 
     def __call__(self, experiment: Experiment, cases: Sequence[Case]) -> Iterator[TimedResult]:
         """Run the cases on the cluster; WorkersError if it cannot be reached."""
-        work = (self.timeout_s, experiment.name, to_json_line(experiment.options))
-        with self._connected():
-            task = self._ray.remote(_run_within).options(max_retries=0)
-            yield from run_in_pool(
-                cases,
-                lambda case: task.remote(*work, case).future(),
-                (self._ray.exceptions.RayError,),
-                at_once=self.workers,
-            )
-
-    @contextmanager
-    def _connected(self) -> Generator[None]:
-        own = self.address == LOCAL
+        ray, is_own = self._ray, self.address == LOCAL
         host, colon, port = self.address.removeprefix("ray://").rpartition(":")
         try:
             if colon:  # Ray itself would retry for minutes
                 socket.create_connection((host, int(port)), CONNECT_S).close()
-            self._ray.init(
-                address=None if own else self.address,
-                num_cpus=self.workers if own else None,
-                include_dashboard=False if own else None,
+            ray.init(
+                address=None if is_own else self.address,
+                num_cpus=self.workers if is_own else None,
+                include_dashboard=False if is_own else None,
                 log_to_driver=False,
                 logging_level="ERROR",
             )
         except (OSError, RuntimeError, ValueError) as error:
             raise WorkersUnavailableError(f'No Ray cluster at "{self.address}": {error}') from error
+        work = (self.timeout_s, experiment.name, to_json_line(experiment.options))
+        task, failures = ray.remote(_run_within).options(max_retries=0), (ray.exceptions.RayError,)
         try:
-            yield
+            yield from run_in_pool(
+                cases,
+                lambda case: task.remote(*work, case).future(),
+                failures,
+                at_once=self.workers,
+            )
         finally:
-            self._ray.shutdown()
+            ray.shutdown()
 
 
 def _run_within(timeout_s: float, *work: str) -> str:
@@ -219,13 +212,7 @@ def _run_within(timeout_s: float, *work: str) -> str:
 def make_runner(
     workers: int | None = None, ray: str | None = None, *, timeout_s: float = TIMEOUT_S
 ) -> Runner:
-    """Return the runner for the options of a command; MissingExtraError if there is no Ray.
-
-    Args:
-        workers: how many cases run at the same time; None is one, or all processors of a cluster.
-        ray: address of a Ray cluster, "auto" for that of this machine, "local" for a new one.
-        timeout_s: how long a case may take before its worker is killed [s].
-    """
+    """Return the runner for the options of a command; MissingExtraError if there is no Ray."""
     if ray:
         return RayRunner(ray, workers, timeout_s=timeout_s)
     if workers is None or workers == 1:

@@ -1,14 +1,6 @@
-"""Tests of the hypotheses of the verification.
+"""Tests of the hypotheses of the verification, which docs/verification.md states.
 
-teaching    H1: a random learning scenario taught by sentence, shuffled and with every sentence
-            twice, gives the rules taught; the graph of beliefs is the union of the graphs after
-            each sentence alone; and random commands in random scenes are decided right
-situations  H2: for every scene and command under one learning scenario, only the cells of the
-            objects in the scene and of the parts of the chosen object are read, and only rules of
-            their nodes are met. If there is no choice, rules about absent objects are read
-            afterwards, to name one that would do.
-growth      H2: rules are taught one by one in a random order, until all 288 are. Whatever number of
-            others the node and the base hold, the scores of its cells are those of the definition
+Each check returns its results as plain JSON, and a line for each deviation from the definition.
 """
 
 import hashlib
@@ -34,7 +26,9 @@ Choice = list[int]  # scene, action, affordance, acceptable objects, acceptable 
 def check_teaching(space: ScenarioSpace, seed: int, number: int) -> CheckResult:
     """Check H1: teach a random learning scenario by sentence, read it back, and give commands.
 
-    The number of rules is log-uniform: few and many are equally likely. Number 0 is all rules.
+    All is told twice, and shuffled; the graph of beliefs must be the union of the graphs after each
+    sentence alone. The number of rules is log-uniform: few and many are equally likely. Number 0 is
+    all rules.
     """
     rng = _random(seed, number)
     share = (len(space.cells) * len(LEVELS)) ** (rng.random() - 1)
@@ -86,9 +80,11 @@ def _masks(space: ScenarioSpace, found: Inference | None, part: Inference | None
 def check_situations(space: ScenarioSpace, seed: int, number: int, action: int) -> CheckResult:
     """Check H2: one action in all scenes for all affordances, with the cells that were read.
 
-    A line of the digest gives the scene, the affordance, the acceptable objects, the acceptable
-    parts of the first of them, the cells read, and those whose rules were met. Number 0 is the
-    learning scenario of all rules.
+    Only the cells of the objects in the scene and of the parts of the chosen object may be read,
+    and only rules of their nodes met. If there is no choice, rules about absent objects are read
+    too, to name one that would do. A line of the digest gives the scene, the affordance, the
+    acceptable objects, the acceptable parts of the first of them, the cells read, and those whose
+    rules were met. Number 0 is the learning scenario of all rules.
     """
     codes = space.drawn(_random(seed, number), 0.5 if number else 1.0)
     lines: list[list[int]] = []

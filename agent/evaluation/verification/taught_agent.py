@@ -88,10 +88,10 @@ class TracingSource:
 class TracedDecision(NamedTuple):
     """A decision with the keys of the rules it depends on."""
 
-    object: Inference | None  #: the inference at the find node; None if no node was reached
-    part: Inference | None  #: the inference at the grasp node; None if the action does not grasp
-    listed: frozenset[RuleKey]  #: the cells of all rules that were met
-    read: frozenset[RuleKey]  #: the cells whose content was read
+    object: Inference | None  # at the find node; None if no node was reached
+    part: Inference | None  # at the grasp node; None if the action does not grasp
+    listed: frozenset[RuleKey]  # the cells of all rules that were met
+    read: frozenset[RuleKey]  # the cells whose content was read
 
 
 class TaughtAgent(AbstractContextManager["TaughtAgent"]):

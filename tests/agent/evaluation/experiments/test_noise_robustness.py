@@ -32,7 +32,7 @@ def run(curve: str, line: str, value: float, trial: int = 0) -> CaseResult:
 @pytest.mark.parametrize("name", CURVES)
 def test_all_is_right_without_trouble(name):
     """At the beginning of each curve all 15 commands are carried out as the scenario wants."""
-    line = sorted(CURVES[name].sound)[0]
+    line = next(line for line in CURVES[name].lines if line not in CURVES[name].doubtful)
 
     result = run(name, line, CURVES[name].values[0])
 
