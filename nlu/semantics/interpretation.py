@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from ..lexicon.learned_lexicon import ImmutableIndex
 from ..lexicon.vocabulary import NewWord
 from .discourse import SOMETHING, Discourse
 from .fragments import FragmentValues, complete, question_on
@@ -49,8 +48,8 @@ class Interpreter:
     """Maps predicate forms to meanings, with the interval of each degree of confidence."""
 
     intervals: Mapping[str, Confidence]
-    tool_acts: ImmutableIndex[str, str]  # done with a tool, each with the affordance of the tool
-    acts: ImmutableIndex[str, str]  # further acts on one object that were learned
+    tool_acts: Mapping[str, str]  # done with a tool, each with the affordance of the tool
+    acts: frozenset[str]  # further acts on one object that were learned
     new_acts: frozenset[str] = frozenset()  # the acts that new words of an utterance name
     is_general: bool = False  # whether commands may be about any object, as in norms
 

@@ -23,7 +23,7 @@ from ...ontology.evidence_operators import (
 )
 from ...ontology.yaml_reader import YamlNode, read_yaml
 from ..grammar.grammar import PREDICATES_FILE
-from ..grammar.notation_reader import read_rule
+from ..grammar.notation import read_rule
 from ..grammar.terms import NeutralTerm, Value, evaluate
 from .meaning import Confidence
 
