@@ -39,12 +39,11 @@ from .offers.phrase_memory import Key, PhrasePattern, meaning_by_phrase, phrase_
 from .offers.utterance_segments import SegmentReader, parts
 from .parsing.clarification import Clarifier
 from .parsing.parser import SentenceParser
-from .parsing.periphery import PeripheryReader, load_table
+from .parsing.periphery import PeripheryReader, PieceReader, load_table
 from .parsing.procedures import ProcedureReader
 from .parsing.readings import ReadingFilter
 from .parsing.strategies import UtteranceParser
 from .parsing.understanding import Understanding, UtteranceContext
-from .parsing.utterance_pieces import PieceReader
 from .semantics.discourse import Discourse, after_offer
 from .semantics.interpretation import Interpreter
 from .semantics.meaning import (
