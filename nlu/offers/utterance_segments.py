@@ -12,8 +12,7 @@ from itertools import pairwise
 
 from ..grammar.word_patterns import WordLists
 from ..lexicon.tokenizer import BREAK, Tokens
-from ..parsing.periphery import PeripheryReader
-from ..parsing.utterance_pieces import HEARER, MARKER, OWN, PHRASE, Pause, UtterancePiece
+from ..parsing.periphery import HEARER, MARKER, OWN, PHRASE, Pause, PeripheryReader, UtterancePiece
 from .mentions import Mentions, Span
 
 LEAST_WORDS = 3  # the least length of a segment [words]

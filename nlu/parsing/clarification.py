@@ -45,22 +45,14 @@ class Clarifier:
 
     def of_input(self, text: str, tokens: Tokens) -> Misunderstanding | None:
         """The reason not to parse a text at all, None when it can be parsed."""
-        if len(text) > MAX_CHARACTERS:
-            limit = f"{MAX_CHARACTERS} characters"
+        is_long = len(text) > MAX_CHARACTERS
+        if is_long or len(tokens.items) > MAX_TOKENS:
+            limit = f"{MAX_CHARACTERS} characters" if is_long else f"{MAX_TOKENS} words"
             return Misunderstanding(self.answers.say("too_long", limit=limit))
-        if len(tokens.items) > MAX_TOKENS:
-            return Misunderstanding(self.answers.say("too_long", limit=f"{MAX_TOKENS} words"))
         if not tokens.items:
             return Misunderstanding(self.answers.say("empty"))
         no_words = [token for token in self.known_words.unknown(tokens) if not is_word(token)]
         return self.of_unknown_words(tokens, no_words) if no_words else None
-
-    def of_too_many_unknown_words(self, tokens: Tokens) -> Misunderstanding | None:
-        """The reason not to parse a sentence, None when it can be parsed."""
-        unknown = self.known_words.unknown(tokens)
-        if len({token.word for token in unknown}) <= MAX_NEW_WORDS:
-            return None
-        return self.of_unknown_words(tokens, unknown)
 
     def of_new_words(
         self, readings: Iterable[Reading], tokens: Tokens, accepted: Collection[str]
@@ -105,8 +97,7 @@ class Clarifier:
             case AskBack(choices=(choice,)) if not isinstance(choice, str):
                 return AskBack(self.answers.say("offer", choice=self._choice(choice)), (choice,))
             case _:
-                pass
-        answer = licence.outcome(reading.meaning, reading.features)
+                answer = licence.outcome(reading.meaning, reading.features)
         if answer == ACCEPT:
             return licence.weakened(reading.meaning, reading.features)
         if not self.answers.slots(answer):  # no evidence that what it names is of its kind
@@ -125,10 +116,9 @@ class Clarifier:
     def of_unknown_words(self, tokens: Tokens, unknown: Sequence[Token]) -> Misunderstanding:
         """The answer that some words are not known."""
         words = list(dict.fromkeys(token.word for token in unknown))
+        message = self.answers.say("unknown_words", words=words[:MAX_NEW_WORDS])
         if len(words) == 1:
             message = self.answers.say("unknown_word", word=words[0])
-        else:
-            message = self.answers.say("unknown_words", words=words[:MAX_NEW_WORDS])
         rest = [token.word for token in tokens.items if token not in unknown]
         return Misunderstanding(message, nearest=self._nearest_examples(rest))
 

@@ -1,38 +1,286 @@
 """Periphery: what surrounds the core of an utterance, by its form, its pause and its operators.
 
-"My hands are wet. Pass me the mug" has a core, a request, and before it a clause behind a strong
-pause. One table (`periphery.yaml`) says beside which kinds of core a piece of periphery may stand
+"My hands are wet, so pass me the mug" has two pieces from pause to pause. The second is its core, a
+request, which a lead joins to what precedes it. A piece goes by how it begins, by its subject, or
+by what it announces; its signs are the features of its words and all else on which a meaning may
+depend. One table (`periphery.yaml`) says beside which kinds of core a piece of periphery may stand
 without a question. What no row allows is asked about, or refused.
 """
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from enum import IntEnum, auto
+from functools import cached_property, lru_cache
 from itertools import chain, pairwise
 from pathlib import Path
 
 from ...ontology.yaml_reader import YamlNode, read_yaml
-from ..lexicon.tokenizer import Tokens
+from ..grammar.word_patterns import Phrase, WordLists
+from ..lexicon.tokenizer import BREAK, Tokens
+from ..lexicon.unknown_words import KnownWords
+from ..semantics.clause_features import MAIN, FeatureReader
 from ..semantics.meaning import ActionRule, Command, Meaning, Question, Statement, ToolCommand
-from .utterance_pieces import (
-    FORMS,
-    LEAST_WORDS,
-    MARKER,
-    OTHER,
-    PHRASE,
-    PURPOSE,
-    REASON,
-    Pause,
-    PieceReader,
-    UtterancePiece,
-)
 
 PERIPHERY_FILE = Path(__file__).parents[2] / "ontology" / "periphery.yaml"
+
+LEAST_WORDS = 3  # the least length of a core [words]
+MAX_CORES = 8  # how many cores of one utterance are parsed
 
 REQUEST, QUESTION, HOLDING, USE = "request", "question", "holding", "use"
 """The kinds of cores: a command and a question to the robot, and the rules of two kinds."""
 
-MAX_CORES = 8  # how many cores of one utterance are parsed
+MARKER, REASON, PURPOSE, ASIDE = "marker", "reason", "purpose", "aside"
+OWN, HEARER, IMPERSONAL, OTHER = "own", "hearer", "impersonal", "other"
+PHRASE, PROPERTY = "phrase", "property"
+"""The forms of pieces; a clause goes by its subject, and with another one it is `OTHER`.
+
+A phrase has no verb of its own, so it belongs to the core: "by the handle", "with two hands".
+"""
+
+
+class Pause(IntEnum):
+    """How a piece is set off: the strongest pause between it and the core, or its other place."""
+
+    INSIDE = -1  # none: within a clause
+    WEAK = auto()
+    ASKING = auto()  # a weak one before a question, which begins as clearly as after a strong one
+    COLON = auto()
+    BUT = auto()
+    SO = auto()
+    STRONG = auto()
+    AFTER = auto()
+    WITHIN = auto()
+    TOLD = auto()  # of a piece that ends in an announcement, or precedes one
+
+
+FORMS = (REASON, PURPOSE, ASIDE, OWN, HEARER, IMPERSONAL)
+_LEADS: Mapping[str, Pause] = {"so": Pause.SO, "but": Pause.BUT, "and": Pause.WEAK}
+_DASHES = frozenset(":–—")
+_QUOTED = re.compile(r"[\"“”„«»]|(?<!\w)'\w[^']*'(?!\w)")
+_PEOPLE, _THINGS = ("RN", "HN"), ("N", "MS")
+_KINDS = frozenset({REQUEST, QUESTION, HOLDING, USE})
+_TELLING = frozenset({Pause.BUT, Pause.SO, Pause.TOLD})
+_PLACED_NAMES = ("object", "part", "affordance", "context")
+_DENIED = frozenset({"polarity=negative", "belief=denied", "implied_negation", "unreal"})
+_OLD = frozenset({"agent=they", "agent=people", "agent=somebody", "agent=speaker"})
+
+
+@dataclass(frozen=True)
+class UtterancePiece:
+    """A piece of an utterance from pause to pause: tokens `[start, end)`, form and operators."""
+
+    start: int
+    end: int
+    pause: Pause  # the pause before it
+    lead: int  # how many words of it only join it to what precedes: "so", "but"
+    joined: Pause  # the pause that these words amount to
+    form: str
+    signs: frozenset[str]
+
+    @property
+    def core_start(self) -> int:
+        """Where a core begins that begins with this piece."""
+        return self.start + self.lead
+
+
+@dataclass(frozen=True, repr=False)
+class PieceReader:
+    """Splits utterances into pieces.
+
+    `operators` are the words on which a meaning may depend, by kind.
+    """
+
+    words: WordLists
+    operators: Mapping[str, frozenset[Phrase]]
+    features: FeatureReader
+    known: KnownWords
+
+    def property_clause(self, tokens: Tokens) -> tuple[int, int]:
+        """Return the place of what follows "because it is" up to the next pause, or (0, 0)."""
+        for start in range(len(tokens.words)):
+            place = self.words.end(PROPERTY, tokens.words, start)
+            if place > start:
+                return place, min(end for end in tokens.edges if end >= place)
+        return 0, 0
+
+    def pieces(self, tokens: Tokens) -> list[UtterancePiece]:
+        """Return the pieces of an utterance, whose short forms are written out, in order."""
+        found: list[UtterancePiece] = []
+        start, last, pause = 0, len(tokens.items), Pause.WEAK
+        for end, after, next_pause in (*self._gaps(tokens), (last, last, Pause.WEAK)):
+            if next_pause == Pause.TOLD and not self._announces(tokens, start, end):
+                continue
+            if start < end:
+                found.append(self._piece(tokens, start, end, pause))
+                pause = Pause.WEAK
+            start, pause = after, max(pause, next_pause)
+        return found
+
+    def joined(self, words: Phrase) -> list[Pause]:
+        """The pauses that the words amount to with which some words begin: "so", "but"."""
+        return [pause for lead, pause in _LEADS.items() if self.words.end(lead, words)]
+
+    def _gaps(self, tokens: Tokens) -> Iterator[tuple[int, int, Pause]]:
+        words = tokens.words
+        ends = {len(words), *tokens.pauses, *(n for n, word in enumerate(words) if word == BREAK)}
+        for place, word in enumerate(words):
+            if word == BREAK:
+                yield place, place + 1, Pause.STRONG
+            elif place in tokens.pauses and place and words[place - 1] != BREAK:
+                between = tokens.text[tokens.items[place - 1].end : tokens.items[place].start]
+                yield place, place, Pause.WEAK if _DASHES.isdisjoint(between) else Pause.COLON
+            elif ends.intersection(range(place + 1, place + 1 + LEAST_WORDS)):
+                continue
+            elif (
+                place
+                and self.words.end("so", (word,))
+                and words[place - 1] != BREAK
+                and not self.words.has("speech", words[place - 1])
+            ):
+                yield place, place, Pause.WEAK
+            elif self.words.has("complement", word):
+                yield place, place + 1, Pause.TOLD
+
+    def _announces(self, tokens: Tokens, start: int, end: int) -> bool:
+        words = tokens.words[start:end]
+        if not words or any(self.words.has("thinking", word) for word in words[-LEAST_WORDS:]):
+            return False
+        signs = self._piece(tokens, start, end, Pause.WEAK).signs
+        return "announced" in signs and signs.isdisjoint(_DENIED)
+
+    def _piece(self, tokens: Tokens, start: int, end: int, pause: Pause) -> UtterancePiece:
+        part = tokens.part(start, end)
+        lead, joined = max((self.words.end(k, part.words), p) for k, p in _LEADS.items())
+        joined = joined if lead else Pause.WEAK
+        bare = self.known.builder.discourse_markers.remove_markers(part).words
+        form = MARKER if not bare else self._form(part.words, bare)
+        if form == OTHER and len(bare) > 1 and not self._has_verb(bare):
+            form = PHRASE
+        said = tokens.part(start + lead, end)
+        signs = frozenset() if form == MARKER else frozenset(self._signs(said, form))
+        return UtterancePiece(start, end, pause, lead, joined, form, signs)
+
+    def _form(self, words: Phrase, bare: Phrase) -> str:
+        said = (words, bare[self.words.end("and", bare) :])
+        found = (form for form in FORMS if any(self.words.end(form, each) for each in said))
+        return next(found, OTHER)
+
+    def _has_verb(self, words: Phrase) -> bool:
+        has_subject = any(self._is_subject(word, OWN, HEARER) for word in words[:-1])
+        is_finite = any(self.words.has(key, word) for word in words for key in ("finite", "speech"))
+        if has_subject or is_finite:
+            return True
+        if not self.words.has("restricting", words[0]):
+            is_act = self.known.names(words[0], "context")
+            return is_act or any(self._may_be_verb(*pair) for pair in pairwise(words))
+        return any(
+            (self._is_subject(one, OWN, HEARER, IMPERSONAL) or self.words.has("person", one))
+            and self._may_be_verb(one, two)
+            for one, two in pairwise(words)
+        )
+
+    def _is_subject(self, word: str, *forms: str) -> bool:
+        return any(self.words.end(form, (word,)) for form in forms)
+
+    def _may_be_verb(self, before: str, word: str) -> bool:
+        if before in self.features.words["determiners"]:
+            return False
+        is_inflected = word.endswith(("s", "ed")) and not word.endswith("ss")
+        return is_inflected or not (self.known.has(word) or self.features.is_noun(word))
+
+    def _signs(self, tokens: Tokens, form: str) -> Iterator[str]:
+        words = tokens.words
+        starts = (n for n in range(len(words)) if not n or self.joined(words[n - 1 : n]))
+        if any(self.words.is_all("presenting", words, n) for n in starts):
+            yield "announced"
+        if self.words.is_all("presenting", words):
+            return
+        features = self.features.features([(word, MAIN) for word in words], ())
+        found = {f"{name}={value}" for name, said in features.main.items() for value in said}
+        is_past = "tense=past" in found
+        yield from found
+        lead = self.words.end(form, words) if form in FORMS else 0
+        yield from self._circumstances(words[lead:])
+        has_complement = any(self.words.has("complement", word) for word in words)
+        if is_past and (has_complement or not _OLD.isdisjoint(found)):
+            yield "custom"
+        is_memory = is_past and self.words.end("temporal", words) > 0
+        yield from (k for k in self._dependence(words) if k != "condition" or not is_memory)
+        yield from self._speech(words, form)
+        named = (self.known.names(word, role) for word in words for role in _PLACED_NAMES)
+        is_name = any(self.known.lexicon.is_name(word, _PEOPLE) for word in words)
+        is_name = is_name or any(token.capital for token in tokens.items[1:])
+        shown = {
+            "quoted": _QUOTED.search(tokens.text),
+            "called": len(words) == 1 or (len(words) < LEAST_WORDS and is_name),
+            "held": form == IMPERSONAL and self.words.has("wanting", words[-1]),
+            "pointing": words and self.words.end(IMPERSONAL, words[-1:]),
+            "short": len(words) < LEAST_WORDS,
+            "named": any(named),
+            "act": words and self.known.names(words[0], "context"),
+        }
+        yield from (sign for sign, is_shown in shown.items() if is_shown)
+
+    def _dependence(self, words: Phrase) -> Iterator[str]:
+        for place, word in enumerate(words):
+            for phrase, kind in self._operators.get(word, ()):
+                end = place + len(phrase)
+                is_said = words[place:end] == phrase
+                # At the end they are adverbs: "before", "otherwise".
+                is_adverb = end == len(words) and kind in {"condition", "exception"}
+                if is_said and not is_adverb:
+                    yield kind
+
+    def _circumstances(self, words: Phrase) -> Iterator[str]:
+        if self.words.has("restricting", *words[:1]):
+            yield "restricting"
+        for one, two in pairwise(words):
+            is_owned = two in self.features.words["determiners"]
+            is_owned = is_owned or self.words.has("possessive", two)
+            if one in self.features.words["holding_words"] and is_owned:
+                yield "held"
+            if self.words.has("restricting", one) and self.features.is_abstract(two):
+                yield "circumstance"
+
+    @cached_property
+    def _operators(self) -> Mapping[str, Sequence[tuple[Phrase, str]]]:
+        found: dict[str, list[tuple[Phrase, str]]] = {}
+        others = {key: self.words.phrases(key) for key in ("unreal", "unwanted")}
+        others["degree"] = frozenset(self.known.builder.degree_of)
+        for kind, phrases in {**self.operators, **others}.items():
+            for phrase in phrases:
+                found.setdefault(phrase[0], []).append((phrase, kind))
+        return found
+
+    def _speech(self, words: Phrase, form: str) -> Iterator[str]:
+        for place, word in enumerate(words):
+            is_said, is_known = (self.words.has(key, word) for key in ("speech", "knowledge"))
+            is_any = is_said or is_known or word in self.features.words["embedding"]
+            if not is_any or self.words.has("asking", *words[place : place + 2]):
+                continue
+            if is_said and self.words.has("listener", *words[place + 1 : place + 2]):
+                yield "report"
+            elif self._is_own(words, place, or_of_hearer=not is_said):
+                if is_said or is_known:
+                    yield "announced"
+            elif form != PURPOSE:
+                yield "report" if is_said else "knowledge"
+
+    def _is_own(self, words: Phrase, place: int, *, or_of_hearer: bool) -> bool:
+        first = place
+        while first and self.words.has("auxiliary", words[first - 1]):
+            first -= 1
+        if not first:
+            return place > 0 or (or_of_hearer and not words[place].endswith(("s", "d")))
+        is_first = first == 2 and self.words.end(OWN, words[:1]) > 0
+        is_joined = is_first or bool(self.joined(words[first - 1 : first]))
+        subject = words[0] if is_joined else words[first - 1]
+        is_let = self.words.has("auxiliary", *words[first - 2 : first - 1])
+        if self.words.end(OWN, (subject,)) or (is_let and self.words.has("speaker", subject)):
+            return True
+        is_hearer = self.words.has("generic", words[0]) or self.words.end(HEARER, (subject,)) > 0
+        return or_of_hearer and is_hearer
 
 
 @dataclass(frozen=True)
@@ -43,11 +291,6 @@ class PeripheryRow:
     forms: frozenset[str]
     pauses: frozenset[Pause]
     unless: frozenset[str]
-
-
-_KINDS = frozenset({REQUEST, QUESTION, HOLDING, USE})
-_THINGS = ("N", "MS")
-_TELLING = frozenset({Pause.BUT, Pause.SO, Pause.TOLD})
 
 
 @dataclass(frozen=True)

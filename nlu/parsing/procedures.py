@@ -148,12 +148,13 @@ class ProcedureReader:
 
     def about(self, tokens: Tokens, context: UtteranceContext) -> Understanding | None:
         """Return the question about a learned action, or its retraction, that an utterance is."""
-        for key in ("how", "forget"):
-            for _end, head in self._named(key, tokens):
-                if self._is_learned(head.name):
-                    asked = Question("how", context=head.name)
-                    meant = asked if key == "how" else Retraction(action=head.name)
-                    return Understanding.of(tokens, context, meant)
+        named = (
+            (key, head.name) for key in ("how", "forget") for _, head in self._named(key, tokens)
+        )
+        for key, name in named:
+            if self._is_learned(name):
+                meant = Question("how", context=name) if key == "how" else Retraction(action=name)
+                return Understanding.of(tokens, context, meant)
         return None
 
     def _heads(self, tokens: Tokens) -> Iterator[tuple[ActionHead, Tokens]]:
@@ -274,7 +275,12 @@ class _Clauses:
         return chain.from_iterable(self._new_words.get(each, ()) for each in steps)
 
     def _read(self, tokens: Tokens, state: ClauseState) -> list[tuple[Clause, ClauseState]] | None:
-        start, count = _skipped(self._words, tokens), len(tokens.items)
+        start, count = 0, len(tokens.items)
+        while start < count:
+            end = self._words.end("order", tokens.words, start)
+            if end == start and tokens.words[start] != BREAK:
+                break
+            start = max(end, start + 1)
         if start == count:
             return [] if all(word == BREAK for word in tokens.words) else None
         for end in _starts(self._words, tokens):
@@ -426,16 +432,6 @@ class _Clauses:
         found = self.read(bare, state)
         steps = tuple(each for each, _ in found or () if isinstance(each, Act))
         return FailureReaction(causes, steps=steps) if len(steps) == len(found or "-") else None
-
-
-def _skipped(words: WordLists, tokens: Tokens) -> int:
-    start = 0
-    while start < len(tokens.items):
-        end = words.end("order", tokens.words, start)
-        if end == start and tokens.words[start] != BREAK:
-            break
-        start = max(end, start + 1)
-    return start
 
 
 def _starts(words: WordLists, tokens: Tokens) -> list[int]:

@@ -5,10 +5,9 @@ what they name. "No, knives are for cutting" corrects something, "no knives are 
 negates it, and only the pause tells. So a rule is accepted of "no knife" only as a negative one,
 and of "..., no, for stirring" no two rules at once.
 
-Every leaf of a derivation that is a function word, a verb or a turn of phrase gives the features of
-the words in its span to the main clause or to its condition, whatever entry took them. What a
-sentence names has features, too: whether a new noun is a part of what it is said of, or something
-that can be handled at all.
+Every word of a derivation that names nothing gives its features to the main clause or to its
+condition, whatever entry took it. What a sentence names has features, too: whether a new noun is a
+part of what it is said of, or something that can be handled at all.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
@@ -51,7 +50,11 @@ class ReadingFilter:
 
     def accepted(self, readings: Sequence[Reading], tokens: Tokens) -> list[Reading]:
         """Return the readings of a whole sentence that may be accepted, in the same order."""
-        negated, repaired = self._denials(tokens)
+        words, pauses, known = tokens.words, tokens.pauses, self.known_words
+        places = [place for place, word in enumerate(words) if word in known.builder.denying]
+        after = [n + 1 for n in places if n + 1 < len(words) and n + 1 not in pauses]
+        negated = any(known.may_be_a_thing(words[n]) for n in after)
+        repaired = any(n in pauses or words[n - 1] == BREAK for n in places if n)
         commanded = any(isinstance(each.meaning, Command) for each in readings)
         return [
             each
@@ -66,13 +69,6 @@ class ReadingFilter:
             and (not each.new_words or self._may_introduce_words(each, tokens))
             and self._may_introduce_recipients(each, tokens, commanded=commanded)
         ]
-
-    def _denials(self, tokens: Tokens) -> tuple[bool, bool]:
-        words, pauses, known = tokens.words, tokens.pauses, self.known_words
-        places = [place for place, word in enumerate(words) if word in known.builder.denying]
-        after = [n + 1 for n in places if n + 1 < len(words) and n + 1 not in pauses]
-        is_repaired = any(n in pauses or words[n - 1] == BREAK for n in places if n)
-        return any(known.may_be_a_thing(words[n]) for n in after), is_repaired
 
     def _may_introduce_words(self, reading: Reading, tokens: Tokens) -> bool:
         words = reading.new_words

@@ -18,8 +18,8 @@ from functools import cache, partial
 from itertools import combinations, islice
 
 from ..lexicon.discourse_markers import move_to_front
-from ..lexicon.tokenizer import BREAK, Token, Tokens, tokenize
-from ..lexicon.unknown_words import KnownWords
+from ..lexicon.tokenizer import BREAK, Tokens, tokenize
+from ..lexicon.unknown_words import MAX_NEW_WORDS, KnownWords
 from ..semantics.meaning import (
     Acknowledgement,
     ActionCommand,
@@ -117,11 +117,12 @@ class _Attempt:
     def _understand(
         self, tokens: Tokens, context: UtteranceContext, *, is_core: bool = False
     ) -> Understanding:
-        problem = self._tools.clarification.of_too_many_unknown_words(tokens)
-        if problem is None:
+        unknown = self._tools.known_words.unknown(tokens)
+        if len({token.word for token in unknown}) <= MAX_NEW_WORDS:
             result = self._as_sentence(tokens, context)
             strategies = self._strategies_after(result, is_core=is_core)
         else:
+            problem = self._tools.clarification.of_unknown_words(tokens, unknown)
             result = Understanding.of(tokens, context, problem)
             others = (self._by_definition, self._by_name, self._by_core, self._by_plan)
             strategies = () if is_core else others
@@ -168,19 +169,14 @@ class _Attempt:
                 continue  # it may be a rule
             words = tuple(dict.fromkeys(word for each in found for word in each.new_words))
             whole = replace(found[main], meaning=meaning, new_words=words)
-            return self._licensed_with_replies(whole, found)
+            replies = [each.words for each in found if isinstance(each.meaning, Acknowledgement)]
+            if not replies or whole.reading is None or isinstance(meaning, AskBack):
+                return whole
+            features = self._tools.parser.features.with_asides(whole.reading.features, replies)
+            reading = replace(whole.reading, meaning=meaning, features=features)
+            answer = self._tools.clarification.licensed(reading)
+            return replace(whole, meaning=answer, reading=reading)
         return None
-
-    def _licensed_with_replies(
-        self, whole: Understanding, found: Sequence[Understanding]
-    ) -> Understanding:
-        replies = [each.words for each in found if isinstance(each.meaning, Acknowledgement)]
-        if not replies or whole.reading is None or isinstance(whole.meaning, AskBack):
-            return whole
-        features = self._tools.parser.features.with_asides(whole.reading.features, replies)
-        reading = replace(whole.reading, meaning=whole.meaning, features=features)
-        answer = self._tools.clarification.licensed(reading)
-        return replace(whole, meaning=answer, reading=reading)
 
     def _without_markers(self, tokens: Tokens, context: UtteranceContext) -> Understanding | None:
         tried = {tokens.words}
@@ -199,8 +195,16 @@ class _Attempt:
     def _by_core(self, tokens: Tokens, context: UtteranceContext) -> Understanding | None:
         for core in islice(self._tools.periphery.cores(tokens), MAX_CORES):
             found = self._core(core, context)
-            if found is not None:
-                return found if self._is_meant(core, found, context) else None
+            if found is None:
+                continue
+            asked = found.reading if isinstance(found.meaning, AskBack) else None
+            kinds = kinds_of_core((asked or found).meaning)
+            before = (self._understand(each, context, is_core=True) for each in core.preamble)
+            is_core = bool(kinds) and kinds <= core.kinds
+            is_alone = is_core and all(
+                each.reading is None or isinstance(each.meaning, Acknowledgement) for each in before
+            )
+            return found if is_alone else None
         return None
 
     def _core(self, core: Core, context: UtteranceContext) -> Understanding | None:
@@ -219,14 +223,6 @@ class _Attempt:
     def _with_reading(self, tokens: Tokens, context: UtteranceContext) -> Understanding | None:
         found = self._understand(tokens, context, is_core=True)
         return found if found.reading is not None else None
-
-    def _is_meant(self, core: Core, found: Understanding, context: UtteranceContext) -> bool:
-        asked = found.reading if isinstance(found.meaning, AskBack) else None
-        kinds = kinds_of_core((asked or found).meaning)
-        if not kinds or not kinds <= core.kinds:
-            return False
-        before = (self._understand(each, context, is_core=True) for each in core.preamble)
-        return all(e.reading is None or isinstance(e.meaning, Acknowledgement) for e in before)
 
     def _variants(self, tokens: Tokens) -> Iterator[Tokens]:
         builder = self._tools.known_words.builder
@@ -278,7 +274,12 @@ class _Attempt:
     def _parse(self, tokens: Tokens, context: UtteranceContext) -> Understanding:
         tools, clarify = self._tools, self._tools.clarification
         unknown = tools.known_words.unknown(tokens)
-        chart = self._chart(tokens, unknown)
+        # No name goes over a pause, so the guesses depend on the pauses, too.
+        key = (tuple((token.word, token.capital) for token in tokens.items), tokens.pauses)
+        if key not in self._charts:
+            guesses = tools.known_words.guesses(tokens, unknown)
+            self._charts[key] = tools.parser.chart(tokens, guesses)
+        chart = self._charts[key]
         readings, refusal = tools.parser.readings(chart, tokens, context)
         accepted = tools.reading_filter.accepted(readings, tokens)
         chosen = decide(accepted)
@@ -306,15 +307,6 @@ class _Attempt:
 
     def _topic(self, tokens: Tokens, context: UtteranceContext) -> PredicateForm | None:
         return self._tools.parser.topic(self._plain_chart(tokens), context)
-
-    def _chart(self, tokens: Tokens, unknown: list[Token]) -> Chart:
-        # No name goes over a pause, so the guesses depend on the pauses, too.
-        key = (tuple((token.word, token.capital) for token in tokens.items), tokens.pauses)
-        chart = self._charts.get(key)
-        if chart is None:
-            guesses = self._tools.known_words.guesses(tokens, unknown)
-            chart = self._charts[key] = self._tools.parser.chart(tokens, guesses)
-        return chart
 
 
 def _is_procedure(found: Understanding) -> bool:

@@ -9,7 +9,7 @@ belong to the condition. The words and their features are data (`features.yaml`)
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import chain, combinations, islice
+from itertools import combinations, islice
 from pathlib import Path
 from typing import TypeAlias
 
@@ -17,6 +17,7 @@ from ...ontology.yaml_reader import YamlNode, read_yaml
 from ..grammar.word_patterns import Phrase, compile_pattern, expand, spellings
 
 Values: TypeAlias = Mapping[str, frozenset[str]]  # the values of each feature that a clause has
+MAX_COMPARED = 20_000  # spellings of one pattern that are compared
 HIDING = "nothing"  # the feature of phrases that hide the features of their words
 
 MAIN, CONDITION, ASIDE = "main", "condition", "aside"
@@ -28,12 +29,7 @@ NAMED: Values = {
     "recipient": frozenset({"place"}),
     "place": frozenset({"new"}),
 }
-"""The features of what is named.
-
-A part that is `new`, `unsure` or a person's own; a thing; a use; a recipient that is a place; a
-place that is `new`.
-"""
-
+"""The features of what is named: a person's `own` part, a recipient that is a `place`, ..."""
 
 _WORDS = ("part_words", "holding_words", "owners", "embedding", "determiners", "acts", "carrying")
 
@@ -190,14 +186,17 @@ def _plain(values: Values) -> dict[str, object]:
     return {feature: sorted(value) for feature, value in sorted(values.items())}
 
 
-MAX_COMPARED = 20_000  # spellings of one pattern that are compared
-
-
 def check_spellings(path: Path, reader: FeatureReader) -> None:
     """Check that no pattern mixes two values of a feature; `DataError` says which, and where."""
     parts = read_yaml(path).entries()
     varying = parts["varies"].texts(choices=reader.values) if "varies" in parts else ()
-    for pattern in _patterns(parts):
+    items = [
+        item for key in ("words", "constructions") if key in parts for item in parts[key].items()
+    ]
+    said = [item.entries(required=("says",))["says"] for item in items]
+    for key in ("classes", "discourse_markers"):
+        said += parts[key].entries().values() if key in parts else ()
+    for pattern in (pattern for each in said for pattern in each.listed()):
         for feature, found in _features(pattern, reader).items():
             pairs = combinations(found.items(), 2) if feature not in varying else ()
             for (other, other_spelling), (one, spelling) in pairs:
@@ -208,15 +207,6 @@ def check_spellings(path: Path, reader: FeatureReader) -> None:
                         f'in "{" ".join(spelling)}" and {second} in '
                         f'"{" ".join(other_spelling)}". Write a pattern for each.'
                     )
-
-
-def _patterns(parts: Mapping[str, YamlNode]) -> Iterator[YamlNode]:
-    for key in ("words", "constructions"):
-        for item in parts[key].items() if key in parts else ():
-            yield from item.entries(required=("says",))["says"].listed()
-    for key in ("classes", "discourse_markers"):
-        groups = parts[key].entries().values() if key in parts else ()
-        yield from chain.from_iterable(group.listed() for group in groups)
 
 
 def _features(pattern: YamlNode, reader: FeatureReader) -> dict[str, dict[frozenset[str], Phrase]]:

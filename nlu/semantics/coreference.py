@@ -19,6 +19,9 @@ PERSONAL = frozenset(map(PredicateForm, ("him", "her", "them")))
 
 _ONE_OF_SEVERAL = PredicateForm("oneOfSeveral")
 _ORDINALS = {"former": 0, "latter": -1}
+_HILT = PredicateForm("self")
+_TWICE = frozenset({"obliged", "beforehand", "without", "whenIs"})
+"""Norms that may name an object twice, once as "it"."""
 _HOLDING = frozenset({"implies", "permitted", "holding", "graspObject", "correctPart", "fillPart"})
 """The forms that may say by which part, and by which other part not."""
 
@@ -79,11 +82,9 @@ def _to_anyone(form: PredicateForm) -> PredicateForm | None:
 
 
 def _person(part: PredicateForm, discourse: Discourse) -> PredicateForm | None:
-    if part not in PERSONAL:
-        return None
-    if discourse.person is None:
+    if part in PERSONAL and discourse.person is None:
         raise UninterpretableError("which_person", asks=True, word=part.name)
-    return discourse.person
+    return discourse.person if part in PERSONAL else None
 
 
 def _resolve_they(form: PredicateForm, discourse: Discourse) -> PredicateForm:
@@ -151,11 +152,6 @@ def _with_each_part(form: PredicateForm) -> PredicateForm | None:
         return each[0]
     context, _, degree = form.arguments
     return PredicateForm("implies", (context, PredicateForm("butNot", each), degree))
-
-
-_HILT = PredicateForm("self")
-_TWICE = frozenset({"obliged", "beforehand", "without", "whenIs"})
-"""Norms that may name an object twice, once as "it"."""
 
 
 def resolve_rules(form: PredicateForm, discourse: Discourse) -> PredicateForm:
@@ -269,15 +265,14 @@ def _part(place: PredicateForm) -> tuple[PredicateForm, list[PredicateForm]]:
 
 
 def _grasped_object(context: PredicateForm, owners: list[PredicateForm]) -> PredicateForm:
-    arguments = context.arguments
-    if len(arguments) == 3 and context.name != "pass":
-        return arguments[2]
-    if len(arguments) < 2:
-        raise UninterpretableError("no_act")
-    held = arguments[1]
-    if is_tool_act(context) and owners and _most_specific(owners) not in {None, held}:
-        return IT
-    return held
+    match context.arguments:
+        case _, _, tool if context.name != "pass":
+            return tool
+        case _, held, *_:
+            is_of_tool = is_tool_act(context) and _most_specific(owners) not in {None, held}
+            return IT if is_of_tool else held
+        case _:
+            raise UninterpretableError("no_act")
 
 
 def _with_object(context: PredicateForm, known: PredicateForm) -> PredicateForm:

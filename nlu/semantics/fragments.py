@@ -89,10 +89,9 @@ def _is_other(fragment: FragmentValues) -> bool:
 
 
 def _other_of_pair(discourse: Discourse) -> str | None:
-    pair, last = discourse.pair, discourse.object
-    others = [each for each in pair if each != last and not each.arguments]
-    known = len(pair) == 2 and len(others) == 1
-    return others[0].said if known else None
+    pair = discourse.pair
+    others = [each for each in pair if each != discourse.object and not each.arguments]
+    return others[0].said if len(pair) == 2 and len(others) == 1 else None
 
 
 def _completed(

@@ -37,6 +37,8 @@ from .predicates import PredicateForm, UninterpretableError, UnlearnableError, l
 
 GOALS = ("pass", "pickUp", "pointTo", "grasp", "use", "putDown", "putBack", "release")
 
+_CHOICES = {"noneOf": "none", "anyOf": "any", "unsure": "unknown"}
+_EXPLAINED = frozenset({"holding", "graspObject", "pass", "pickUp", "pointTo", "use"})
 _NAMELESS = frozenset({"self", "speaker", "someone", "it", "both", "butNot"})
 
 KIND_FORMS = frozenset({"kindOf", "isA"})
@@ -120,24 +122,18 @@ class Interpreter:
                     raise UninterpretableError("whose_words", asks=True)
                 yield replace(rule, source=name_of(person))
         elif form.name in KIND_FORMS:
-            yield from self._relations(*form.arguments)
+            thing, kind, degree = form.arguments
+            for each in thing.arguments if thing.name == "both" else (thing,):
+                (name, props), above = kind_and_properties(each), _kind(kind)
+                if props or ANY_OBJECT in {name, above} or name == above:
+                    raise UninterpretableError("of_which_object", asks=True)
+                yield KindRelation(above, name, self.intervals[degree.name])
         elif form.name != "implies":
             raise UninterpretableError("not_a_rule")
         elif form.arguments[1].name == "graspObject":
             yield self._action_rule(form)
         else:
             yield self._functional_rule(form)
-
-    def _relations(self, *form: PredicateForm) -> Iterator[KindRelation]:
-        thing, kind, degree = form
-        if thing.name == "both":
-            for each in thing.arguments:
-                yield from self._relations(each, kind, degree)
-            return
-        (name, props), above = kind_and_properties(thing), _kind(kind)
-        if props or ANY_OBJECT in {name, above} or name == above:
-            raise UninterpretableError("of_which_object", asks=True)
-        yield KindRelation(above, name, self.intervals[degree.name])
 
     def _correction(self, form: PredicateForm, discourse: Discourse) -> Meaning:
         if form.name == "retractAbout":
@@ -331,8 +327,16 @@ class Interpreter:
                 return _question_on_use("objects_for", use)
             case "how", (PredicateForm(name="implies", arguments=(act, *_)) | act, *_):
                 return self._question_on_act(ask, act)
-            case "why" | "whyNot", reason:
-                return self._question_on_reason(ask, *reason)
+            case "why" | "whyNot", ():
+                return Question(ask)
+            case "why" | "whyNot", (PredicateForm(name="implies") as rule, *_):
+                return self._question_on_rule(ask, rule)
+            case "why" | "whyNot", (PredicateForm("grasp", (_, thing, *_)), *_):
+                # "Why did you take the knife?" asks for the choice of the object, not of the part.
+                return Question(ask, object=_kind(thing))
+            case "why" | "whyNot", (act, *_):
+                is_act = act.name in _EXPLAINED or act.name in self.tool_acts
+                return self._question_on_act(ask, act) if is_act else Question(ask, _kind(act))
             case "whichContext", (act, part, *_):
                 asked = self._question_on_act(ask, act)
                 # "Held by the blade" asks for any context, "passed by the blade" for passing only.
@@ -374,20 +378,6 @@ class Interpreter:
         target = self._reference(act.arguments[1])
         return replace(_question_on_target(ask, target), context=act.said, part=part)
 
-    def _question_on_reason(
-        self, ask: str, form: PredicateForm | None = None, *_: PredicateForm
-    ) -> Question:
-        if form is None:
-            return Question(ask)
-        if form.name == "implies":
-            return self._question_on_rule(ask, form)
-        if form.name == "grasp":
-            # "Why did you take the knife?" asks for the choice of the object, not of the part.
-            return Question(ask, object=_kind(form.arguments[1]))
-        acts = {"holding", "graspObject", "pass", "pickUp", "pointTo", "use"}
-        is_act = form.name in acts or form.name in self.tool_acts
-        return self._question_on_act(ask, form) if is_act else Question(ask, object=_kind(form))
-
 
 def _use(form: PredicateForm) -> tuple[str, str | None]:
     material = None
@@ -409,9 +399,6 @@ def _question_on_use(ask: str, use: PredicateForm) -> Question:
 
 def _question_on_target(ask: str, target: ObjectReference) -> Question:
     return Question(ask, object=target.object, affordance=target.used_for, material=target.material)
-
-
-_CHOICES = {"noneOf": "none", "anyOf": "any", "unsure": "unknown"}
 
 
 def short_answer(form: PredicateForm) -> Answer:

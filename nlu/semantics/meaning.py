@@ -99,17 +99,15 @@ def is_contradictory(rules: Sequence[Rule | KindRelation]) -> bool:
     said: dict[Rule | KindRelation, Confidence] = {}
     for rule in rules:
         bare = replace(rule, confidence=(0.0, 1.0))
-        about = [each for each in said if each == bare or _restates(bare, each)]
+        about = [each for each in said if bare in (each, _as_grasp(each))]
         if any(said[each] != rule.confidence for each in about):
             return True
         said[bare] = rule.confidence
     return False
 
 
-def _restates(general: Rule | KindRelation, rule: Rule | KindRelation) -> bool:
-    if not (isinstance(general, ActionRule) and isinstance(rule, ActionRule)):
-        return False
-    return general.context == "grasp" and replace(rule, context="grasp") == general
+def _as_grasp(rule: Rule | KindRelation) -> Rule | KindRelation:
+    return replace(rule, context="grasp") if isinstance(rule, ActionRule) else rule
 
 
 Told = TypeVar("Told", bound=_Rule)

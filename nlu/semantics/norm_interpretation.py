@@ -100,16 +100,15 @@ class _NormReader:
             yield from (_ADDITIONS[form.name](norm, added) for norm in self._within(inner))
         elif len(form.arguments) == 1:
             yield self._norm(form.name, form.arguments[0])
+        elif not form.arguments[1].arguments:
+            yield self._norm("obliged", PredicateForm("holding", form.arguments))
         else:
-            yield self._obligation(form.name, *form.arguments)
-
-    def _obligation(self, name: str, act: PredicateForm, other: PredicateForm) -> Norm:
-        if not other.arguments:
-            return self._norm("obliged", PredicateForm("holding", (act, other)))
-        norm, first = self._norm("obliged", act), _command(self._norm("obliged", other).act)
-        if name == "beforehand" and first.target != _command(norm.act).target:
-            raise UninterpretableError("one_thing_at_a_time")  # that is a plan for now
-        return replace(norm, norm="permitted" if name == "without" else "obliged", before=first)
+            norm, other = (self._norm("obliged", each) for each in form.arguments)
+            first = _command(other.act)
+            if form.name == "beforehand" and first.target != _command(norm.act).target:
+                raise UninterpretableError("one_thing_at_a_time")  # that is a plan for now
+            name = "permitted" if form.name == "without" else "obliged"
+            yield replace(norm, norm=name, before=first)
 
     def _within(self, form: PredicateForm) -> Iterator[Norm]:
         if form.name == "not":

@@ -42,6 +42,13 @@ def test_a_question_mark_at_the_end_is_kept(text: str, asks: bool) -> None:
     assert tokenize(text, SHORT).asks is asks
 
 
+def test_no_pause_is_behind_the_last_word() -> None:
+    """Marks after the last word are no place in the text."""
+    tokens = tokenize('Spell "wurds" (did you mean "words"?)', SHORT)
+
+    assert max(tokens.pauses) <= len(tokens.items)
+
+
 def test_a_span_is_the_original_text() -> None:
     """The original spelling can be shown again."""
     tokens = tokenize("Pass me, please, the KNIFE", SHORT)
