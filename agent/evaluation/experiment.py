@@ -97,8 +97,8 @@ class Experiment(ABC):
 
     @property
     def simulates(self) -> bool:
-        """Whether a simulated robot carries out commands; without an option `sim` none does."""
-        return bool(self.options.get("sim"))
+        """Whether a simulated robot carries out commands; without a field `sim` none does."""
+        return bool(getattr(self, "sim", False))
 
     @abstractmethod
     def cases(self) -> Sequence[Case]:

@@ -157,12 +157,8 @@ class GraspExperiment(Experiment):
     """Grasps of a single object on the table, from random poses; each has the next seed."""
 
     name: ClassVar[str] = "grasps"
+    sim: ClassVar[bool] = True
     poses: int = 3  # for each object and context
-
-    @property
-    def simulates(self) -> bool:
-        """Always."""
-        return True
 
     def cases(self) -> Sequence[Case]:
         """Return the cases by object, context and pose."""

@@ -35,8 +35,6 @@ NO_RULE = Proof("unknown", VACUOUS)
 class OpaqueScore:
     """A score that can only be compared with others; a higher level is better."""
 
-    __slots__ = ("_level",)
-
     def __init__(self, level: float) -> None:
         self._level = level
 
