@@ -22,42 +22,29 @@ from ...ontology.errors import DataError, UnknownNameError
 
 Json = dict[str, Any]  # what an experiment wrote, and reads again
 Kind = Literal["unique", "tie", "none", "grasp", "check", "error", "lost"]
+"""For decisions the number of right choices; else a grasp, or anything else that is checked; or the
+case raised an exception, or no worker finished it."""
 
 
 @dataclass(frozen=True)
 class Case:
-    """A case of an experiment: a question with a known answer.
-
-    Attributes:
-        key: identifies the case within the experiment, in any run.
-        spec: everything needed to run it, including its seed.
-    """
+    """A case of an experiment: a question with a known answer."""
 
     experiment: str
-    key: str
-    spec: Json
+    key: str  # identifies the case within the experiment, in any run
+    spec: Json  # everything needed to run it, including its seed
 
 
 @dataclass(frozen=True)
 class CaseResult:
-    """The result of a case.
-
-    Attributes:
-        right: whether it agrees with the ground truth.
-        kind: for decisions "unique", "tie" or "none", the number of right choices; "grasp" for
-            grasps; "check" for anything else; "error" if the case raised an exception; "lost" if
-            no worker finished it.
-        principle: the principle of section 4.1 of the paper, 1 to 4; 0 if none applies.
-        found: what was chosen or done.
-        expected: what the ground truth allows.
-    """
+    """The result of a case."""
 
     key: str
-    right: bool
+    right: bool  # whether it agrees with the ground truth
     kind: Kind
-    principle: int
-    found: str
-    expected: str
+    principle: int  # of section 4.1 of the paper, 1 to 4; 0 if none applies
+    found: str  # what was chosen or done
+    expected: str  # what the ground truth allows
     facts: Json = field(default_factory=dict[str, object])
 
 

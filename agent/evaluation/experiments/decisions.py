@@ -21,12 +21,10 @@ from ...agent import Agent
 from ...config import AgentConfig
 from ...dialogue.reply import Reply
 from ..experiment import Case, CaseResult, Experiment, Json
-from ..learning_scenarios import ACTIONS, LearningScenario, command, grasp_sentence, load_scenarios
+from ..learning_scenarios import ACTIONS, LearningScenario, command, load_scenarios, rule_sentence
 from .ground_truth import CorrectChoices, explain_reply, judge_command
 
-GAP = 0.05  # [m]; room for two fingers and a little more: decisions are tested, not clutter
 PRINCIPLES = {1, 2, 3, 4}
-MAX_SCENES = 255  # the non-empty subsets of eight objects
 
 
 @dataclass(frozen=True)
@@ -34,7 +32,7 @@ class DecisionExperiment(Experiment):
     """An experiment that gives each command in each scene to an agent taught each scenario."""
 
     sim: bool = False  # whether a simulated robot executes its decisions
-    gap: float = GAP  # smallest distance between two objects on its table [m]
+    gap: float = 0.05  # smallest distance on its table [m]: room for two fingers and a little more
 
     @property
     def actions(self) -> Sequence[str]:
@@ -109,7 +107,7 @@ class DecisionExperiment(Experiment):
 
 @dataclass(frozen=True)
 class PaperExperiment(DecisionExperiment):
-    """The evaluation of the paper, with at most `MAX_SCENES` scenes, drawn from the seed."""
+    """The evaluation of the paper, with at most 255 scenes, drawn from the seed."""
 
     name: ClassVar[str] = "paper"
     scenes: int = 10
@@ -177,7 +175,7 @@ class GraspExperiment(Experiment):
         """Teach one grasp rule, command the action, and judge what the robot did."""
         name, context, part, seed = (case.spec[k] for k in ("object", "context", "part", "seed"))
         with Agent.open("memory:", AgentConfig(scene=f"objects:{name}", seed=seed)) as agent:
-            agent.hear(grasp_sentence(name, context, part), only="tell")
+            agent.hear(rule_sentence(name, part, context), only="tell")
             reply = agent.hear(f"{ACTIONS[context]} the {name}", only="do")
         truth = CorrectChoices(frozenset({name}), 0, {name: frozenset({part})})
         result = judge_command(case, truth, reply)

@@ -27,7 +27,7 @@ from ...agent import Agent
 from ...config import household, load_language, open_base
 from ...execution.embodiment import Embodiment
 from ..experiment import Case, CaseResult, Experiment, Json
-from ..learning_scenarios import command, functional_sentence
+from ..learning_scenarios import command, rule_sentence
 from .ground_truth import CorrectChoices
 
 COLUMNS = ("object", "use", "share")
@@ -50,7 +50,7 @@ class Fact:
     @property
     def sentence(self) -> str:
         """The sentence that states it."""
-        return functional_sentence(self.object, self.use, self.word)
+        return rule_sentence(self.object, self.use, level=self.word)
 
     def is_stated_by(self, rule: Rule) -> bool:
         """Whether a rule says the same."""

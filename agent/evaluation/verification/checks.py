@@ -6,7 +6,7 @@ actions and levels are given by their indices; sets of objects and of cells as b
 """
 
 import hashlib
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import astuple
 from random import Random
 
@@ -44,7 +44,12 @@ def check_words(space: ScenarioSpace) -> CheckResult:
         wanted.append([text, space.index[cell], CONFIDENCES[level], 1.0])
     commands = [list(each) for each in space.commands()]
     asked = [_command(space, str(text)) for text, *_ in commands]
-    seen = [_seen(space, mask) for mask in range(2 ** len(space.objects))]
+    seen: list[int] = []
+    for mask in range(2 ** len(space.objects)):
+        things = tuple(Placement(name, name) for name in space.scene(mask))
+        vision = PerfectVision(Scene(things, seed=0), household().objects)
+        percepts = vision.search([f"object:{name}" for name in space.objects])
+        seen.append(space.mask(each.object for each in percepts if each.confidence == 1.0))
     pairs = ((taught, wanted), (asked, commands), (seen, range(len(seen))))
     wrong = [line for found, right in pairs for line in _differences(found, right)]
     return {"sentences": taught, "commands": asked, "scenes": seen}, wrong
@@ -58,13 +63,6 @@ def _command(space: ScenarioSpace, text: str) -> list[str | int]:
     wanted = getattr(request.arguments["object"], "used_for", None)
     number = space.affordances.index(wanted) if wanted in space.affordances else -1
     return [text, [*ACTIONS].index(request.action), number]
-
-
-def _seen(space: ScenarioSpace, mask: int) -> int:
-    things = tuple(Placement(name, name) for name in space.scene(mask))
-    vision = PerfectVision(Scene(things, seed=0), household().objects)
-    found = vision.search([f"object:{name}" for name in space.objects])
-    return space.mask(percept.object for percept in found if percept.confidence == 1.0)
 
 
 def _differences(found: Sequence[object], wanted: Sequence[object]) -> list[str]:
@@ -276,21 +274,18 @@ def check_growth(space: ScenarioSpace, seed: int, number: int) -> CheckResult:
             taught.base.believe("", "", DEFAULT_SPEAKER, [rule])
             codes[space.index[cell]] |= BITS[level]
             node = space.node(cell)
-            scores = [*_node_scores(taught, [space.cells[each] for each in node])]
+            scene = list(dict.fromkeys(space.cells[each].object for each in node))
+            decided: dict[str, TracedDecision] = {}
+            scores: list[list[float]] = []
+            for each in map(space.cells.__getitem__, node):
+                asked = each.object if each.context else each.argument
+                if asked not in decided:
+                    decided[asked] = _decide_about(taught, each, scene)
+                scores.append(_score_of(_candidate_of(each, decided[asked])))
             right = [[belief(code), 1.0, int(code > 0)] for code in (codes[each] for each in node)]
             wrong += _differences([[*each[:2], each[3]] for each in scores], right)
             lines += scores
     return {"order": order, "digest": _digest(lines)}, wrong
-
-
-def _node_scores(taught: TaughtAgent, node: Sequence[RuleKey]) -> Iterator[list[float]]:
-    scene = list(dict.fromkeys(cell.object for cell in node))
-    decided: dict[str, TracedDecision] = {}
-    for cell in node:
-        asked = cell.object if cell.context else cell.argument
-        if asked not in decided:
-            decided[asked] = _decide_about(taught, cell, scene)
-        yield _score_of(_candidate_of(cell, decided[asked]))
 
 
 def _digest(lines: Sequence[Sequence[float]]) -> str:
