@@ -8,7 +8,7 @@ perfectly; with simulation a robot looks with its cameras and executes its decis
 undisturbed table.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import combinations, cycle, product
@@ -44,26 +44,19 @@ class DecisionExperiment(Experiment):
         """The scenarios by name."""
         return {scenario.name: scenario for scenario in load_scenarios()}
 
-    def commands(
-        self, scenario: LearningScenario, name: str, scene: Sequence[str], seed: int
-    ) -> Iterator[Case]:
-        """Yield a case for each command in a scene: 15 for a scenario of the paper.
+    def cases_in(self, scenes: Sequence[tuple[str, Sequence[str], int]]) -> Sequence[Case]:
+        """Return the cases by scenario, scene and command: 15 a scene for a scenario of the paper.
 
-        `name` is the name of the scene in the keys; the seed is that of the poses and the robot.
+        A scene is its name in the keys, its objects, and the seed of its poses and the robot.
         """
-        spec: Json = {"scenario": scenario.name, "scene": list(scene), "seed": seed}
-        for affordance, action in product(scenario.affordances, self.actions):
-            key = f"{scenario.name}/{name}/{action}/{affordance}"
-            yield Case(self.name, key, spec | {"action": action, "affordance": affordance})
-
-    def cases_in(self, scenes: Sequence[Sequence[str]]) -> Sequence[Case]:
-        """Return the cases by scenario, scene and command; each scene has the next seed."""
-        return [
-            case
-            for scenario in self.scenarios.values()
-            for number, scene in enumerate(scenes)
-            for case in self.commands(scenario, str(number), scene, self.seed + number)
-        ]
+        found: list[Case] = []
+        for scenario, (name, scene, seed) in product(self.scenarios.values(), scenes):
+            spec: Json = {"scenario": scenario.name, "scene": list(scene), "seed": seed}
+            for affordance, action in product(scenario.affordances, self.actions):
+                key = f"{scenario.name}/{name}/{action}/{affordance}"
+                asked = spec | {"action": action, "affordance": affordance}
+                found.append(Case(self.name, key, asked))
+        return found
 
     def run(self, case: Case) -> CaseResult:
         """Give the command to an agent that was taught the scenario and has the scene."""
@@ -114,7 +107,8 @@ class PaperExperiment(DecisionExperiment):
 
     def cases(self) -> Sequence[Case]:
         """Return the cases by scenario, scene and command."""
-        return self.cases_in(self.drawn_scenes())
+        scenes = enumerate(self.drawn_scenes())
+        return self.cases_in([(str(n), scene, self.seed + n) for n, scene in scenes])
 
     def drawn_scenes(self) -> list[list[str]]:
         """Return the objects of each scene."""
@@ -141,13 +135,9 @@ class SituationsExperiment(DecisionExperiment):
 
     def cases(self) -> Sequence[Case]:
         """Return the cases by scenario, the smaller scenes first."""
-        return [
-            case
-            for scenario in self.scenarios.values()
-            for size in range(len(scenario.objects) + 1)
-            for scene in combinations(sorted(scenario.objects), size)
-            for case in self.commands(scenario, "+".join(scene) or "empty", scene, self.seed)
-        ]
+        names = sorted(next(iter(self.scenarios.values())).objects)
+        scenes = (scene for size in range(len(names) + 1) for scene in combinations(names, size))
+        return self.cases_in([("+".join(scene) or "empty", scene, self.seed) for scene in scenes])
 
 
 @dataclass(frozen=True)
