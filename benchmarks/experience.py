@@ -33,7 +33,7 @@ from hilt.agent.config import AgentConfig, household, load_language, open_base
 from hilt.agent.dialogue.reply import Reply
 from hilt.agent.evaluation.experiment import Case, CaseResult, Experiment
 from hilt.agent.evaluation.experiments.noise_robustness import Z
-from hilt.agent.evaluation.learning_scenarios import grasp_sentence
+from hilt.agent.evaluation.learning_scenarios import rule_sentence
 from hilt.agent.execution.embodiment import Embodiment
 from hilt.agent.execution.outcome import Json
 from hilt.agent.protocols import Motion
@@ -181,7 +181,7 @@ class ExperienceExperiment(Experiment):
             if not learns:
                 agent.affordances.experience = None
             for name, part in worst.items():
-                agent.hear(grasp_sentence(name, "pass", part), only="tell")
+                agent.hear(rule_sentence(name, part, "pass"), only="tell")
             for motion.episode in range(self.episodes):
                 name = rng.choice(list(chances))
                 reply = agent.hear(f"pass me the {name}")
@@ -199,7 +199,7 @@ class ExperienceExperiment(Experiment):
         spec, record = cast("dict[str, str]", case.spec), _Record()
         name, told, done = spec["object"], spec["part"], list[str]()
         with _slippery_agent(name, told) as taught:
-            taught.hear(grasp_sentence(name, "pass", told), only="tell")
+            taught.hear(rule_sentence(name, told, "pass"), only="tell")
             for seed in range(self.seed, self.seed + SIM_EPISODES):
                 record.asked_about.clear()  # each episode is a conversation of its own
                 scene = scene_with([name], seed=seed, objects=taught.objects)

@@ -7,7 +7,7 @@ import os
 import re
 import shlex
 import sys
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from functools import partial
 from pathlib import Path
@@ -55,7 +55,7 @@ def open_for_reading(kb: str | None) -> KnowledgeBase:
 def require_base(kb: str | None) -> None:
     """Check that there is something at a location; StoreError, with what to do, if not."""
     location = kb or str(config.default_location())
-    if ":" in location or is_something(location):
+    if not _is_missing(location):
         return
     is_usual = kb == config_files.configured()["base"].value
     named = "" if is_usual else f" --kb {shlex.quote(location)}"
@@ -67,19 +67,17 @@ def require_base(kb: str | None) -> None:
 
 def open_to_change(kb: str | None, *, dry_run: bool) -> KnowledgeBase:
     """Open or create a knowledge base; for a dry run only read it, one that is missing as empty."""
-    if not dry_run:
-        return open_base(kb)
     location = kb or str(config.default_location())
-    if ":" in location or is_something(location):
-        return open_for_reading(kb)
+    if not dry_run or not _is_missing(location):
+        return open_for_reading(kb) if dry_run else open_base(kb)
     typer.echo(f'There is no knowledge base "{location}" yet.', err=True)
     return open_base("memory:")
 
 
-def is_something(location: str) -> bool:
-    """Whether there is a file, or a folder that is not empty."""
+def _is_missing(location: str) -> bool:
     place = Path(location).expanduser()
-    return place.is_file() or (place.is_dir() and any(place.iterdir()))
+    is_there = place.is_file() or (place.is_dir() and any(place.iterdir()))
+    return ":" not in location and not is_there
 
 
 def terminal(*, stderr: bool = False) -> Console:
@@ -156,58 +154,59 @@ def utterances(text: str) -> Iterator[str]:
     if text != STDIN:
         yield text
         return
-    yield from (line.strip() for line in _lines(sys.stdin.buffer) if line.strip())
+    yield from (line.strip() for line in stdin_lines() if line.strip())
 
 
-def read_alternatives(given: str | None, text: str) -> tuple[tuple[str, float], ...]:
+def stdin_lines() -> Iterator[str]:
+    """Yield the lines of stdin without their ends; DataError for what is not UTF-8."""
+    for number, line in enumerate(sys.stdin.buffer, start=1):
+        try:
+            text = line.decode("utf-8-sig" if number == 1 else "utf-8")
+        except UnicodeDecodeError as error:
+            raise DataError("expected UTF-8 text.", source="<stdin>", line=number) from error
+        yield text.rstrip("\r\n")
+
+
+def read_alternatives(given: str | None, text: str) -> list[tuple[str, float]]:
     """Return the texts that may have been said, with their scores in [0, 1], from JSON.
 
     It is given itself, as @FILE, or as "-" for stdin. DataError where it is wrong.
     """
     if given is None:
-        return ()
+        return []
     if text == STDIN:
         raise typer.BadParameter("--alternatives goes with one utterance, not with stdin.")
-    source = {STDIN: "<stdin>"}.get(given, given[1:] if given[:1] == "@" else "--alternatives")
-    document = read_text(Path(source)) if given[:1] == "@" else given
-    document = "\n".join(_lines(sys.stdin.buffer)) if given == STDIN else document
+    source, document = "--alternatives", given
+    if given == STDIN:
+        source, document = "<stdin>", "\n".join(stdin_lines())
+    elif given.startswith("@"):
+        source, document = given[1:], read_text(Path(given[1:]))
     try:
         values = json.loads(document)
     except json.JSONDecodeError as error:
         problem, line, column = f"is not JSON: {error.msg}.", error.lineno, error.colno
         raise DataError(problem, source=source, line=line, column=column) from error
     found = parse_yaml(document, source=source)  # for the place of what is wrong
-    nodes = found.items()
-    if not nodes:
+    if not found.items():
         raise found.fail("expected at least one text with its score.")
-    return tuple(map(_alternative, values, nodes))
+    return list(map(_alternative, values, found.items()))
 
 
 def _alternative(value: object, node: YamlNode) -> tuple[str, float]:
     match value:
-        case [str(text), int() | float() as score] | {
-            "text": str(text),
-            "score": int() | float() as score,
-        }:
-            if 0 <= score <= 1 and not isinstance(score, bool):
-                return text, float(score)
+        case [str(text), score] | {"text": str(text), "score": score} if (
+            isinstance(score, int | float) and not isinstance(score, bool) and 0 <= score <= 1
+        ):
+            return text, float(score)
         case _:
-            pass
-    raise node.fail('expected [TEXT, SCORE] or {"text": TEXT, "score": SCORE}, a score in [0, 1].')
-
-
-def _lines(stream: Iterable[bytes]) -> Iterator[str]:
-    for number, line in enumerate(stream, start=1):
-        try:
-            yield line.decode("utf-8-sig" if number == 1 else "utf-8")
-        except UnicodeDecodeError as error:
-            raise DataError("expected UTF-8 text.", source="<stdin>", line=number) from error
+            wanted = '[TEXT, SCORE] or {"text": TEXT, "score": SCORE}, a score in [0, 1]'
+            raise node.fail(f"expected {wanted}.")
 
 
 def read_sparql(text_or_file: str) -> str:
     """Return the content of a SPARQL file, that of stdin for "-", or the text itself."""
     if text_or_file == STDIN:
-        return "\n".join(line.rstrip("\r\n") for line in _lines(sys.stdin.buffer))
+        return "\n".join(stdin_lines())
     looks_like_file = "\n" not in text_or_file and "{" not in text_or_file
     if looks_like_file and Path(text_or_file).suffix in {".rq", ".ru", ".sparql"}:
         return read_text(Path(text_or_file))

@@ -145,15 +145,15 @@ def grasp(
     ]
     reach = {"frame": "points" if at is None else frame, "reach_checked": at is not None}
     found = {**reach, "grasps": grasps, "rejected": dict(plan.rejected)}
-    print_json(found) if as_json else _list_grasps(found)
+    if as_json:
+        print_json(found)
+    else:
+        for pose, (width, _, score) in zip(placed, numbers, strict=True):
+            at, ahead = (" ".join(f"{row[axis]:6.3f}" for row in pose[:3]) for axis in (3, 2))
+            number = f"[bold green]{score:.2f}[/]  {1000 * width:3.0f} mm wide"
+            terminal().print(f"{number}  at {at} m  ahead {ahead}")
+        limits = "within reach" if reach["reach_checked"] else "z is up, and reach is not checked"
+        rejected = ", ".join(f"{count} {reason}" for reason, count in plan.rejected.items())
+        text = f"Frame: {reach['frame']}; {limits}. Rejected: {rejected or 'none'}."
+        terminal().print(f"[dim]{text}[/]")
     exit_with(bool(plan.grasps))
-
-
-def _list_grasps(found: dict[str, Any]) -> None:
-    for each in found["grasps"]:
-        at, ahead = (" ".join(f"{row[axis]:6.3f}" for row in each["pose"][:3]) for axis in (3, 2))
-        number = f"[bold green]{each['score']:.2f}[/]  {1000 * each['width_m']:3.0f} mm wide"
-        terminal().print(f"{number}  at {at} m  ahead {ahead}")
-    reach = "within reach" if found["reach_checked"] else "z is up, and reach is not checked"
-    rejected = ", ".join(f"{count} {reason}" for reason, count in found["rejected"].items())
-    terminal().print(f"[dim]Frame: {found['frame']}; {reach}. Rejected: {rejected or 'none'}.[/]")

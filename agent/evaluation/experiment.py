@@ -22,6 +22,8 @@ from ...ontology.errors import DataError, UnknownNameError
 
 Json = dict[str, Any]  # what an experiment wrote, and reads again
 Kind = Literal["unique", "tie", "none", "grasp", "check", "error", "lost"]
+"""For decisions the number of right choices; else a grasp, or anything else that is checked; or the
+case raised an exception, or no worker finished it."""
 
 
 @dataclass(frozen=True)
@@ -29,8 +31,8 @@ class Case:
     """A case of an experiment: a question with a known answer."""
 
     experiment: str
-    key: str  #: identifies the case within the experiment, in any run
-    spec: Json  #: everything needed to run it, including its seed
+    key: str  # identifies the case within the experiment, in any run
+    spec: Json  # everything needed to run it, including its seed
 
 
 @dataclass(frozen=True)
@@ -38,14 +40,11 @@ class CaseResult:
     """The result of a case."""
 
     key: str
-    right: bool  #: whether it agrees with the ground truth
-    #: for decisions "unique", "tie" or "none", the number of right choices; "grasp" for grasps;
-    #: "check" for anything else; "error" if the case raised an exception; "lost" if no worker
-    #: finished it
+    right: bool  # whether it agrees with the ground truth
     kind: Kind
-    principle: int  #: the principle of section 4.1 of the paper, 1 to 4; 0 if none applies
-    found: str  #: what was chosen or done
-    expected: str  #: what the ground truth allows
+    principle: int  # of section 4.1 of the paper, 1 to 4; 0 if none applies
+    found: str  # what was chosen or done
+    expected: str  # what the ground truth allows
     facts: Json = field(default_factory=dict[str, object])
 
 
@@ -85,8 +84,8 @@ class Experiment(ABC):
 
     @property
     def simulates(self) -> bool:
-        """Whether a simulated robot carries out commands; without an option `sim` none does."""
-        return bool(self.options.get("sim"))
+        """Whether a simulated robot carries out commands; without a field `sim` none does."""
+        return bool(getattr(self, "sim", False))
 
     @abstractmethod
     def cases(self) -> Sequence[Case]:

@@ -28,12 +28,9 @@ class LearningScenario:
     """The rules that are taught in one learning scenario of the paper (section 4.1)."""
 
     name: str
-    #: affordance -> level -> the objects of that level
-    affordances: Mapping[str, Mapping[str, Sequence[str]]]
-    #: object -> context -> the part to grasp; every object has an entry
-    grasps: Mapping[str, Mapping[str, str]]
-    #: the words of confidence in descending order; grasps are taught with the first
-    levels: tuple[str, ...] = LEVELS
+    affordances: Mapping[str, Mapping[str, Sequence[str]]]  # affordance -> level -> objects
+    grasps: Mapping[str, Mapping[str, str]]  # every object -> context -> the part to grasp
+    levels: tuple[str, ...] = LEVELS  # highest first; grasps are taught with the first
 
     @property
     def objects(self) -> tuple[str, ...]:
@@ -51,13 +48,13 @@ class LearningScenario:
     def sentences(self) -> list[str]:
         """Return the sentences that teach the scenario."""
         functional = [
-            functional_sentence(name, affordance, level)
+            rule_sentence(name, affordance, level=level)
             for affordance, levels in self.affordances.items()
             for level, names in levels.items()
             for name in names
         ]
         return functional + [
-            grasp_sentence(name, context, part, self.levels[0])
+            rule_sentence(name, part, context, self.levels[0])
             for name, parts in self.grasps.items()
             for context, part in parts.items()
         ]
@@ -78,22 +75,12 @@ class LearningScenario:
         return replace(self, name=name, affordances=turned)
 
 
-def functional_sentence(name: str, affordance: str, level: str) -> str:
-    """Return the sentence that teaches an affordance of an object with a level of confidence."""
-    article = "an" if name[0] in "aeiou" else "a"
-    return f"{article} {name} is {level} used for {affordance}"
-
-
-def grasp_sentence(name: str, context: str, part: str, level: str = LEVELS[0]) -> str:
-    """Return the sentence that teaches which part of an object to grasp in a context."""
-    return f"To {_INFINITIVES[context]} a {name} {level} grab the {name} by the {part}"
-
-
-def rule_sentence(name: str, argument: str, context: str, level: str) -> str:
+def rule_sentence(name: str, argument: str, context: str = "", level: str = LEVELS[0]) -> str:
     """Return the sentence that teaches an affordance, or in a context the part to grasp."""
     if context:
-        return grasp_sentence(name, context, argument, level)
-    return functional_sentence(name, argument, level)
+        return f"To {_INFINITIVES[context]} a {name} {level} grab the {name} by the {argument}"
+    article = "an" if name[0] in "aeiou" else "a"
+    return f"{article} {name} is {level} used for {argument}"
 
 
 def command(action: str, affordance: str) -> str:

@@ -19,7 +19,7 @@ from rich.text import Text
 from rich.tree import Tree
 
 from ...inference.explanation import rejection_reason
-from ...kb.rdf.terms import Iri, Term
+from ...kb.rdf.terms import Iri
 from ...kb.sparql.results import BooleanResult, SelectResult
 from ...nlu.generation.templates import proper_name
 from ...ontology.vocabulary import prefixed
@@ -313,18 +313,12 @@ def results(found: SelectResult | BooleanResult) -> RenderableType:
     """Return a query result: a table of rows, or yes or no."""
     if isinstance(found, BooleanResult):
         return Text("yes" if found.value else "no")
-    rows = table(found.variables, (map(short_term, row) for row in islice(found, MOST_ROWS)))
+    shown = ([prefixed(t) if isinstance(t, Iri) else t for t in row] for row in found)
+    rows = table(found.variables, islice(shown, MOST_ROWS))
     count = counted(len(found), "row")
     if len(found) > MOST_ROWS:
         count += f", of which the first {MOST_ROWS} are shown; all of them: --format csv"
     return Group(rows, Text(count))
-
-
-def short_term(term: Term | None) -> str:
-    """Return a term for a table: an IRI with its prefix, a literal as its value."""
-    if isinstance(term, Iri):
-        return prefixed(term)
-    return "" if term is None else str(term)
 
 
 def questions(named: Iterable[NamedQuery]) -> Table:

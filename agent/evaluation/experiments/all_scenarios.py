@@ -18,19 +18,18 @@ from ....inference.interval_operators import EPSILON
 from ....inference.settings import Settings
 from ..experiment import Case, CaseResult, Experiment, Json
 from ..learning_scenarios import ACTIONS, CONTEXTS, LEVELS
-from ..verification import finite_cases, hypotheses
-from ..verification.finite_cases import CheckResult
-from ..verification.scenario_space import CODES, ScenarioSpace
+from ..verification import checks
+from ..verification.scenario_space import CODES, CheckResult, ScenarioSpace
 from ..verification.weak_orders import OUTCOMES, check_choices, weak_order_blocks
 
 FORMAT = 2  # of the certificate
 CHECKS: Mapping[str, Callable[..., CheckResult]] = {
-    "words": finite_cases.check_words,
-    "scores": finite_cases.check_scores,
-    "grasps": finite_cases.check_grasps,
-    "teaching": hypotheses.check_teaching,
-    "situations": hypotheses.check_situations,
-    "growth": hypotheses.check_growth,
+    "words": checks.check_words,
+    "scores": checks.check_scores,
+    "grasps": checks.check_grasps,
+    "teaching": checks.check_teaching,
+    "situations": checks.check_situations,
+    "growth": checks.check_growth,
     "choices": check_choices,
 }
 DRAWN = ("teaching", "situations", "growth")  # from the seed
@@ -143,7 +142,7 @@ class RandomScenariosExperiment(AllScenariosExperiment):
         """Return the numbers of sentences and of decisions."""
         facts = self._facts(results)["teaching"]
         told = sum(each["told"] for each in facts)
-        return {"sentences": told, "decisions": hypotheses.COMMANDS * len(facts)}
+        return {"sentences": told, "decisions": checks.COMMANDS * len(facts)}
 
     def files(self, results: Sequence[CaseResult]) -> Mapping[str, Json]:
         """Return no certificate: `AllScenariosExperiment` makes it."""

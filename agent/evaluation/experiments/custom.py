@@ -49,7 +49,8 @@ class CustomExperiment(DecisionExperiment):
 
     def cases(self) -> Sequence[Case]:
         """Return the cases by scenario, scene and command."""
-        return self.cases_in(self._spec.scenes)
+        scenes = enumerate(self._spec.scenes)
+        return self.cases_in([(str(n), scene, self.seed + n) for n, scene in scenes])
 
     @property
     def actions(self) -> Sequence[str]:

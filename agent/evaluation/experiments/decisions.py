@@ -8,7 +8,7 @@ perfectly; with simulation a robot looks with its cameras and executes its decis
 undisturbed table.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import combinations, cycle, product
@@ -21,12 +21,10 @@ from ...agent import Agent
 from ...config import AgentConfig
 from ...dialogue.reply import Reply
 from ..experiment import Case, CaseResult, Experiment, Json
-from ..learning_scenarios import ACTIONS, LearningScenario, command, grasp_sentence, load_scenarios
+from ..learning_scenarios import ACTIONS, LearningScenario, command, load_scenarios, rule_sentence
 from .ground_truth import CorrectChoices, explain_reply, judge_command
 
-GAP = 0.05  # [m]; room for two fingers and a little more: decisions are tested, not clutter
 PRINCIPLES = {1, 2, 3, 4}
-MAX_SCENES = 255  # the non-empty subsets of eight objects
 
 
 @dataclass(frozen=True)
@@ -34,7 +32,7 @@ class DecisionExperiment(Experiment):
     """An experiment that gives each command in each scene to an agent taught each scenario."""
 
     sim: bool = False  # whether a simulated robot executes its decisions
-    gap: float = GAP  # smallest distance between two objects on its table [m]
+    gap: float = 0.05  # smallest distance on its table [m]: room for two fingers and a little more
 
     @property
     def actions(self) -> Sequence[str]:
@@ -46,26 +44,19 @@ class DecisionExperiment(Experiment):
         """The scenarios by name."""
         return {scenario.name: scenario for scenario in load_scenarios()}
 
-    def commands(
-        self, scenario: LearningScenario, name: str, scene: Sequence[str], seed: int
-    ) -> Iterator[Case]:
-        """Yield a case for each command in a scene: 15 for a scenario of the paper.
+    def cases_in(self, scenes: Sequence[tuple[str, Sequence[str], int]]) -> Sequence[Case]:
+        """Return the cases by scenario, scene and command: 15 a scene for a scenario of the paper.
 
-        `name` is the name of the scene in the keys; the seed is that of the poses and the robot.
+        A scene is its name in the keys, its objects, and the seed of its poses and the robot.
         """
-        spec: Json = {"scenario": scenario.name, "scene": list(scene), "seed": seed}
-        for affordance, action in product(scenario.affordances, self.actions):
-            key = f"{scenario.name}/{name}/{action}/{affordance}"
-            yield Case(self.name, key, spec | {"action": action, "affordance": affordance})
-
-    def cases_in(self, scenes: Sequence[Sequence[str]]) -> Sequence[Case]:
-        """Return the cases by scenario, scene and command; each scene has the next seed."""
-        return [
-            case
-            for scenario in self.scenarios.values()
-            for number, scene in enumerate(scenes)
-            for case in self.commands(scenario, str(number), scene, self.seed + number)
-        ]
+        found: list[Case] = []
+        for scenario, (name, scene, seed) in product(self.scenarios.values(), scenes):
+            spec: Json = {"scenario": scenario.name, "scene": list(scene), "seed": seed}
+            for affordance, action in product(scenario.affordances, self.actions):
+                key = f"{scenario.name}/{name}/{action}/{affordance}"
+                asked = spec | {"action": action, "affordance": affordance}
+                found.append(Case(self.name, key, asked))
+        return found
 
     def run(self, case: Case) -> CaseResult:
         """Give the command to an agent that was taught the scenario and has the scene."""
@@ -109,14 +100,15 @@ class DecisionExperiment(Experiment):
 
 @dataclass(frozen=True)
 class PaperExperiment(DecisionExperiment):
-    """The evaluation of the paper, with at most `MAX_SCENES` scenes, drawn from the seed."""
+    """The evaluation of the paper, with at most 255 scenes, drawn from the seed."""
 
     name: ClassVar[str] = "paper"
     scenes: int = 10
 
     def cases(self) -> Sequence[Case]:
         """Return the cases by scenario, scene and command."""
-        return self.cases_in(self.drawn_scenes())
+        scenes = enumerate(self.drawn_scenes())
+        return self.cases_in([(str(n), scene, self.seed + n) for n, scene in scenes])
 
     def drawn_scenes(self) -> list[list[str]]:
         """Return the objects of each scene."""
@@ -143,13 +135,9 @@ class SituationsExperiment(DecisionExperiment):
 
     def cases(self) -> Sequence[Case]:
         """Return the cases by scenario, the smaller scenes first."""
-        return [
-            case
-            for scenario in self.scenarios.values()
-            for size in range(len(scenario.objects) + 1)
-            for scene in combinations(sorted(scenario.objects), size)
-            for case in self.commands(scenario, "+".join(scene) or "empty", scene, self.seed)
-        ]
+        names = sorted(next(iter(self.scenarios.values())).objects)
+        scenes = (scene for size in range(len(names) + 1) for scene in combinations(names, size))
+        return self.cases_in([("+".join(scene) or "empty", scene, self.seed) for scene in scenes])
 
 
 @dataclass(frozen=True)
@@ -157,12 +145,8 @@ class GraspExperiment(Experiment):
     """Grasps of a single object on the table, from random poses; each has the next seed."""
 
     name: ClassVar[str] = "grasps"
+    sim: ClassVar[bool] = True
     poses: int = 3  # for each object and context
-
-    @property
-    def simulates(self) -> bool:
-        """Always."""
-        return True
 
     def cases(self) -> Sequence[Case]:
         """Return the cases by object, context and pose."""
@@ -181,7 +165,7 @@ class GraspExperiment(Experiment):
         """Teach one grasp rule, command the action, and judge what the robot did."""
         name, context, part, seed = (case.spec[k] for k in ("object", "context", "part", "seed"))
         with Agent.open("memory:", AgentConfig(scene=f"objects:{name}", seed=seed)) as agent:
-            agent.hear(grasp_sentence(name, context, part), only="tell")
+            agent.hear(rule_sentence(name, part, context), only="tell")
             reply = agent.hear(f"{ACTIONS[context]} the {name}", only="do")
         truth = CorrectChoices(frozenset({name}), 0, {name: frozenset({part})})
         result = judge_command(case, truth, reply)

@@ -27,7 +27,7 @@ from ...agent import Agent
 from ...config import household, load_language, open_base
 from ...execution.embodiment import Embodiment
 from ..experiment import Case, CaseResult, Experiment, Json
-from ..learning_scenarios import command, functional_sentence
+from ..learning_scenarios import command, rule_sentence
 from .ground_truth import CorrectChoices
 
 COLUMNS = ("object", "use", "share")
@@ -50,7 +50,7 @@ class Fact:
     @property
     def sentence(self) -> str:
         """The sentence that states it."""
-        return functional_sentence(self.object, self.use, self.word)
+        return rule_sentence(self.object, self.use, level=self.word)
 
     def is_stated_by(self, rule: Rule) -> bool:
         """Whether a rule says the same."""
@@ -103,7 +103,11 @@ class FactsExperiment(Experiment):
     def run(self, case: Case) -> CaseResult:
         """Compare what was stored, or what is chosen, with the file."""
         if "row" in case.spec:
-            return self._row(case, case.spec["row"])
+            fact, (rules, said) = self._facts[case.spec["row"]], self._taught[1][case.spec["row"]]
+            is_same = len(rules) == 1 and fact.is_stated_by(rules[0])
+            found = "as said" if is_same else "otherwise" if rules else "refused"
+            facts: Json = {"why": [fact.sentence, said, *map(repr, rules)]}
+            return CaseResult(case.key, is_same, "check", 0, found, "as said", facts)
         scene, use = case.spec["scene"], case.spec["use"]
         about = (fact for fact in self._facts if fact.use == use and fact.object in scene)
         shares = {fact.object: WORDS[fact.word] for fact in about}
@@ -122,13 +126,6 @@ class FactsExperiment(Experiment):
         stored = Counter(result.found for result in results if result.kind == "check")
         decided = [result.right for result in results if result.kind in {"none", "unique", "tie"}]
         return {"facts": dict(stored), "decisions": {"all": len(decided), "right": sum(decided)}}
-
-    def _row(self, case: Case, number: int) -> CaseResult:
-        fact, (rules, said) = self._facts[number], self._taught[1][number]
-        is_same = len(rules) == 1 and fact.is_stated_by(rules[0])
-        found = "as said" if is_same else "otherwise" if rules else "refused"
-        facts: Json = {"why": [fact.sentence, said, *map(repr, rules)]}
-        return CaseResult(case.key, is_same, "check", 0, found, "as said", facts)
 
     @cached_property
     def _facts(self) -> list[Fact]:

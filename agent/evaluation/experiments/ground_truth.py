@@ -27,9 +27,9 @@ LIFTED_M = 0.10  # how high it must be lifted [m]
 class CorrectChoices:
     """The right choices for a command in a scene."""
 
-    objects: frozenset[str]  #: the right choices; empty if the right answer is that there is none
-    principle: int  #: the principle of section 4.1 that applies, 1 to 4; 0 for an object by name
-    #: object -> the parts by which it may be grasped; empty if any will do, or none
+    objects: frozenset[str]  # empty if the right answer is that there is none
+    principle: int  # of section 4.1, 1 to 4; 0 for an object by name
+    # object -> the parts by which it may be grasped; empty if any will do, or none
     parts: Mapping[str, frozenset[str]]
 
     @classmethod

@@ -156,10 +156,9 @@ def as_text(value: object) -> str:
 def write_report(
     path: Path, experiment: Experiment, cases: Sequence[Case], report: EvaluationReport
 ) -> None:
-    """Write the report of all cases, in their order, as .html, .json or .csv.
+    """Write the report of all cases, in their order; StoreError if that cannot be.
 
-    DataError if there is no such format; MissingExtraError if a package for HTML pages is not
-    installed; StoreError if the file cannot be written.
+    The file ends in .html, .json or .csv, else DataError, or MissingExtraError.
     """
     check_format(path)
     match path.suffix:

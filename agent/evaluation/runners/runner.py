@@ -74,13 +74,9 @@ def run_in_pool(
 ) -> Iterator[TimedResult]:
     """Run cases in other processes and yield results as they come; WorkersError if none can start.
 
-    Args:
-        cases: what is run.
-        start: starts `run_in_worker` with a case.
-        failures: what it raises where the process died or timed out; then the case is started
-            again, `ATTEMPTS` times in all.
-        at_once: how many cases are started at the same time; None starts all.
-        patience_s: how long the processes may take to start a case [s].
+    `start` starts `run_in_worker` with a case. It raises one of `failures` where the process died
+    or timed out; then the case is started again, `ATTEMPTS` times in all. `at_once` cases are
+    started at the same time (None: all); the processes may take `patience_s` to start one [s].
     """
     finished: SimpleQueue[tuple[Case, int, Future[str]]] = SimpleQueue()
     pending: set[Future[str]] = set()
@@ -122,14 +118,10 @@ def run_serially(experiment: Experiment, cases: Sequence[Case]) -> Iterator[Time
 
 @dataclass(frozen=True)
 class ProcessRunner:
-    """Runs cases in a pool of processes (started by "spawn" on every platform).
-
-    A process is killed when its case takes longer than `timeout_s` [s]. A case whose process dies
-    or times out is started `ATTEMPTS` times.
-    """
+    """Runs cases in a pool of processes (started by "spawn" on every platform)."""
 
     workers: int
-    timeout_s: float = TIMEOUT_S
+    timeout_s: float = TIMEOUT_S  # how long a case may take before its process is killed [s]
 
     def __call__(self, experiment: Experiment, cases: Sequence[Case]) -> Iterator[TimedResult]:
         """Run the cases, each in one of the processes; WorkersError if none can be started."""

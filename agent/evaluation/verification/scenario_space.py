@@ -19,14 +19,16 @@ from ....nlu.language import Language
 from ....nlu.semantics import meaning
 from ...config import household
 from ...dialogue.translation import rule_from_meaning
+from ...execution.outcome import Json
 from ..learning_scenarios import ACTIONS, CONTEXTS, LEVELS, command, load_scenarios, rule_sentence
-from .taught_agent import GraphStatement, RuleKey, TaughtAgent, belief_statements
+from .taught_agent import GraphStatement, RuleKey, TaughtAgent, belief_graph
 
 # Table 2: level -> confidence
 CONFIDENCES: Mapping[str, float] = dict(zip(LEVELS, (0.95, 0.75, 0.5, 0.25), strict=True))
 CODES = range(2 ** len(LEVELS))
 BITS: Mapping[str, int] = {level: 8 >> i for i, level in enumerate(LEVELS)}
 
+CheckResult = tuple[Json, list[str]]  # facts, and a line for each deviation
 Codes = tuple[int, ...]  # a learning scenario: a code for each cell
 
 
@@ -72,7 +74,7 @@ class ScenarioSpace:
     def rules(self) -> dict[tuple[RuleKey, str], Rule]:
         """Cell and level -> the rule that its sentence teaches."""
         cells = ((cell, level) for cell in self.cells for level in LEVELS)
-        return {key: self._rule(sentence(*key)) for key in cells}
+        return {(cell, level): self._rule(rule_sentence(*cell, level)) for cell, level in cells}
 
     def _rule(self, text: str) -> Rule:
         said = self.language.understand(text).meaning
@@ -84,11 +86,11 @@ class ScenarioSpace:
     @cached_property
     def statements(self) -> dict[str, frozenset[GraphStatement]]:
         """Sentence, or none if empty -> the graph of beliefs after telling it alone."""
-        told = {"": (), **{sentence(*key): (rule,) for key, rule in self.rules.items()}}
         found: dict[str, frozenset[GraphStatement]] = {}
-        for text, rules in told.items():
+        told = {rule_sentence(*cell, level): (rule,) for (cell, level), rule in self.rules.items()}
+        for text, rules in {"": (), **told}.items():
             with TaughtAgent(rules) as taught:
-                found[text] = belief_statements(taught.base)
+                found[text] = belief_graph(taught.base)
         return found
 
     def taught(self, codes: Sequence[int]) -> list[tuple[RuleKey, str]]:
@@ -132,11 +134,6 @@ class ScenarioSpace:
         return [self.index[each] for each in every]
 
 
-def sentence(cell: RuleKey, level: str) -> str:
-    """Return the sentence that teaches a cell at a level."""
-    return rule_sentence(*cell, level)
-
-
 def bit_mask(indices: Iterable[int]) -> int:
     """Return the bit mask of a set of indices."""
     return sum(1 << i for i in {*indices})
@@ -145,11 +142,6 @@ def bit_mask(indices: Iterable[int]) -> int:
 def levels_of(code: int) -> list[str]:
     """Return the levels of a code, the highest first."""
     return [level for level, bit in BITS.items() if code & bit]
-
-
-def code_of(levels: Iterable[str]) -> int:
-    """Return the code of a set of levels."""
-    return sum(BITS[level] for level in {*levels})
 
 
 def belief(code: int) -> float:

@@ -121,7 +121,7 @@ class TaughtAgent(AbstractContextManager["TaughtAgent"]):
         self.base.close()
 
 
-def belief_statements(base: KnowledgeBase) -> frozenset[GraphStatement]:
+def belief_graph(base: KnowledgeBase) -> frozenset[GraphStatement]:
     """Return the statements of the graph of beliefs, without the provenance of the rules."""
     quads = base.store.quads(None, None, None, BELIEFS)
     return frozenset(quad[:3] for quad in quads if quad.predicate not in PROVENANCE)

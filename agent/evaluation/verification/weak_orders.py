@@ -23,8 +23,7 @@ from ....inference.proof import Proof
 from ....inference.types import Candidate
 from ....kb.interval import VACUOUS, Interval
 from ...execution.outcome import Json
-from .finite_cases import CheckResult
-from .scenario_space import ScenarioSpace
+from .scenario_space import CheckResult, ScenarioSpace
 from .taught_agent import acceptable_candidates
 
 ABSENT, UNKNOWN, RANKED = 0, 1, 2  # status of an object: not in the scene, no rule, ranked
@@ -35,8 +34,6 @@ NO_RULE = Proof("unknown", VACUOUS)
 
 class OpaqueScore:
     """A score that can only be compared with others; a higher level is better."""
-
-    __slots__ = ("_level",)
 
     def __init__(self, level: float) -> None:
         self._level = level

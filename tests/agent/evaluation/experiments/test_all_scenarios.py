@@ -18,9 +18,9 @@ from hilt.agent.evaluation.experiments.all_scenarios import (
     AllScenariosExperiment,
     RandomScenariosExperiment,
 )
-from hilt.agent.evaluation.verification.finite_cases import check_scores
-from hilt.agent.evaluation.verification.hypotheses import (
+from hilt.agent.evaluation.verification.checks import (
     check_growth,
+    check_scores,
     check_situations,
     check_teaching,
 )
