@@ -8,11 +8,18 @@ from pathlib import Path
 
 import pytest
 
-from hilt.kb import knowledge_base
-from hilt.kb.bulk.nquads_reader import read_groups, read_quads
+from hilt.kb.bulk.rdf_reader import read_groups, read_quads
 from hilt.kb.formats.import_export import export_file, import_file
 from hilt.kb.interval import Interval
-from hilt.kb.knowledge_base import FORMAT, MARK, KnowledgeBase, migrate, version_quad
+from hilt.kb.knowledge_base import (
+    FORMAT,
+    MARK,
+    STEPS,
+    KnowledgeBase,
+    base_format,
+    migrate,
+    version_quad,
+)
 from hilt.kb.rdf.rule_mapping import BELIEFS, DERIVED
 from hilt.kb.rdf.terms import Quad
 from hilt.kb.rule import Atom
@@ -22,11 +29,14 @@ from hilt.kb.validation import check_invariants, check_shapes
 from hilt.ontology.errors import StoreError
 from hilt.ontology.vocabulary import external, iri, split, term
 
+# As if format 2 had given the name of what a sentence says: hilt:predicate becomes hilt:meaning.
 RENAME = """
 DELETE { GRAPH graph:history { ?said hilt:predicate ?form } }
 INSERT { GRAPH graph:history { ?said hilt:meaning ?form } }
 WHERE { GRAPH graph:history { ?said hilt:predicate ?form } }
 """
+TO_3 = "INSERT DATA { GRAPH graph:base { <https://w3id.org/hilt/base> hilt:note 3 } }"
+HISTORY = iri("graph", "history")
 # A base that Hilt wrote on 21 November 2026: rules of every kind and status, trust, a learned
 # word, an episode, and a correction.
 FORMAT_1 = Path(__file__).parent / "data" / "format-1.nq"
@@ -36,15 +46,24 @@ KIND = external("rdfs:subClassOf")  # the kinds of things were edges without a n
 FOLLOWED = {term(name) for name in ("rule", "usedFor", "graspedBy", "affords")}
 
 
-def test_failed_step_leaves_the_format_that_was(
-    paper: KnowledgeBase, monkeypatch: pytest.MonkeyPatch
-):
+def test_base_is_brought_to_a_later_format(paper: KnowledgeBase):
+    """Step by step, with nothing lost on the way."""
+    forms = {q.object for q in paper.store.quads(None, term("predicate"), None, HISTORY)}
+
+    migrate(paper.store, 1, steps={1: RENAME, 2: TO_3}, to=3)
+
+    assert base_format(paper.store) == 3
+    assert {q.object for q in paper.store.quads(None, term("meaning"), None, HISTORY)} == forms
+    assert not list(paper.store.quads(None, term("predicate"), None, HISTORY))
+    assert list(paper.store.quads(None, term("note")))
+
+
+def test_failed_step_leaves_the_format_that_was(paper: KnowledgeBase):
     """The number changes with what it stands for, or not at all."""
     before = set(paper.store.quads())
-    monkeypatch.setattr(knowledge_base, "_TO_2", f"{RENAME} ; INSERT DATA {{")
 
     with pytest.raises(ValueError, match="The query is wrong"):
-        migrate(paper.store, 1)
+        migrate(paper.store, 1, steps={1: f"{RENAME} ; INSERT DATA {{"}, to=2)
 
     assert set(paper.store.quads()) == before
 
@@ -67,7 +86,12 @@ def test_reading_only_does_not_migrate(paper: KnowledgeBase):
     store.read_only = True
 
     with pytest.raises(StoreError, match="open it once for writing"):
-        migrate(store, 1)
+        migrate(store, 1, steps={1: RENAME}, to=2)
+
+
+def test_there_is_a_way_from_every_format():
+    """Each format before that of today has its step."""
+    assert sorted(STEPS) == list(range(1, FORMAT))
 
 
 def statements(file: Path) -> list[Quad]:
