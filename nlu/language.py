@@ -15,17 +15,21 @@ from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache, partial
 from pathlib import Path
+from typing import NamedTuple
 
-from ..ontology.confidence import Degrees
+from ..ontology.confidence import Degrees, load_degrees
+from ..ontology.disk_cache import kept
+from ..ontology.errors import UnknownNameError
 from ..ontology.garbage_collection import paused_garbage_collection
 from ..ontology.yaml_reader import read_yaml
 from .generation.realizer import Realizer, load_realizer
 from .generation.templates import AnswerTemplates, Slot, load_answers
+from .grammar.combinators import CombinationTable
+from .grammar.grammar import Grammar, load_grammar
 from .grammar.word_patterns import load_word_lists
-from .language_tables import language_folder, load_tables
 from .lexicon.discourse_markers import ControlPhrases
-from .lexicon.inflection import Inflection
-from .lexicon.learned_lexicon import ImmutableIndex, LearnedLexicon
+from .lexicon.inflection import Inflection, load_inflection
+from .lexicon.learned_lexicon import LearnedLexicon
 from .lexicon.lexicon import Lexicon
 from .lexicon.loader import LexiconBuilder
 from .lexicon.tokenizer import Tokens, tokenize
@@ -44,21 +48,39 @@ from .parsing.procedures import ProcedureReader
 from .parsing.readings import ReadingFilter
 from .parsing.strategies import UtteranceParser
 from .parsing.understanding import Understanding, UtteranceContext
+from .semantics import meaning as meanings
+from .semantics.clause_features import FeatureReader, load_features
 from .semantics.discourse import Discourse, after_offer
 from .semantics.interpretation import Interpreter
-from .semantics.meaning import (
-    TEACHING,
-    Acknowledgement,
-    Answer,
-    AskBack,
-    Confidence,
-    Control,
-    Meaning,
-    Misunderstanding,
-    TrustStatement,
+from .semantics.licence_table import LicenceTable, load_licence
+from .semantics.meaning import Acknowledgement, AskBack, Confidence, Control, Meaning
+from .semantics.predicates import Pragmatics, load_pragmatics
+
+LANGUAGES_FOLDER = Path(__file__).parents[1] / "ontology"
+
+_WORD_FILES = (
+    "lexicon.yaml",
+    "clauses.yaml",
+    "attitudes.yaml",
+    "constructions.yaml",
+    "requests.yaml",
+    "conversation.yaml",
+    "fragments.yaml",
+    "norms.yaml",
 )
 
 MAX_CONTROL_WORDS = 12
+
+
+class LanguageTables(NamedTuple):
+    """What the files of a language say, apart from names and answers."""
+
+    degrees: Degrees
+    grammar: Grammar
+    builder: LexiconBuilder
+    pragmatics: Pragmatics
+    features: FeatureReader
+    licence: LicenceTable
 
 
 @dataclass(frozen=True, repr=False)
@@ -102,11 +124,8 @@ class Language:
             builder.read(extra_lexicon)
         names = vocabulary if vocabulary is not None else household_vocabulary()
         lexicon = LearnedLexicon(Lexicon(builder.vocabulary(names), builder.lexicon), builder)
-        interpreter = Interpreter(
-            degrees.intervals,
-            ImmutableIndex(builder.tool_acts.items()),
-            ImmutableIndex((name, name) for name in names.contexts),
-        )
+        acts = frozenset(names.contexts)
+        interpreter = Interpreter(degrees.intervals, builder.tool_acts, acts)
         combinator, readers = builder.combinator, tables[3:]
         parser = SentenceParser(tables.grammar, lexicon, combinator, interpreter, *readers)
         adverbs = {degrees.intervals[name]: each[0] for name, each in builder.qualifiers.items()}
@@ -136,15 +155,13 @@ class Language:
         lexicon = self.lexicon.with_words(added)
         if lexicon is self.lexicon:
             return self
-        gerunds = [word.word for word in added if word.role == "affordance"]
-        uses = [(self.builder.bare_verb(gerund), gerund) for gerund in gerunds]
-        acts = [(word.word, word.word) for word in added if word.role == "context"]
         interpreter = self.parser.interpreter
-        interpreter = replace(
-            interpreter,
-            tool_acts=interpreter.tool_acts.with_items(uses),
-            acts=interpreter.acts.with_items(acts),
-        )
+        tool_acts = dict(interpreter.tool_acts)
+        for word in added:
+            if word.role == "affordance":
+                tool_acts.setdefault(self.builder.bare_verb(word.word), word.word)
+        acts = interpreter.acts.union(word.word for word in added if word.role == "context")
+        interpreter = replace(interpreter, tool_acts=tool_acts, acts=acts)
         return replace(self, parser=replace(self.parser, lexicon=lexicon, interpreter=interpreter))
 
     @paused_garbage_collection()
@@ -174,7 +191,8 @@ class Language:
         is_heard = self.parser.pragmatics.is_enough(context.recognition)
         control = self.control(text)
         if not (control and control.is_halt):
-            control = (control or self._trust(tokens)) if is_heard else None
+            start = self.controls.after_polite(tokens.words)
+            control = (control or self._courtesies.trust(tokens, start)) if is_heard else None
         if control:
             return Understanding(text, speaker, addressee, control, discourse=context.discourse)
         introduction = self.introduction(text)
@@ -189,7 +207,9 @@ class Language:
     ) -> Understanding:
         found = self.utterance_parser.understand(text, context, accepted)
         if _is_not_understood(found.meaning, text):
-            aside = self._halt_within(text) or self._only_courtesy(text)
+            aside, courtesy = self._halt_within(text), self._courtesies.find(self._tokens(text))
+            if courtesy and courtesy.kind and not courtesy.rest:
+                aside = aside or Acknowledgement(courtesy.kind)
             if aside:
                 return replace(found, meaning=aside, discourse=context.discourse)
             found = self._by_phrase(text, context) or self._with_offers(found, context)
@@ -221,7 +241,7 @@ class Language:
         is_understood = rest.kind not in {"error", "ask_back"}
         if is_harmless or (is_understood and courtesy.is_formal):
             return replace(rest, text=failed.text)
-        if courtesy.kind and isinstance(failed.meaning, Misunderstanding):
+        if courtesy.kind and isinstance(failed.meaning, meanings.Misunderstanding):
             said = f"{self.answers.say(answer_to(courtesy.kind))} {failed.meaning.message}"
             return replace(failed, meaning=replace(failed.meaning, message=said))
         return None
@@ -297,15 +317,6 @@ class Language:
         """Return who a speaker claims to be in a text and what else it says, None for nobody."""
         return self._courtesies.introduction(self._tokens(text))
 
-    def _trust(self, tokens: Tokens) -> TrustStatement | None:
-        start = self.controls.after_polite(tokens.words)
-        return self._courtesies.trust(tokens, start)
-
-    def _only_courtesy(self, text: str) -> Acknowledgement | None:
-        courtesy = self._courtesies.find(self._tokens(text))
-        is_whole = courtesy and courtesy.kind and not courtesy.rest
-        return Acknowledgement(courtesy.kind) if courtesy and is_whole else None
-
     @cached_property
     def _courtesies(self) -> CourtesyPhrases:
         words = load_word_lists(self.folder / "courtesies.yaml")
@@ -314,8 +325,7 @@ class Language:
     def _halt_within(self, text: str) -> Control | None:
         tokens = self._tokens(text)
         found = [tokens.part(*span) for span in parts(tokens)]
-        controls = (self.control(each.span(0, len(each.items))) for each in found)
-        halts = {each.control for each in controls if each}
+        halts = {c.control for each in found if (c := self.control(each.span(0, len(each.items))))}
         if "stop" in halts:
             return Control("stop")
         is_bare = not any(self._courtesies.has_content(each) or each.asks for each in found)
@@ -337,7 +347,7 @@ class Language:
         is_plain = others <= {self.answers.phrases["joined"]}
         return tuple(found[n] for n in range(start, end) if n in found) if is_plain else ()
 
-    def short_answers(self, text: str, discourse: Discourse) -> list[Answer]:
+    def short_answers(self, text: str, discourse: Discourse) -> list[meanings.Answer]:
         """Return the short answers that a text may be to a question of Hilt, likeliest first."""
         tokens, known = self._tokens(text).without_breaks(), self.utterance_parser.known_words
         if self.utterance_parser.clarification.of_input(text, tokens):
@@ -378,12 +388,7 @@ class Language:
     @property
     def acts(self) -> Collection[str]:
         """The acts on an object that the vocabulary has or that were learned."""
-        return self.parser.interpreter.acts.keys()
-
-    @property
-    def known_words(self) -> frozenset[str]:
-        """Every single word that the lexicon has."""
-        return frozenset(self.lexicon.words())
+        return self.parser.interpreter.acts
 
     def insists_on(self, word: str, text: str) -> bool:
         """Whether a text insists on a word that was taken for a slip: "no, lifting"."""
@@ -409,7 +414,7 @@ class Session:
         """Return the meaning of an utterance at this point, and the session after it."""
         understood = self.language.understand(text, speaker=speaker, discourse=self.discourse)
         language = self.language
-        if isinstance(understood.meaning, TEACHING):
+        if isinstance(understood.meaning, meanings.TEACHING):
             language = language.with_words(understood.new_words)
         return understood, Session(language, understood.discourse)
 
@@ -423,9 +428,41 @@ class Session:
 
 def _is_not_understood(meaning: Meaning, text: str) -> bool:
     match meaning:
-        case Misunderstanding(where=where, expected=()):
+        case meanings.Misunderstanding(where=where, expected=()):
             return where != text.strip()  # else it was understood as a whole
-        case Misunderstanding() | AskBack(choices=() | (str(),)):
+        case meanings.Misunderstanding() | AskBack(choices=() | (str(),)):
             return True
         case _:
             return False
+
+
+def language_folder(language: str) -> Path:
+    """Return the folder of a language; `UnknownNameError` if there is none."""
+    known = [path.parent.name for path in LANGUAGES_FOLDER.glob("*/lexicon.yaml")]
+    if language not in known:
+        raise UnknownNameError("language", language, known)
+    return LANGUAGES_FOLDER / language
+
+
+def load_tables(folder: Path) -> LanguageTables:
+    """Return what the files in a folder say, a new value at each call.
+
+    It is kept for the next program until a file of language or code changes, as reading the files
+    takes several times as long. `DataError` says where a file is wrong.
+    """
+    code = Path(__file__).parent
+    sources = (*code.glob("*.py"), *code.glob("*/*.py"), *code.glob("*/*.lark"))
+    files = (*folder.glob("*.*"), *LANGUAGES_FOLDER.glob("*.*"), *sources)
+    return kept(folder.name, files, partial(_read_tables, folder))
+
+
+def _read_tables(folder: Path) -> LanguageTables:
+    degrees = load_degrees()
+    grammar = load_grammar(folder / "grammar.yaml", degrees=degrees.intervals)
+    inflection = load_inflection(folder / "inflection.yaml")
+    builder = LexiconBuilder(grammar, inflection, CombinationTable(grammar.unary))
+    for name in _WORD_FILES:
+        builder.read(folder / name)
+    features = load_features(folder / "features.yaml")
+    licence = load_licence(features.values, degrees.intervals)
+    return LanguageTables(degrees, grammar, builder, load_pragmatics(), features, licence)

@@ -30,11 +30,17 @@ MASS, SUBCLASS_OF = term("mass"), external("rdfs:subClassOf")
 
 
 def domain_quads(
-    objects: ObjectTypes, actions: Actions, classes: Mapping[str, str | None] | None = None
+    objects: ObjectTypes,
+    actions: Actions,
+    classes: Mapping[str, str | None] | None = None,
+    people: Mapping[str, str] | None = None,
 ) -> list[Quad]:
     """The statements of the domain graph, sorted; arguments as for `KnowledgeBase.load_domain`."""
     kinds = {name: kind.is_a for name, kind in objects.items()} | dict(classes or {})
     found = {*_object_statements(objects, kinds), *_action_statements(actions)}
+    for name, above in (people or {}).items():
+        found |= {*_named("role", name), *_named("role", above)}
+        found |= {*_is_a(iri("role", name), iri("role", above))}
     return sorted((Quad(*each, DOMAIN) for each in found), key=_written)
 
 

@@ -67,6 +67,8 @@ def complete(fragment: FragmentValues, discourse: Discourse) -> Meaning:
     completed, rule = _completed(fragment, discourse), discourse.rule
     if discourse.asks_why and fragment.asks and isinstance(rule, ActionRule):
         completed = Question("how", object=rule.object, context=rule.context)
+    if fragment.material and not fragment.use:
+        fragment = _with_use_of(completed, fragment)
     match completed:
         case FunctionalRule() | ActionRule() as rule:
             return _as_rule(fragment, rule)
@@ -98,6 +100,8 @@ def _completed(
     fragment: FragmentValues, discourse: Discourse
 ) -> Rule | Question | Command | ToolCommand | None:
     rule, last = discourse.rule, discourse.last
+    if isinstance(last, Question) and discourse.command and _is_other(fragment):
+        return discourse.command  # "why that one?", "no, the other one"
     if fragment.context and fragment.part:  # how the object of the last rule is held
         return rule if rule == last and isinstance(rule, ActionRule) else None
     if fragment.mode == "same" and not fragment.asks:
@@ -178,7 +182,7 @@ def question_on(rule: Rule, ask: str = "is_used_for") -> Question:
     return Question(ask, object=rule.object, context=rule.context, part=rule.part)
 
 
-def _as_question(  # noqa: PLR0911, PLR0912 - a case per slot
+def _as_question(  # noqa: PLR0911 - a case per slot
     fragment: FragmentValues, question: Question
 ) -> Question | AskBack:
     if fragment.recipient:
@@ -189,10 +193,6 @@ def _as_question(  # noqa: PLR0911, PLR0912 - a case per slot
         if about is None or use is None or has_more:
             raise _nothing()
         return _offered(FunctionalRule(about, use, fragment.confidence, material=material))
-    if fragment.material and not fragment.use:
-        if question.ask not in _OF_OBJECTS or material is None:
-            raise _nothing()
-        fragment = replace(fragment, use=use)
     if fragment.target:
         name, props = _kind(fragment.target)
         if fragment.mode == "too" and not fragment.asks and use:
@@ -222,6 +222,12 @@ def _offered(rule: Rule) -> AskBack:
     return AskBack(choices=(Statement((rule,)),))
 
 
+def _with_use_of(last: object, fragment: FragmentValues) -> FragmentValues:
+    if not isinstance(last, (FunctionalRule, Question)) or last.material is None:
+        raise _nothing()
+    return replace(fragment, use=last.affordance)
+
+
 def _as_command(
     fragment: FragmentValues, command: Command, discourse: Discourse
 ) -> Command | AskBack:
@@ -237,9 +243,11 @@ def _as_command(
     if fragment.context:
         command = replace(command, goal=fragment.context, recipient=None)
     if fragment.target:
-        target, before = fragment.target, command.target
-        if target.object == ANY_OBJECT:
-            target = replace(before, props=target.props or before.props, other=target.other)
+        target = fragment.target
+        is_described = fragment.mode == "other" and command.target.object is None
+        if target.object == ANY_OBJECT or is_described:
+            props = target.props or command.target.props
+            target = replace(command.target, props=props, other=target.other)
         return replace(command, target=target, part=fragment.part, negated=False)
     if fragment.part:
         return replace(command, part=fragment.part)
