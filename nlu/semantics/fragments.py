@@ -101,7 +101,7 @@ def _completed(
 ) -> Rule | Question | Command | ToolCommand | None:
     rule, last = discourse.rule, discourse.last
     if isinstance(last, Question) and discourse.command and _is_other(fragment):
-        return discourse.command  # "why that one?", "no, the other one"
+        last = discourse.command  # "why that one?", "no, the other one"
     if fragment.context and fragment.part:  # how the object of the last rule is held
         return rule if rule == last and isinstance(rule, ActionRule) else None
     if fragment.mode == "same" and not fragment.asks:
