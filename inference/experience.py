@@ -17,17 +17,17 @@ Mercier, Quost and Denœux 2008). The two contradict each other by the mass a·(
 
 from __future__ import annotations
 
-from collections import Counter, defaultdict
-from collections.abc import Iterable, Mapping, Sequence
+from collections import Counter
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
-from itertools import product
 from math import exp, lgamma, log, log1p
 
 from ..kb.episodes import HELD
 from ..kb.interval import Interval
 from ..kb.knowledge_base import KnowledgeBase
 from ..kb.rdf.record_mapping import local_name
+from ..kb.rdf.terms import Term
 from ..kb.rule import Rule
 from ..kb.sparql.named_queries import named_query
 from ..ontology.vocabulary import Iri
@@ -44,10 +44,13 @@ def credible_interval(held: int, trials: int) -> Interval:
 
 
 def _lower_bound(held: int, trials: int) -> float:
-    low, high = 0.0, held / trials if held else 0.0
+    """Return the share at which so many successes or more are as rare as the tail allows."""
+    tail = (1 - CREDIBILITY) / 2
+    if held == 0:
+        return 0.0
+    low, high = 0.0, held / trials
     while low < (middle := (low + high) / 2) < high:
-        is_rarer = _upper_tail(held, trials, middle) < (1 - CREDIBILITY) / 2
-        low, high = (middle, high) if is_rarer else (low, middle)
+        low, high = (middle, high) if _upper_tail(held, trials, middle) < tail else (low, middle)
     return low
 
 
@@ -137,10 +140,13 @@ def read_records(base: KnowledgeBase, **wanted: str) -> list[GraspRecord]:
     query = named_query("experience")
     found: dict[tuple[str, str, str, str], dict[str, int]] = {}
     for row in base.select(query.text, query.bindings(wanted)):
-        said = (local_name(one) if isinstance(one, Iri) else str(one) for one in row)
-        name, part, context, robot, outcome, times = said
+        name, part, context, robot, outcome, times = map(_plain, row)
         found.setdefault((name, part, context, robot), {})[outcome] = int(times)
     return [GraspRecord(*key, OutcomeCounts.of(counts)) for key, counts in found.items()]
+
+
+def _plain(value: Term | None) -> str:
+    return local_name(value) if isinstance(value, Iri) else str(value)
 
 
 class Experience:
@@ -194,22 +200,20 @@ class TeacherRecord:
 
 
 def teacher_records(
-    rules: Iterable[Rule], trust: Mapping[str, Interval], records: Sequence[GraspRecord]
+    rules: Iterable[Rule], trust: Mapping[str, Interval], records: Iterable[GraspRecord]
 ) -> list[TeacherRecord]:
     """Return the record of each speaker with a rule about a grasp, by name."""
-    said: dict[str, set[tuple[str | None, ...]]] = defaultdict(set)
-    for rule in rules:
-        if rule.part and rule.asserts:
-            said[rule.speaker].add((rule.object, rule.part, rule.context))
     found: list[TeacherRecord] = []
-    for name, grasps in sorted(said.items()):
-        followed = (
-            each.counts
-            for each in records
-            if not grasps.isdisjoint(
-                product((each.object, None), [each.part], (each.context, None))
-            )
-        )
+    known = list(records)
+    grasping = [rule for rule in rules if rule.part and rule.asserts]
+    for name in sorted({rule.speaker for rule in grasping}):
+        own = [rule for rule in grasping if rule.speaker == name]
+        followed = [each.counts for each in known if any(_says(rule, each) for rule in own)]
         believed = trust[name].lower if name in trust else 0.0
         found.append(TeacherRecord(name, believed, sum(followed, NO_TRIALS)))
     return found
+
+
+def _says(rule: Rule, record: GraspRecord) -> bool:
+    is_meant = rule.object in {None, record.object} and rule.context in {None, record.context}
+    return is_meant and rule.part == record.part

@@ -122,17 +122,22 @@ def fuse_latest(intervals: Sequence[Interval]) -> Interval:
 
 def relative_plausibility(interval: Interval) -> float:
     """PlP = b / (1 + b - a) in [0, 1], the plausibility transform (Cobb & Shenoy 2006)."""
-    return evidence_operators.relative_plausibility(_pair(interval))
+    return evidence_operators.relative_plausibility((interval.lower, interval.upper))
 
 
 def certainty(interval: Interval) -> float:
     """Return the confidence measure lambda of Núñez et al. (2013)."""
-    return evidence_operators.certainty(_pair(interval))
+    return evidence_operators.certainty((interval.lower, interval.upper))
 
 
 def is_affirmed(interval: Interval, threshold: float) -> bool:
     """Whether an interval is more true than false and its lambda exceeds the threshold."""
     return interval.lower + interval.upper > 1 + EPSILON and certainty(interval) > threshold
+
+
+def is_certain(interval: Interval, threshold: float) -> bool:
+    """Whether lambda alone exceeds the threshold, literally as in the paper."""
+    return certainty(interval) > threshold
 
 
 CONJUNCTIONS: Mapping[str, Conjunction] = {
@@ -158,10 +163,7 @@ RANKINGS: Mapping[str, Ranking] = {
     "pignistic": lambda interval: (interval.lower + interval.upper) / 2,
     "lambda": certainty,
 }
-ACCEPTANCES: Mapping[str, Acceptance] = {
-    "directed": is_affirmed,
-    "lambda": lambda interval, threshold: certainty(interval) > threshold,  # as in the paper
-}
+ACCEPTANCES: Mapping[str, Acceptance] = {"directed": is_affirmed, "lambda": is_certain}
 _TABLES: Mapping[str, Mapping[str, object]] = {
     "conjunction": CONJUNCTIONS, "modus_ponens": MODUS_PONENS, "fusion": FUSIONS,
     "ranking": RANKINGS, "acceptance": ACCEPTANCES,

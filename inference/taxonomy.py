@@ -134,16 +134,18 @@ def _foreign_pairs(base: KnowledgeBase, name: str) -> Iterator[tuple[Atom, Atom]
         if isinstance(label, str) or (isinstance(label, Literal) and label.language[:2] == "en"):
             names[cast(Iri, node)].add(_words(label if isinstance(label, str) else label.lexical))
     for kind, is_same, above in base.select(_FOREIGN, graph):
-        ends = [cast(Iri, kind), cast(Iri, above)]
-        words = ({*names[end], _words(unquote(re.split(r"[/#]", end)[-1]))} for end in ends)
-        atoms = [
-            [Atom("object", name) for name in sorted(some) if 0 < len(name) <= MAX_NAME]
-            for some in words
-        ]
-        for lower, upper in product(*atoms) if not any(GENID in end for end in ends) else ():
+        ends = [_names(cast(Iri, node), names) for node in (kind, above)]
+        for lower, upper in product(*ends):
             yield lower, upper
             if is_same:
                 yield upper, lower
+
+
+def _names(node: Iri, labels: Mapping[Iri, set[str]]) -> list[Atom]:
+    if GENID in node:
+        return []
+    words = {*labels.get(node, ()), _words(unquote(re.split(r"[/#]", node)[-1]))}
+    return [Atom("object", name) for name in sorted(words) if 0 < len(name) <= MAX_NAME]
 
 
 def _words(text: str) -> str:

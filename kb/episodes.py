@@ -5,11 +5,11 @@ which node, what each grasp came to); the complete record, as `hilt do --json` p
 beside them as one text. Experience is counted from the grasp trials, which are stored nowhere else.
 """
 
-from collections import defaultdict
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from datetime import datetime
 from decimal import Decimal
+from itertools import groupby
 from numbers import Number
 from typing import Annotated, cast
 
@@ -107,12 +107,10 @@ class Episode:
 
 def episode_quads(episode: Episode) -> Iterator[Quad]:
     """The statements about a recorded episode, its steps and its grasp trials, and what follows."""
-    about: dict[Iri, list[tuple[Iri, Term]]] = defaultdict(list)
-    for quad in _stored_quads(episode):
-        about[quad.subject].append((quad.predicate, quad.object))
-        yield quad
-    for node, properties in about.items():
-        yield from observation_quads(node, properties)
+    stored = list(_stored_quads(episode))
+    yield from stored
+    for node, some in groupby(sorted(stored), key=lambda quad: quad.subject):
+        yield from observation_quads(node, [(quad.predicate, quad.object) for quad in some])
 
 
 def _stored_quads(episode: Episode) -> Iterator[Quad]:
@@ -150,8 +148,9 @@ def observation_quads(node: Iri, properties: Iterable[tuple[Iri, Term]]) -> Iter
 def read_episodes(store: Store) -> Iterator[Episode]:
     """All episodes of a store, the oldest first."""
     found = {quad.subject for quad in store.quads(None, TYPE, _EPISODES.type, EPISODES)}
-    episodes = (read_episode(store, node) for node in found)
-    yield from sorted(episodes, key=lambda one: (one.utterance or 0, one.id))
+    yield from sorted(
+        (read_episode(store, node) for node in found), key=lambda one: (one.utterance or 0, one.id)
+    )
 
 
 def trial_nodes(store: Store, of: str | None, part: str | None) -> Iterator[Iri]:
@@ -167,17 +166,20 @@ def trial_nodes(store: Store, of: str | None, part: str | None) -> Iterator[Iri]
 def read_episode(store: ReadableStore, node: Iri) -> Episode:
     """The episode of a node; ValidationError or KeyError if something of it is missing."""
     found = group_properties(store.properties(node, EPISODES))
+    steps = tuple(map(_read_step, _in_order(store, found[STEP])))
     trials = tuple(map(_TRIALS.read, _in_order(store, found[TRIAL])))
-    steps = list[EpisodeStep]()
-    for step in _in_order(store, found[STEP]):
-        bounds = [cast(float, step[key][0]) for key in (LOWER, UPPER) if step[key]]
-        steps.append(_STEPS.read(step, interval=Interval(*bounds) if bounds else None))
-    return _EPISODES.read(found, steps=tuple(steps), trials=trials, id=local_name(node))
+    return _EPISODES.read(found, steps=steps, trials=trials, id=local_name(node))
 
 
 def _in_order(store: ReadableStore, nodes: Iterable[Term]) -> list[record_mapping.PropertyValues]:
     found = [group_properties(store.properties(cast(Iri, node), EPISODES)) for node in nodes]
     return sorted(found, key=lambda each: cast(int, each[INDEX][0]))
+
+
+def _read_step(found: record_mapping.PropertyValues) -> EpisodeStep:
+    bounds = [cast(float, found[key][0]) for key in (LOWER, UPPER) if found[key]]
+    interval = Interval(*bounds) if bounds else None
+    return _STEPS.read(found, interval=interval)
 
 
 _OBSERVED = {

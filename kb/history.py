@@ -75,13 +75,7 @@ class Utterance:
     def __post_init__(self) -> None:
         check_speaker(self.speaker)
         for text in (self.text, self.predicate, self.kind, self.answer):
-            try:
-                lexical(text)
-            except ValueError as error:
-                raise ValidationError([f"The text is no Unicode: {text[:60]!r}."]) from error
-            if len(text) > MAX_TEXT:
-                problem = f"The text has {len(text)} characters; at most {MAX_TEXT} are kept."
-                raise ValidationError([problem])
+            _check_text(text)
         if self.time.tzinfo is None:
             raise ValidationError([f"The time {self.time} has no time zone."])
 
@@ -128,8 +122,10 @@ def utterance_quads(utterance: Utterance) -> Iterator[Quad]:
 
 def parse_trust(utterance: Utterance) -> tuple[str, Interval] | None:
     """The speaker and the trust that an utterance set; None when it set none."""
-    found = _TRUST.fullmatch(utterance.predicate) if utterance.kind == "trust" else None
-    return (found[1], Interval(float(found[2]), float(found[3]))) if found else None
+    found = _TRUST.fullmatch(utterance.predicate)
+    if utterance.kind != "trust" or found is None:
+        return None
+    return found[1], Interval(float(found[2]), float(found[3]))
 
 
 def trust_bounds(node: Iri, trust: Interval, graph: Iri) -> Iterator[Quad]:
@@ -144,3 +140,13 @@ def read_utterance(properties: Iterable[tuple[Iri, Term]]) -> Utterance:
 
 
 _UTTERANCES = RecordMapping(Utterance, "An utterance", term("Utterance"), HISTORY)
+
+
+def _check_text(text: str) -> None:
+    try:
+        lexical(text)
+    except ValueError as error:
+        raise ValidationError([f"The text is no Unicode: {text[:60]!r}."]) from error
+    if len(text) > MAX_TEXT:
+        problem = f"The text has {len(text)} characters; at most {MAX_TEXT} are kept."
+        raise ValidationError([problem])

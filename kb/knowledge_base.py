@@ -1,9 +1,10 @@
 """The knowledge base: rules, their history, the domain and episodes in one store.
 
 `KnowledgeBase.open` creates or opens one. A base names its format, so that a base of a later
-version of Hilt is never misread by an earlier one. A base of format 1 is migrated when it is opened
-for writing, by one SPARQL update that also sets the number, so a base is always wholly in one
-format. At an endpoint that does not apply both at once the number comes last, and it is repeated.
+version of Hilt is never misread by an earlier one. A base of an earlier format is migrated when it
+is opened for writing: each step is one SPARQL update, applied together with the new number, so a
+base is always wholly in one format. At an endpoint that does not apply both at once the number
+comes last, and the step is repeated. Steps are never changed after their release.
 
 What follows from the rules, the history and the episodes is in a graph of its own, which every
 write keeps up to date; it is made anew after a migration, and on request. A base names the version
@@ -44,7 +45,7 @@ FORMAT_VERSION = term("formatVersion")
 
 _EPISODES = "SELECT (COUNT(*) AS ?n) WHERE { GRAPH graph:episodes { ?episode a hilt:Episode } }"
 
-# From format 1, in which what follows from rules stood among the beliefs; it is derived anew.
+# In format 1 what follows from rules stood among the beliefs; it is derived anew.
 _TO_2 = """
 DELETE { GRAPH graph:beliefs { ?node ?key ?value } }
 WHERE {
@@ -59,6 +60,9 @@ WHERE {
   }
   GRAPH graph:beliefs { ?node rdf:type ?class ; rdfs:label ?label }
 }"""
+
+# Format -> the update to the next one. Add a step when FORMAT is raised.
+STEPS: Mapping[int, str] = {1: _TO_2}
 
 _VERSION = 1  # raised when something else follows than before
 DERIVATION = term("derivation")
@@ -87,21 +91,15 @@ class KnowledgeBase(RuleWriter, AbstractContextManager["KnowledgeBase"]):
         """
         super().__init__(store, clock=clock)
         self._recorded = 0
-        if base_format(store) == FORMAT and any(store.quads(*MARK)):
+        if base_format(store) == FORMAT and is_derived(store):
             return  # without waiting for others who write
         with store.writing():
             found = base_format(store)
             if found is None:
-                if any(store.quads()):
-                    raise StoreError(
-                        f'"{store.location}" holds other data, not a knowledge base of Hilt.'
-                    )
-                is_base = Quad(BASE_NODE, TYPE, term("Base"), BASE_GRAPH)
-                trust = trust_quads(DEFAULT_SPEAKER, CERTAIN)
-                store.apply(insert=[is_base, version_quad(FORMAT), MARK, *trust])
+                self._initialize()
             elif found != FORMAT:
                 migrate(store, found)
-            if not any(store.quads(*MARK)):
+            if not is_derived(store):
                 self.derive()
 
     @classmethod
@@ -212,23 +210,27 @@ class KnowledgeBase(RuleWriter, AbstractContextManager["KnowledgeBase"]):
 
     def derive(self) -> None:
         """Make anew what follows from the rules, the history and the episodes."""
-        store = self.store
-        if store.read_only:
+        if self.store.read_only:
             raise StoreError(
-                f'What follows from the rules of "{store.location}" is not complete. '
+                f'What follows from the rules of "{self.store.location}" is not complete. '
                 "Open it once for writing: hilt validate --repair"
             )
-        with store.writing():
-            store.apply(delete=list(store.quads(BASE_NODE, DERIVATION, None, BASE_GRAPH)))
-            store.update(f"CLEAR SILENT GRAPH {as_sparql(DERIVED)}")
-            seen = set[object]()
-            new = batched((q for q in derived_quads(store) if is_first(q, seen, _MAX_SEEN)), _BATCH)
-            if isinstance(store, EmbeddedStore):
-                store.load("".join(map(_line, some)).encode() for some in new)
-            else:
-                for some in new:
-                    store.apply(insert=some)
-            store.apply(insert=[MARK])
+        with self.store.writing():
+            derive(self.store)
+
+    def _initialize(self) -> None:
+        if any(self.store.quads()):
+            raise StoreError(
+                f'"{self.store.location}" holds other data, not a knowledge base of Hilt.'
+            )
+        self.store.apply(
+            insert=[
+                Quad(BASE_NODE, TYPE, term("Base"), BASE_GRAPH),
+                version_quad(FORMAT),
+                MARK,
+                *trust_quads(DEFAULT_SPEAKER, CERTAIN),
+            ]
+        )
 
 
 def _prepared(text: str, bindings: query_text.Bindings | None) -> str:
@@ -242,25 +244,50 @@ def base_format(store: ReadableStore) -> Term | None:
     return next((quad.object for quad in found), None)
 
 
-def migrate(store: Store, found: Term) -> None:
-    """Bring a base of format 1 to that of today; the caller holds the write lock.
+def migrate(
+    store: Store, found: Term, *, steps: Mapping[int, str] = STEPS, to: int = FORMAT
+) -> None:
+    """Bring a base from the format found to a later one; the caller holds the write lock.
 
-    A StoreError says that the format found is another one, or that the store is read-only.
+    A StoreError says that there is no step, or that the store is read-only.
     """
-    what = f'The knowledge base "{store.location}" has format {found};'
-    if found != 1:
+    if not isinstance(found, int) or found > to or any(n not in steps for n in range(found, to)):
         raise StoreError(
-            f"{what} this Hilt reads format {FORMAT}. Use the Hilt that wrote it to export it."
+            f'The knowledge base "{store.location}" has format {found}; this Hilt reads format '
+            f"{to}. Use the Hilt that wrote it to export it."
         )
-    if store.read_only:
-        raise StoreError(f"{what} open it once for writing to bring it to format {FORMAT}.")
-    renumber = query_text.delete_insert([version_quad(1)], [version_quad(FORMAT)])
-    store.update(f"{_TO_2} ;\n{renumber}")
+    if found < to and store.read_only:
+        raise StoreError(
+            f'The knowledge base "{store.location}" has format {found}; open it once for writing '
+            f"to bring it to format {to}."
+        )
+    for number in range(found, to):
+        renumber = query_text.delete_insert([version_quad(number)], [version_quad(number + 1)])
+        store.update(f"{steps[number]} ;\n{renumber}")
 
 
 def version_quad(number: int) -> Quad:
     """The statement that names the format of a base."""
     return Quad(BASE_NODE, FORMAT_VERSION, number, BASE_GRAPH)
+
+
+def is_derived(store: Store) -> bool:
+    """Whether the derived graph of a base is complete, and of this version."""
+    return any(store.quads(*MARK))
+
+
+def derive(store: Store) -> None:
+    """Make the derived graph of a base anew; the caller holds the write lock."""
+    store.apply(delete=list(store.quads(BASE_NODE, DERIVATION, None, BASE_GRAPH)))
+    store.update(f"CLEAR SILENT GRAPH {as_sparql(DERIVED)}")
+    seen = set[object]()
+    found = batched((q for q in derived_quads(store) if is_first(q, seen, _MAX_SEEN)), _BATCH)
+    if isinstance(store, EmbeddedStore):
+        store.load("".join(map(_line, some)).encode() for some in found)
+    else:
+        for some in found:
+            store.apply(insert=some)
+    store.apply(insert=[MARK])
 
 
 def derived_quads(store: Store, *graphs: Iri) -> Iterator[Quad]:

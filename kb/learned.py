@@ -34,6 +34,11 @@ _DENOTES = FieldProperty(term("denotes"), Iri, atom_iri, atom_from_iri)
 _PATTERN, _MEANING = (FieldProperty(term(name), str) for name in ("pattern", "meaning"))
 
 
+def told_as_json(record: object) -> dict[str, object]:
+    """The fields that all that was told has, in the JSON of every command."""
+    return {name: getattr(record, name) for name in TOLD}
+
+
 @dataclass(frozen=True)
 class LearnedMapping(RecordMapping[Record]):
     """How records are stored that utterances taught and that may be retracted.
@@ -52,6 +57,10 @@ class LearnedMapping(RecordMapping[Record]):
         yield from self.quads(node, record)
         yield Quad(node, STATUS, term(status), self.graph)
         yield from self.besides(record)
+
+    def stored_quads(self, store: Store, record: Record) -> Iterator[Quad]:
+        """The statements that a store has about the node of a record."""
+        return store.quads(self.node(record), None, None, self.graph)
 
     def active(self, store: Store) -> list[Record]:
         """The records of a store that were not retracted, sorted."""
@@ -76,7 +85,7 @@ class LearnedWord:
 
     def as_json(self) -> dict[str, object]:
         """One entry of `hilt words --json`."""
-        return {"word": self.atom.name, "kind": self.atom.kind, **_told(self)}
+        return {"word": self.atom.name, "kind": self.atom.kind, **told_as_json(self)}
 
 
 @dataclass(frozen=True, order=True)
@@ -96,7 +105,7 @@ class LearnedPhrase:
     def as_json(self) -> dict[str, object]:
         """One entry of `hilt words --json`."""
         meaning = json.loads(self.meaning)
-        return {"word": self.pattern, "kind": "phrase", **_told(self), "meaning": meaning}
+        return {"word": self.pattern, "kind": "phrase", **told_as_json(self), "meaning": meaning}
 
 
 @dataclass(frozen=True, order=True)
@@ -121,17 +130,20 @@ class TaughtAction:
 
     def as_json(self) -> dict[str, object]:
         """One entry of `hilt actions --json`."""
-        return {**json.loads(self.meaning), **_told(self)}
+        return {**json.loads(self.meaning), **told_as_json(self)}
 
 
-def _told(record: object) -> dict[str, object]:
-    return {name: getattr(record, name) for name in TOLD}
+def _word_iri(word: LearnedWord) -> Iri:
+    return iri("word", f"{word.atom.kind}.{word.atom.name}")
 
 
 def _word_entry(word: LearnedWord) -> Iterator[Quad]:
-    node = WORDS.node(word)
-    yield Quad(node, TYPE, external("ontolex:LexicalEntry"), LEXICON)
-    yield Quad(node, LABEL, word.atom.name, LEXICON)
+    yield Quad(_word_iri(word), TYPE, external("ontolex:LexicalEntry"), LEXICON)
+    yield Quad(_word_iri(word), LABEL, word.atom.name, LEXICON)
+
+
+def _action_nodes(action: TaughtAction) -> Iterator[Quad]:
+    return (Quad(*each, ACTIONS) for path in action.nodes for each in node_statements(path))
 
 
 def _hashed(kind: str, content: str) -> Iri:
@@ -140,7 +152,7 @@ def _hashed(kind: str, content: str) -> Iri:
 
 WORDS = LearnedMapping(
     *(LearnedWord, "A learned word", term("Word"), LEXICON),
-    lambda word: iri("word", f"{word.atom.kind}.{word.atom.name}"),
+    _word_iri,
     lambda word: [word.atom.name],
     _word_entry,
 )
@@ -153,5 +165,5 @@ TAUGHT_ACTIONS = LearnedMapping(
     *(TaughtAction, "A taught action", term("TaughtAction"), ACTIONS),
     lambda action: _hashed("taught", f"{action.name} {action.meaning}"),
     lambda action: [action.name],
-    lambda action: (Quad(*one, ACTIONS) for path in action.nodes for one in node_statements(path)),
+    _action_nodes,
 )

@@ -12,10 +12,9 @@ import contextlib
 import tempfile
 import time
 from collections import defaultdict
-from collections.abc import Generator, Iterator, Sequence
+from collections.abc import Generator, Iterable, Iterator, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import dataclass, field, replace
-from itertools import chain
 from pathlib import Path
 from typing import cast
 
@@ -49,7 +48,6 @@ _KEPT_BY_HILT = {
     DERIVED: "What follows from rules is made by Hilt; insert rules, or change their hilt:status.",
     DOMAIN: "The domain comes from the files of objects and actions; change those.",
 }
-_RULE = (BELIEFS, "rule")  # what is written with its utterance
 _MUST_KEEP = "An update must keep every rule; a retracted one has a status."
 _ONLY_STATUS = (
     "Of a rule only the hilt:status changes, from or to hilt:active; another content is another "
@@ -151,9 +149,11 @@ def _effect(
 ) -> tuple[set[Quad], set[Quad]]:
     rows: Sequence[Sequence[Term | None]] = [(None,)]
     if operation.where:
-        rows = cast(SelectResult, store.run(operation.query(MAX_CHANGED + 1), limits)).rows
+        found = cast(SelectResult, store.run(operation.query(MAX_CHANGED + 1), limits))
+        rows = found.rows
         _check_size(len(rows))
-        invariants.refuse_blank_nodes(chain.from_iterable(rows))
+        for row in rows:
+            invariants.refuse_blank_nodes(row)
     delete, insert = (
         set[Quad](worker.request(limits, update=operation.insertion(template, rows)))
         if template and rows
@@ -161,14 +161,8 @@ def _effect(
         for template in (operation.deleted, operation.inserted)
     )
     _check_size(max(len(delete), len(insert)))
-    changed = delete | insert
-    for graph in {quad.graph for quad in changed} - invariants.BASE_GRAPHS:
-        if not is_ontology(graph):
-            name = shortened(graph) if graph else "without a name"
-            problem = f"The graph {name} is not one of a base; write GRAPH graph:beliefs {{ ... }}."
-            raise ValidationError([problem])
-    invariants.refuse_blank_nodes(chain.from_iterable(changed))
-    there = {quad for quad in changed if any(store.quads(*quad))}
+    _check_places(delete | insert)
+    there = {quad for quad in delete | insert if any(store.quads(*quad))}
     return (delete & there) - insert, insert - there
 
 
@@ -180,12 +174,22 @@ def _check_size(changed: int) -> None:
         )
 
 
+def _check_places(quads: Iterable[Quad]) -> None:
+    graphs = {quad.graph for quad in quads if not is_ontology(quad.graph)}
+    for graph in graphs - invariants.BASE_GRAPHS:
+        name = shortened(graph) if graph else "without a name"
+        raise ValidationError(
+            [f"The graph {name} is not one of a base; write GRAPH graph:beliefs {{ ... }}."]
+        )
+    for quad in quads:
+        invariants.refuse_blank_nodes(quad)
+
+
 class _Plan:
     """Rules that an update asserts or ends, and statements besides; ValidationError if unlawful."""
 
     def __init__(self, store: Store, change: Difference) -> None:
-        self.insert = list[Quad]()
-        self.delete = [q for q in change.delete if (q.graph, split(q.subject)[0]) != _RULE]
+        self.insert, self.delete = list[Quad](), list[Quad]()
         self.asserted = list[Rule]()
         self.ended: dict[str, list[str]] = {"retracted": [], "superseded": []}
         self._before, self._after = store, _ChangedStore(store, change)
@@ -196,16 +200,20 @@ class _Plan:
             for _, graph in touched
             if graph in _KEPT_BY_HILT
         )
-        laws, by_laws = Invariants(self._after, whole=True), list[ValidationFinding]()
+        by_laws = list(self._findings(touched))
+        raise_findings(
+            causes(check_shapes(self._after, nodes=[node for node, _ in touched]), by_laws)
+        )
+
+    def _findings(self, touched: Iterable[tuple[Iri, Iri]]) -> Iterator[ValidationFinding]:
+        laws = Invariants(self._after, whole=True)
         for node, graph in touched:
             self._take(node, graph)
-            by_laws += laws.check(node, graph, self._after.properties(node, graph))
+            yield from laws.check(node, graph, self._after.properties(node, graph))
             if split(node)[0] == "rule" and graph == BELIEFS:
-                by_laws += self._rule_findings(node)
+                yield from self._rule_findings(node)
             elif split(node)[0] == "speaker":
-                by_laws += self._speaker_findings(node, graph)
-        by_shapes = check_shapes(self._after, nodes=[node for node, _ in touched])
-        raise_findings(causes(by_shapes, by_laws))
+                yield from self._speaker_findings(node, graph)
 
     def _rule_findings(self, node: Iri) -> Iterator[ValidationFinding]:
         name, before, after = shortened(node), _rule(self._before, node), _rule(self._after, node)
@@ -235,8 +243,9 @@ class _Plan:
         with contextlib.suppress(ValidationError):  # a finding will say it
             known = written(self._after, node, graph, self._after.properties(node, graph))
             inserted[node] = [known.get(quad, quad) for quad in inserted[node]]
-        if (graph, split(node)[0]) != _RULE:
+        if (graph, split(node)[0]) != (BELIEFS, "rule"):  # that is written with its utterance
             self.insert += (quad for quad in inserted[node] if quad.graph == graph)
+            self.delete += (quad for quad in self._after.deleted[node] if quad.graph == graph)
         if graph == EPISODES:
             before, after = (
                 {*observation_quads(node, store.properties(node, graph))}
@@ -251,9 +260,7 @@ class _ChangedStore(ReadableStore):
 
     def __init__(self, store: Store, change: Difference) -> None:
         self._store, self._change = store, change
-        self.inserted: dict[Iri, list[Quad]] = defaultdict(list)
-        for quad in change.insert:
-            self.inserted[quad.subject].append(quad)
+        self.inserted, self.deleted = _by_subject(change.insert), _by_subject(change.delete)
 
     def quads(
         self,
@@ -269,6 +276,13 @@ class _ChangedStore(ReadableStore):
         for quad in (quad for each in subjects for quad in self.inserted[each]):
             if all(part in (None, there) for part, there in zip(wanted, quad, strict=True)):
                 yield quad
+
+
+def _by_subject(quads: Iterable[Quad]) -> dict[Iri, list[Quad]]:
+    found: dict[Iri, list[Quad]] = defaultdict(list)
+    for quad in quads:
+        found[quad.subject].append(quad)
+    return found
 
 
 def _rule(store: ReadableStore, node: Iri) -> Rule | None:

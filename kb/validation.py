@@ -9,8 +9,7 @@ the invariants too (`hilt.kb.invariants`), and leads with the causes.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator
-from contextlib import suppress
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from itertools import islice
 from typing import Any
@@ -37,10 +36,16 @@ _WRONG_NAME = "A rule is a node rule:ID"  # how that message of shapes.ttl begin
 PORTION = 1000  # nodes that SHACL checks at a time
 Progress = Callable[[int, int], None]  # is told how many are done, and of how many
 
-_GRAPHS = {  # where a node of a class belongs when a format has no graphs
-    **{"Utterance": HISTORY, "Base": BASE_GRAPH, "TaughtAction": ACTIONS},
-    **dict.fromkeys(("Episode", "Step", "GraspTrial"), EPISODES),
-    **dict.fromkeys(("Word", "Phrase"), LEXICON),
+# Where a node of a class belongs when a format has no graphs.
+_GRAPHS = {
+    "Utterance": HISTORY,
+    "Episode": EPISODES,
+    "Step": EPISODES,
+    "GraspTrial": EPISODES,
+    "Word": LEXICON,
+    "Phrase": LEXICON,
+    "TaughtAction": ACTIONS,
+    "Base": BASE_GRAPH,
 }
 
 _SUBJECT = re.compile(r"\s*(<[^<>\s]+>|[\w-]+:[^\s;,<>]+)\s")  # that of a statement, in Turtle
@@ -112,11 +117,14 @@ def causes(
     for one in dict.fromkeys(by_laws):
         if one.node not in shaped:
             lawless.setdefault(one.node, []).append(one)
-    found = [one for several in shaped.values() for one in several.values()]
-    for first, *others in lawless.values():
-        more = f" ({len(others)} more about it.)" if others else ""
-        found.append(replace(first, problem=first.problem + more))
-    return sorted(found)
+    of_shapes = (one for several in shaped.values() for one in several.values())
+    return sorted([*of_shapes, *map(_with_count, lawless.values())])
+
+
+def _with_count(found: Sequence[ValidationFinding]) -> ValidationFinding:
+    first, *others = found
+    more = f" ({len(others)} more about it.)" if others else ""
+    return replace(first, problem=first.problem + more)
 
 
 def raise_findings(found: Iterable[ValidationFinding]) -> None:
@@ -193,15 +201,18 @@ def _sort(staging: Store) -> None:
 
 
 def _rename(staging: Store) -> None:
-    names: dict[Any, Any] = {}
-    classes = set(rule_mapping.CLASSES.values())
-    typed = (quad for quad in staging.quads(None, TYPE, None, BELIEFS) if quad.object in classes)
-    for node in {quad.subject for quad in typed}:
-        with suppress(ValidationError):  # validation will say it
+    names: dict[Iri, Iri] = {}
+    classes = rule_mapping.CLASSES.values()
+    typed = (staging.quads(None, TYPE, kind, BELIEFS) for kind in classes)
+    for node in sorted({quad.subject for some in typed for quad in some}):
+        try:
             rule = rule_mapping.read_rule(staging.properties(node, BELIEFS))
+        except ValidationError:
+            continue  # validation will say it
+        if rule_mapping.rule_iri(rule.id) != node:
             names[node] = rule_mapping.rule_iri(rule.id)
-    names = {node: name for node, name in names.items() if node != name}
     if names:
+        new_name: dict[object, Any] = {**names}
         old = [q for q in staging.quads() if q.subject in names or q.object in names]
-        new = [Quad(*(names.get(part, part) for part in quad)) for quad in old]
+        new = [Quad(*(new_name.get(part, part) for part in quad)) for quad in old]
         staging.apply(insert=new, delete=old)

@@ -115,7 +115,7 @@ class RuleWriter(RuleReader):
         """Add an utterance that changes no rule, as a command; arguments as for `Utterance`."""
         said = self._said(text, predicate, speaker, kind)
         said = replace(said, accepted=accepted, answer=answer, heard=heard)
-        return self.write(said)
+        return self.write(said, [], insert=(), delete=())
 
     def retract(
         self, rule_id: str, text: str, predicate: str, speaker: str, *, answer: str = ""
@@ -128,10 +128,10 @@ class RuleWriter(RuleReader):
     def write(
         self,
         utterance: Utterance,
-        rules: Sequence[Rule] = (),
+        rules: Sequence[Rule],
         *,
-        insert: Iterable[Quad] = (),
-        delete: Iterable[Quad] = (),
+        insert: Iterable[Quad],
+        delete: Iterable[Quad],
     ) -> Utterance:
         """Number an utterance and write it, the rules it asserts or ends, and other statements."""
         with self.store.writing():
@@ -159,9 +159,10 @@ class RuleWriter(RuleReader):
     def learn_phrase(self, phrase: LearnedPhrase) -> None:
         """Store a phrase that the last utterance confirmed; durable when this returns."""
         with self.store.writing():
-            kept = [*learned.PHRASES.learned_quads(replace(phrase, utterance=self.last_written))]
-            before = {*self.store.quads(kept[0].subject, None, None, learned.LEXICON)}
-            self.store.apply(insert=kept, delete=before - {*kept})
+            kept, change = replace(phrase, utterance=self.last_written), _Change()
+            before = learned.PHRASES.stored_quads(self.store, kept)
+            change.replace(before, learned.PHRASES.learned_quads(kept))
+            self.store.apply(insert=change.insert, delete=change.delete)
 
     def forget_trials(
         self, text: str, speaker: str, *, of: str | None = None, part: str | None = None
@@ -211,7 +212,7 @@ class RuleWriter(RuleReader):
     def _end_learned(
         self, change: _Change, mapping: LearnedMapping[Record], record: Record
     ) -> None:
-        before = self.store.quads(mapping.node(record), None, None, mapping.graph)
+        before = mapping.stored_quads(self.store, record)
         change.replace(before, mapping.learned_quads(record, status="retracted"))
 
     @property
@@ -226,11 +227,8 @@ class RuleWriter(RuleReader):
         return Utterance(0, text, predicate, speaker, when, kind)
 
     def _write(self, utterance: Utterance, rules: Sequence[Rule], change: _Change) -> Utterance:
-        last, time = self.sequence, utterance.time
-        if last and self.is_shared:
-            at = self.store.quads(utterance_iri(last), rule_mapping.GENERATED_AT, None, HISTORY)
-            time = max([time, *(cast(datetime, quad.object) for quad in at)])
-        numbered = replace(utterance, sequence=last + 1, time=time)
+        last = self.sequence
+        numbered = replace(utterance, sequence=last + 1, time=self._time_after(last, utterance))
         change.replace(
             [Quad(BASE_NODE, SEQUENCE, last, BASE_GRAPH)] if last else [],
             [Quad(BASE_NODE, SEQUENCE, last + 1, BASE_GRAPH)],
@@ -238,7 +236,7 @@ class RuleWriter(RuleReader):
         change.insert += utterance_quads(numbered)
         change.insert += speaker_quads(utterance.speaker, HISTORY)
         for rule in rules:
-            asserted = replace(rule, utterance=last + 1, time=time, status="active")
+            asserted = replace(rule, utterance=last + 1, time=numbered.time, status="active")
             before = self.store.quads(rule_mapping.rule_iri(rule.id), None, None, BELIEFS)
             change.replace(before, rule_mapping.rule_quads(asserted))
         self._end(change, numbered.retracts, "retracted", rules)
@@ -246,6 +244,12 @@ class RuleWriter(RuleReader):
         self.store.apply(insert=change.insert, delete=change.delete)
         self._own = last + 1
         return numbered
+
+    def _time_after(self, last: int, utterance: Utterance) -> datetime:
+        if not last or not self.is_shared:
+            return utterance.time
+        times = self.store.quads(utterance_iri(last), rule_mapping.GENERATED_AT, None, HISTORY)
+        return max([utterance.time, *(cast(datetime, quad.object) for quad in times)])
 
     def _end(
         self, change: _Change, rule_ids: Sequence[str], status: Status, new: Sequence[Rule]

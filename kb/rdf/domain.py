@@ -9,18 +9,17 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Iterable, Iterator, Mapping
 from decimal import Decimal
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING
 
 from ...ontology.vocabulary import Iri, external, iri, term
 from ..rule import Atom
-from .rule_mapping import LABEL, TYPE, atom_label_quads, label
+from .rule_mapping import LABEL, TYPE, atom_iri, atom_label_quads, label
 from .terms import Quad, Term, as_sparql
 
 if TYPE_CHECKING:
     from ...ontology.actions import Actions
-    from ...ontology.objects import ObjectTypes
+    from ...ontology.objects import ObjectType, ObjectTypes
 
-Statement: TypeAlias = tuple[Iri, Iri, Term]
 DOMAIN = iri("graph", "domain")
 DOMAIN_HASH = term("domainHash")
 
@@ -37,11 +36,14 @@ def domain_quads(
 ) -> list[Quad]:
     """The statements of the domain graph, sorted; arguments as for `KnowledgeBase.load_domain`."""
     kinds = {name: kind.is_a for name, kind in objects.items()} | dict(classes or {})
-    found = {*_object_statements(objects, kinds), *_action_statements(actions)}
-    for name, above in (people or {}).items():
-        found |= {*_named("role", name), *_named("role", above)}
-        found |= {*_is_a(iri("role", name), iri("role", above))}
-    return sorted((Quad(*each, DOMAIN) for each in found), key=_written)
+    found = {
+        *_class_statements("object", kinds),
+        *_class_statements("role", people or {}),
+        *_object_statements(objects),
+        *_action_statements(actions),
+    }
+    quads = (Quad(subject, predicate, value, DOMAIN) for subject, predicate, value in found)
+    return sorted(quads, key=_written)
 
 
 def content_hash(quads: Iterable[Quad]) -> str:
@@ -49,52 +51,67 @@ def content_hash(quads: Iterable[Quad]) -> str:
     return hashlib.sha256("\n".join(sorted(map(_written, quads))).encode()).hexdigest()
 
 
-def _object_statements(
-    objects: ObjectTypes, kinds: Mapping[str, str | None]
-) -> Iterator[Statement]:
-    for name, above in kinds.items():
-        yield from _named("object", name)
+def _class_statements(
+    kind: str, names: Mapping[str, str] | Mapping[str, str | None]
+) -> Iterator[tuple[Iri, Iri, Term]]:
+    for name, above in names.items():
+        yield from _named(Atom(kind, name))
         if above:
-            yield from _named("object", above)
-            yield from _is_a(iri("object", name), iri("object", above))
+            yield from _named(Atom(kind, above))
+            yield from _is_a(Atom(kind, name), Atom(kind, above))
+
+
+def _object_statements(objects: ObjectTypes) -> Iterator[tuple[Iri, Iri, Term]]:
     for name, kind in objects.items():
-        yield iri("object", name), MASS, _kilograms(kind.mass)
-        yield from _having(iri("object", name), PROPERTY, "property", kind.properties)
-        for part_name, part in kind.parts.items():
-            of_any, node = iri("part", part_name), iri("part", f"{name}.{part_name}")
-            yield from _named("part", part_name)
-            yield of_any, PART_OF, iri("object", name)
-            yield node, TYPE, term("Part")
-            yield node, LABEL, label(f"{part_name} of {name}")
-            yield from _is_a(node, of_any)
-            yield node, WHOLE, iri("object", name)
-            yield node, MASS, _kilograms(part.mass)
-            yield from _having(node, ROLE, "role", [part.role])
-            yield from _having(node, PROPERTY, "property", part.properties)
+        node = atom_iri(Atom("object", name))
+        yield node, MASS, _kilograms(kind.mass)
+        for prop in kind.properties:
+            yield from _with_atom(node, "property", prop)
+        for part in kind.parts:
+            yield from _part_statements(kind, part)
 
 
-def _action_statements(actions: Actions) -> Iterator[Statement]:
+def _part_statements(kind: ObjectType, name: str) -> Iterator[tuple[Iri, Iri, Term]]:
+    part, node = kind.parts[name], iri("part", f"{kind.name}.{name}")
+    yield from _named(Atom("part", name))
+    yield atom_iri(Atom("part", name)), PART_OF, atom_iri(Atom("object", kind.name))
+    yield node, TYPE, term("Part")
+    yield node, LABEL, label(f"{name} of {kind.name}")
+    yield node, IS_A, atom_iri(Atom("part", name))
+    yield node, SUBCLASS_OF, atom_iri(Atom("part", name))
+    yield node, WHOLE, atom_iri(Atom("object", kind.name))
+    yield node, MASS, _kilograms(part.mass)
+    yield from _with_atom(node, "role", part.role)
+    for prop in part.properties:
+        yield from _with_atom(node, "property", prop)
+
+
+def _action_statements(actions: Actions) -> Iterator[tuple[Iri, Iri, Term]]:
     for name in (*actions.primitives, *actions.trees):
-        yield from _named("action", name)
+        yield from _named(Atom("action", name))
     for name, above in actions.kinds.items():
-        yield from _is_a(iri("action", name), iri("action", above))
+        yield from _is_a(Atom("action", name), Atom("action", above))
     for path in actions.nodes:
         yield from node_statements(path)
 
 
-def node_statements(path: str) -> Iterator[Statement]:
+def node_statements(path: str) -> Iterator[tuple[Iri, Iri, Term]]:
     """Yield the statements about the node of an action tree with this path."""
-    node, (above, _, action) = iri("node", _key(path)), path.rpartition("/")
+    node, (above, _, action) = _node(path), path.rpartition("/")
     yield node, TYPE, term("Node")
     yield node, LABEL, _key(path)
-    yield node, DOES, iri("action", action)
+    yield node, DOES, atom_iri(Atom("action", action))
     if above:
-        yield node, UNDER, iri("node", _key(above))
+        yield node, UNDER, _node(above)
     for context in (*reversed(above.split("/") if above else ()), None):
         key = f"{context}.{action}" if context else action
         yield node, HEEDS, iri("node", key)
         yield iri("node", key), TYPE, term("Node")
         yield iri("node", key), LABEL, key
+
+
+def _node(path: str) -> Iri:
+    return iri("node", _key(path))
 
 
 def _key(path: str) -> str:
@@ -105,19 +122,18 @@ def _key(path: str) -> str:
     return ".".join(path.replace("/", "-").rsplit("-", maxsplit=1))
 
 
-def _having(node: Iri, key: Iri, kind: str, names: Iterable[str]) -> Iterator[Statement]:
-    for name in names:
-        yield from _named(kind, name)
-        yield node, key, iri(kind, name)
+def _with_atom(node: Iri, kind: str, name: str) -> Iterator[tuple[Iri, Iri, Term]]:
+    yield from _named(Atom(kind, name))
+    yield node, ROLE if kind == "role" else PROPERTY, atom_iri(Atom(kind, name))
 
 
-def _named(kind: str, name: str) -> Iterator[Statement]:
-    return (quad[:3] for quad in atom_label_quads([Atom(kind, name)]))
+def _named(atom: Atom) -> Iterator[tuple[Iri, Iri, Term]]:
+    yield from (quad[:3] for quad in atom_label_quads([atom]))
 
 
-def _is_a(node: Iri, above: Iri) -> Iterator[Statement]:
-    yield node, IS_A, above
-    yield node, SUBCLASS_OF, above
+def _is_a(kind: Atom, above: Atom) -> Iterator[tuple[Iri, Iri, Term]]:
+    yield atom_iri(kind), IS_A, atom_iri(above)
+    yield atom_iri(kind), SUBCLASS_OF, atom_iri(above)
 
 
 def _kilograms(mass: float) -> Decimal:
