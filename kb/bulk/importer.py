@@ -38,7 +38,7 @@ from ..validation import ValidationFinding, raise_findings
 from ..writer import to_milliseconds
 from . import reconciliation
 from .exporter import statements
-from .rdf_reader import StatementGroup, Statements, read_groups, read_quads
+from .nquads_reader import StatementGroup, Statements, read_groups, read_quads
 from .reconciliation import AncillaryWrites, ImportConflict, ImportSummary
 from .rule_nquads import NQuadsWriter
 

@@ -14,7 +14,7 @@ from typing import BinaryIO, cast
 from ...ontology.vocabulary import split
 from ..bulk.exporter import MAX_SORTED, Progress, ProgressCounter, scan_rules, statements
 from ..bulk.importer import import_rules, import_statements, merge
-from ..bulk.rdf_reader import StatementGroup, Statements, read_groups, read_quads
+from ..bulk.nquads_reader import StatementGroup, Statements, read_groups, read_quads
 from ..bulk.reconciliation import ImportSummary
 from ..knowledge_base import KnowledgeBase
 from ..rdf.annotated_turtle import ReifyingTriple, expand_annotations, write_annotated

@@ -17,7 +17,7 @@ from urllib.parse import quote
 
 from ...ontology.errors import DataError, extra_required
 from ...ontology.vocabulary import INDIVIDUALS, Iri, external, ontology_graph, prefixed
-from ..bulk.rdf_reader import read_groups, read_quads
+from ..bulk.nquads_reader import read_groups, read_quads
 from ..history import import_utterance
 from ..knowledge_base import KnowledgeBase
 from ..rdf.rule_mapping import LABEL, TYPE

@@ -14,6 +14,7 @@ from operator import itemgetter
 from typing import Any, TextIO, TypeVar, get_args
 
 from ...ontology.errors import DataError, HiltError, ValidationError
+from ..bulk.nquads_reader import remember
 from ..interval import DIGITS, Interval
 from ..rdf.terms import read_time, write_time
 from ..rule import ARGUMENT_KINDS, DEFAULT_SPEAKER, Atom, Rule, Status
@@ -27,7 +28,6 @@ ANY = "*"  # any object
 BETWEEN = "; "  # two atoms
 FEATURE_KIND, CONTEXT_KIND = "object", "action"
 MAX_MISTAKES = 20  # of a file that are reported
-_MAX_KNOWN = 2**18  # rules that are remembered
 Thing = TypeVar("Thing")
 Read = TypeVar("Read")
 STATUSES: tuple[str, ...] = get_args(Status)
@@ -225,9 +225,7 @@ class _RowReader:
             features, *shared, lower, upper, speaker, status, time = cells
             known = self._known.get(key := (*shared, speaker, status, time))
             if known is None:
-                if len(self._known) >= _MAX_KNOWN:
-                    self._known.clear()
-                return self._known.setdefault(key, read_rule(cells))
+                return remember(self._known, key, read_rule(cells))
             seen = split_atoms(features.strip(), FEATURE_KIND)
             return known.restated(seen, read_interval(lower, upper).rounded(), time=known.time)
         except HiltError as error:

@@ -10,7 +10,6 @@ from ..sparql.query_text import syntax_message
 from .mark import MARKER_FILE
 
 _REMOTE_CONTEXT = "LoadDocumentCallback"  # what pyoxigraph says of a JSON-LD context elsewhere
-_NOT_UTF_8 = "Invalid UTF-8"
 _NO_SPACE = "No space left"
 _LOCK = re.compile(r"\block\b", re.IGNORECASE)  # but not a damaged block
 _REFUSALS = ("Read-only file system", "Permission denied", "Operation not permitted")
@@ -41,6 +40,8 @@ def translated_text_errors(source: str) -> Generator[None]:
         yield
     except MemoryError as error:
         raise DataError("has a text or name of more than 16 MB.", source=source) from error
+    except UnicodeDecodeError as error:
+        raise DataError("expected UTF-8 text.", source=source) from error
     except HiltError:
         raise
     except (ValueError, OSError) as error:
@@ -73,17 +74,15 @@ def open_error(folder: Path, error: Exception) -> StoreError:
     return StoreError(f'The knowledge base "{folder}" cannot be created: {_short(error)}')
 
 
-def syntax_error(error: SyntaxError, source: str, text: str) -> DataError:
-    """The error in an RDF text, of which `text` is the line."""
+def syntax_error(error: SyntaxError, source: str, text: str, line: int = 0) -> DataError:
+    """The error in an RDF text; `line` where pyoxigraph was given only that line."""
     problem = error.msg.partition(": ")[2] or error.msg  # the position stands before it
     if _REMOTE_CONTEXT in problem:
         problem = "a context from elsewhere is refused; write it into the file"
-    elif _NOT_UTF_8 in error.msg:
-        problem = "expected UTF-8 text"
     return DataError(
         problem.rstrip(".") + ".",
         source=source,
-        line=error.lineno or 0,
+        line=line or error.lineno or 0,
         column=error.offset or 0,
         text=text.rstrip()[:500],
     )

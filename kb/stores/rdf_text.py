@@ -15,10 +15,11 @@ import pyoxigraph as engine
 
 from ...ontology.errors import DataError, QueryError
 from ...ontology.vocabulary import PREFIXES, Iri, shortened
+from ..rdf.annotated_turtle import AnnotatedEdge, ReifyingTriple
 from ..rdf.rule_mapping import KEYS, TYPE
 from ..rdf.terms import LANGUAGE_TEXT, STRING, Quad, Term, lexical, literal
 from ..sparql.results import RDF_12_UNSUPPORTED, BooleanResult, ConstructResult, QueryResult
-from .base import EmbeddedStore, EngineQuad, Store
+from .base import EmbeddedStore, EngineQuad, Store, batched
 from .errors import syntax_error, translated_errors
 
 RDF_FORMATS = {
@@ -29,8 +30,10 @@ RDF_FORMATS = {
     "jsonld": engine.RdfFormat.JSON_LD,
     "rdfxml": engine.RdfFormat.RDF_XML,
 }
-TRIPLE = engine.Triple  # a statement as the object of another one (RDF 1.2)
+_LINE_FORMATS = frozenset({"nquads", "ntriples"})  # one statement a line
 _MAX_LINE = 2**20  # bytes of a line that an error message looks at
+_CHUNK = 2**18  # bytes that are read at once
+_BATCH = 10_000  # statements that are made into text at once
 _NOT_IN_XML = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\ufffe\uffff]")
 
 
@@ -96,10 +99,37 @@ def quad_to_engine(quad: Quad) -> engine.Quad:
     )
 
 
-def parsed(stream: BinaryIO, *, format: str, source: str) -> Iterator[EngineQuad]:
-    """The statements of an RDF text as the engine has them; a DataError says where it is wrong."""
+def read_line(
+    line: str, *, format: str, source: str, default: Iri, number: int
+) -> list[Quad | ReifyingTriple]:
+    """The statements of a line, in the graph `default` if they name none; DataError if wrong."""
     try:
-        yield from engine.parse(stream, format=RDF_FORMATS[format])
+        return [
+            _statement(quad, default) for quad in engine.parse(line, format=RDF_FORMATS[format])
+        ]
+    except SyntaxError as error:
+        raise syntax_error(error, source, line, number) from error
+
+
+def line_format(format: str) -> str:
+    """The line-based format that holds what an RDF format holds: "nquads" or "ntriples"."""
+    if format in _LINE_FORMATS:
+        return format
+    return "nquads" if RDF_FORMATS[format].supports_datasets else "ntriples"
+
+
+def read_lines(stream: BinaryIO, *, format: str, source: str) -> Iterator[bytes]:
+    """Chunks of an RDF text, in its `line_format`; a DataError says where it is wrong."""
+    chosen = RDF_FORMATS[format]
+    if format in _LINE_FORMATS:
+        while chunk := stream.read(_CHUNK):
+            yield chunk
+        return
+    lines = RDF_FORMATS[line_format(format)]
+    try:
+        for some in batched(engine.parse(stream, format=chosen), _BATCH):
+            written = some if chosen.supports_datasets else [quad.triple for quad in some]
+            yield cast(bytes, engine.serialize(written, format=lines))
     except SyntaxError as error:
         raise syntax_error(error, source, _line(stream, error.lineno or 0)) from error
 
@@ -150,6 +180,17 @@ def write_result(found: QueryResult, format: str) -> str:
         known = ", ".join(RESULT_FORMATS)
         raise QueryError(f'There is no result format "{format}". Known: {known}.')
     return RESULT_FORMATS[format](found)
+
+
+def _statement(quad: engine.Quad, default: Iri) -> Quad | ReifyingTriple:
+    graph: Any = quad.graph_name
+    subject, predicate = cast(Iri, from_engine(quad.subject)), shared_iri(quad.predicate.value)
+    place = default if isinstance(graph, engine.DefaultGraph) else shared_iri(graph.value)
+    value: Any = quad.object
+    if isinstance(value, engine.Triple):
+        parts = cast("list[Any]", [from_engine(part) for part in value])
+        return ReifyingTriple(subject, predicate, AnnotatedEdge(*parts), place)
+    return Quad(subject, predicate, from_engine(value), place)
 
 
 def _line(stream: BinaryIO, number: int) -> str:

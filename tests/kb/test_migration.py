@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from hilt.kb.bulk.rdf_reader import read_groups, read_quads
+from hilt.kb.bulk.nquads_reader import read_groups, read_quads
 from hilt.kb.formats.import_export import export_file, import_file
 from hilt.kb.interval import Interval
 from hilt.kb.knowledge_base import (

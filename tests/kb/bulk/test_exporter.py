@@ -19,7 +19,7 @@ from hypothesis import strategies as st
 
 from hilt.kb.bulk import exporter
 from hilt.kb.bulk.exporter import scan_rules
-from hilt.kb.bulk.rdf_reader import read_groups, read_quads
+from hilt.kb.bulk.nquads_reader import read_groups, read_quads
 from hilt.kb.formats.import_export import write_base
 from hilt.kb.rdf import rule_mapping
 from hilt.kb.rdf.rule_mapping import BELIEFS

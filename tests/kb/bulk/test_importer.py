@@ -9,7 +9,7 @@ from decimal import Decimal
 import pytest
 
 from hilt.kb.bulk.importer import import_statements
-from hilt.kb.bulk.rdf_reader import read_groups
+from hilt.kb.bulk.nquads_reader import read_groups
 from hilt.kb.knowledge_base import KnowledgeBase
 from hilt.kb.rdf import rule_mapping
 from hilt.kb.rdf.rule_mapping import ATTRIBUTED_TO, BELIEFS, FUNCTOR, LOWER, PART, STATUS, UPPER

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hilt.kb.bulk.rdf_reader import StatementGroup, Statements, read_groups, read_quads
+from hilt.kb.bulk.nquads_reader import StatementGroup, Statements, read_groups, read_quads
 from hilt.kb.bulk.rule_nquads import NQuadsWriter
 from hilt.kb.rdf import rule_mapping
 from hilt.kb.rdf.rule_mapping import BELIEFS, rule_quads

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 
-from hilt.kb.bulk.rdf_reader import read_groups, read_quads
+from hilt.kb.bulk.nquads_reader import read_groups, read_quads
 from hilt.kb.rdf.terms import Quad
 from hilt.kb.stores import directory
 from hilt.kb.stores.base import EmbeddedStore
