@@ -111,8 +111,13 @@ INFERENCE = ("induce", "contexts", "settings", "overrides", "taxonomy")
 EVERY = tuple(OPTIONS)
 
 
-def with_config(*names: str) -> Callable[[Callable[..., None]], Callable[..., None]]:
-    """Give a command these options of `AgentConfig`, and `--config`, for its parameter `config`."""
+def with_config(
+    *names: str, robot_unless: str = ""
+) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """Give a command these options of `AgentConfig`, and `--config`, for its parameter `config`.
+
+    With `simulate` among them the simulator must be there, unless that option is given.
+    """
 
     def decorate(command: Callable[..., None]) -> Callable[..., None]:
         @wraps(command)
@@ -124,7 +129,8 @@ def with_config(*names: str) -> Callable[[Callable[..., None]], Callable[..., No
                 if value is not None and value != []:
                     values[name] = tuple(value) if isinstance(value, list) else value
             config = AgentConfig(**values)
-            if "simulate" in names and config.simulate and not is_plugin(config.vision):
+            moves = "simulate" in names and config.simulate and not given.get(robot_unless)
+            if moves and not is_plugin(config.vision):
                 check_simulator()
             command(config=config, **given)
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -72,6 +71,7 @@ def trust(
 ) -> None:
     """Set the trust in a speaker, 0 for none; or show the trust in each speaker."""
     from ...ontology.errors import NotFoundError
+    from ..documents import trust_as_json
 
     if suggest:
         if degree is not None:
@@ -90,7 +90,7 @@ def trust(
             name = base.match_speaker(str(speaker))
             shown = {name: base.set_trust(name, degree)}
     if as_json:
-        common.print_json({name: {"lower": t.lower, "upper": t.upper} for name, t in shown.items()})
+        common.print_json(trust_as_json(shown))
         return
     for name, interval in shown.items():
         typer.echo(f"{name} is trusted to {interval.lower:g}.", err=degree is not None)
@@ -122,6 +122,7 @@ def graph(
     """Draw the rules as a graph, coloured by context; --json prints it and draws nothing."""
     from ...kb.formats.graphml import graph_of
     from ...kb.views import parse_moment, view
+    from ..documents import graph_as_json
 
     moment = None if at is None else parse_moment(at)
     with common.open_for_reading(kb) as base:
@@ -129,11 +130,8 @@ def graph(
         rules = source.rules(
             object=name, affordance=affordance, context=context, part=part, speaker=speaker
         )
-    found = graph_of(rules)
     if as_json:
-        nodes = [{"id": node, **data} for node, data in found.nodes(data=True)]
-        edges = [{"from": a, "to": b, **data} for a, b, data in found.edges(data=True)]
-        common.print_json({"nodes": nodes, "edges": edges})
+        common.print_json(graph_as_json(rules))
         return
     if len(rules) > MOST_RULES:
         raise DataError(
@@ -142,7 +140,7 @@ def graph(
             "GraphML.",
             source=file,
         )
-    _write_picture(found, file)
+    _write_picture(graph_of(rules), file)
     typer.echo(f"Drew {counted(len(rules), 'rule')} into {file}.", err=True)
 
 
@@ -249,13 +247,10 @@ def _print_result(found: QueryResult, format_: str) -> None:
 
 def _list_queries(*, as_json: bool) -> None:
     from ...kb.sparql.named_queries import named_query, query_names
+    from ..documents import question_as_json
 
     named = [named_query(name) for name in query_names()]
     if as_json:
-        common.print_json([
-            {"name": one.name, "question": one.question,
-             "parameters": [asdict(each) for each in one.parameters.values()]}
-            for one in named
-        ])  # fmt: skip
+        common.print_json([question_as_json(one) for one in named])
         return
     common.terminal().print(presentation.console.questions(named))

@@ -4,7 +4,8 @@ from collections import Counter
 from collections.abc import Callable, Collection, Generator, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import TypeAlias
+from pathlib import Path
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +29,28 @@ class Lighting:
     shadow: bool = False
 
 
+@dataclass(frozen=True)
+class VisualShape:
+    """A visual shape of a link, as its URDF describes it.
+
+    Attributes:
+        kind: "sphere", "box", "cylinder", "mesh", "plane" or "capsule".
+        size: edges of a box, radius of a sphere, length and radius of a cylinder or capsule [m],
+            and the scale of a mesh.
+        file: of a mesh.
+        link_from_shape: pose (4, 4) in the frame of the link.
+        colour: red, green, blue and opacity in [0, 1].
+    """
+
+    link: str
+    kind: str
+    size: tuple[float, float, float]
+    file: Path
+    link_from_shape: Array
+    colour: tuple[float, float, float, float]
+
+
+_KINDS = {2: "sphere", 3: "box", 4: "cylinder", 5: "mesh", 6: "plane", 7: "capsule"}
 _Shape: TypeAlias = tuple[int, int, int, Sequence[float]]  # body, link, index there, colour
 Rendered: TypeAlias = tuple[
     NDArray[np.uint8], NDArray[np.float32], NDArray[np.int32], Mapping[int, tuple[str, str]]
@@ -114,9 +137,19 @@ class Rendering:
         shapes = self._shapes(body)
         return tuple(dict.fromkeys(self._bodies.links[shape[:2]][1] for shape in shapes))
 
+    def visual_shapes(self, body: str) -> Iterator[VisualShape]:
+        """Iterate over the visual shapes of a body."""
+        for raw in self._visual_data(body):
+            _, link = self._bodies.links[raw[:2]]
+            at = self._bodies.world_pose(raw[5], raw[6])
+            yield VisualShape(link, _KINDS[raw[2]], raw[3], Path(raw[4].decode()), at, raw[7])
+
+    def _visual_data(self, body: str) -> Sequence[Any]:
+        return self._client.call("getVisualShapeData", self._bodies.link_id(body)[0])
+
     def _shapes(self, body: str) -> Iterator[_Shape]:
         count = Counter[int]()
-        for shape in self._client.call("getVisualShapeData", self._bodies.link_id(body)[0]):
+        for shape in self._visual_data(body):
             yield shape[0], shape[1], count[shape[1]], shape[7]
             count[shape[1]] += 1
 
