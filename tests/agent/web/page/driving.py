@@ -63,6 +63,7 @@ class Visitor:
         """The rules in the table of the page, row by row."""
         self.show("rules")
         self.page.get_by_role("button", name="Table", exact=True).click()
+        self.wait_for(".rule-table tbody tr")
         rows = self.page.locator(".rule-table tbody tr").all()
         return [row.locator("td").all_inner_texts() for row in rows]
 
