@@ -81,7 +81,7 @@ class SparqlProtocol:
 
     async def _query(self, request: Request) -> Response:
         formats = [accepted(request, offered) for offered in (ROWS, BOOLEANS, STATEMENTS)]
-        asks_nothing = request.method != "POST" and not request.url.query
+        asks_nothing = request.method != "POST" and not request.scope["query_string"]
         if asks_nothing and self._target.page and accepted(request, (*STATEMENTS, _HTML)) == _HTML:
             return RedirectResponse(self._target.page, 303)
         self._target.admit(request, False)
@@ -130,7 +130,7 @@ def refusal(status: int, detail: str) -> Problem:
 def address(request: Request) -> str:
     """The address that was asked, without its query."""
     path: bytes = request.scope["raw_path"]
-    return f"{request.url.scheme}://{request.url.netloc}{path.decode('latin-1')}"
+    return f"{request.scope['scheme']}://{request.headers['host']}{path.decode('latin-1')}"
 
 
 def fields(form: str) -> dict[str, list[str]]:
@@ -153,7 +153,7 @@ async def _read(
     request: Request, operation: str, graphs: tuple[str, str]
 ) -> tuple[str, tuple[list[str], list[str]] | None]:
     """The text of the operation, and the graphs of its dataset if some are given."""
-    given = [fields(request.url.query)]
+    given = [fields(request.scope["query_string"].decode("latin-1"))]
     if request.method == "POST":
         direct, media_type = f"application/sparql-{operation}", content_type(request)
         if media_type not in {_FORM, direct}:

@@ -11,7 +11,7 @@ from __future__ import annotations
 import asyncio
 import os
 import pickle
-from asyncio.subprocess import DEVNULL, PIPE, Process
+import subprocess
 from collections.abc import Callable, Coroutine, Mapping
 from contextlib import suppress
 from typing import Any, TypeAlias, cast
@@ -26,8 +26,7 @@ PROCESSES = 4
 LONG_S = 1.0  # from here on a query counts as one that takes long
 PAUSE_S = 0.1  # between a write and the next snapshot, which has what else was written until then
 IN_USE_S = 60.0  # after the last query; then a snapshot waits for the next one
-_NICE = 10  # priority of a query that takes long
-_BUFFER = 2**20  # bytes
+_NICE = 19  # priority of a query that takes long
 Gone: TypeAlias = "Callable[[], Coroutine[Any, Any, None]]"
 
 
@@ -36,10 +35,9 @@ class QueryPool:
 
     def __init__(self, store: OxigraphStore) -> None:
         self._store = store
-        self._workers = [_Worker() for _ in range(PROCESSES)]
-        self._idle = asyncio.LifoQueue["_Worker"]()
-        for worker in self._workers:
-            self._idle.put_nowait(worker)
+        self._idle = asyncio.LifoQueue["_Worker | None"]()  # None for one that is not started
+        for _ in range(PROCESSES):
+            self._idle.put_nowait(None)
         self._long = 0  # queries that take long
         self._snapshot: Snapshot | None = None
         self._is_stale, self._forgotten, self._used = False, 0, 0.0
@@ -69,15 +67,8 @@ class QueryPool:
         self._loop = asyncio.get_running_loop()
         self._used = self._loop.time()
         snapshot = self._snapshot or await self._renew()
-        request = {"query": query, "document": document, "source": snapshot.path}
-        try:
-            worker = await asyncio.wait_for(self._idle.get(), limits.seconds)
-        except asyncio.TimeoutError:
-            raise BusyError("Too many queries are waiting. Ask again later.") from None
-        try:
-            answer = await self._ask(worker, request, limits, gone)
-        finally:
-            self._idle.put_nowait(worker)
+        request = {"query": query, "document": document, "megabytes": limits.megabytes}
+        answer = await self._ask({**request, "source": snapshot.path}, limits, gone)
         if isinstance(answer, MemoryError):
             raise limits.memory_error()
         if isinstance(answer, HiltError):
@@ -85,33 +76,45 @@ class QueryPool:
         return *answer, snapshot.number
 
     async def close(self) -> None:
-        """End the processes."""
+        """End the processes, when no query runs any more."""
         self._store.watchers.remove(self._note_change)
         self._loop = self._snapshot = None
         if self._renewal:
             self._renewal.cancel()
-        for worker in self._workers:
-            await worker.end()
+        for _ in range(PROCESSES):
+            if worker := await self._idle.get():
+                await worker.end()
 
-    async def _ask(
-        self, worker: _Worker, request: Mapping[str, object], limits: QueryLimits, gone: Gone
-    ) -> Any:
-        request = {**request, "megabytes": limits.megabytes}
-        asking: asyncio.Future[Any] | None = None
+    async def _ask(self, request: Mapping[str, object], limits: QueryLimits, gone: Gone) -> Any:
+        worker = kept = await self._idle_worker(limits)
         try:
-            await worker.start({**request, "query": "ASK {}"})  # its time does not count
-            asking = asyncio.ensure_future(worker.ask(request))
+            if worker is None:
+                _, worker = await cast("asyncio.AbstractEventLoop", self._loop).subprocess_exec(
+                    _Worker, *COMMAND, stderr=subprocess.DEVNULL
+                )
+                await worker.ask({**request, "query": "ASK {}"})  # its time does not count
+            kept, asking = None, worker.ask(request)
             await asyncio.wait({asking}, timeout=min(LONG_S, limits.seconds))
-            if not asking.done():
+            if asking.done():
+                kept = worker
+            else:
                 await self._wait_long(asking, worker, limits, gone)
             return asking.result()
-        except (asyncio.IncompleteReadError, ConnectionError):
-            raise exit_error(await worker.end(), limits, was_stopped=False) from None
-        except BaseException:
-            if asking:
-                asking.cancel()
-            await worker.end()
-            raise
+        except EOFError as error:
+            kept = None
+            raise exit_error(error.args[0], limits, was_stopped=False) from None
+        finally:
+            self._idle.put_nowait(kept)
+            if worker and not kept:
+                await worker.end()
+
+    async def _idle_worker(self, limits: QueryLimits) -> _Worker | None:
+        if not self._idle.empty():
+            return self._idle.get_nowait()
+        try:
+            return await asyncio.wait_for(self._idle.get(), limits.seconds)
+        except asyncio.TimeoutError:
+            raise BusyError("Too many queries are waiting. Ask again later.") from None
 
     async def _wait_long(
         self, asking: asyncio.Future[Any], worker: _Worker, limits: QueryLimits, gone: Gone
@@ -119,7 +122,7 @@ class QueryPool:
         left_s = limits.seconds - LONG_S
         if left_s > 0 and self._long >= PROCESSES - 1:
             raise BusyError("Other queries that take long are running. Ask again later.")
-        worker.lower_priority()
+        worker.lower_priority()  # for good, so that this process is ended after the query
         leaving = asyncio.ensure_future(gone())
         self._long += 1
         try:
@@ -157,40 +160,41 @@ class QueryPool:
                 await self._renew()
 
 
-class _Worker:
-    """A process, started when a request comes and there is none."""
+class _Worker(asyncio.SubprocessProtocol):
+    """A process that answers one request at a time; an EOFError has the code of its end."""
 
-    def __init__(self) -> None:
-        self._process: Process | None = None
-        self._is_low = False
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        self._process = cast("asyncio.SubprocessTransport", transport)
+        self._to = cast("asyncio.WriteTransport", self._process.get_pipe_transport(0))
+        self._over = asyncio.get_running_loop().create_future()
 
-    async def start(self, request: object) -> None:
-        if self._process is None or self._is_low:
-            await self.end()
-            self._process = await asyncio.create_subprocess_exec(
-                *COMMAND, stdin=PIPE, stdout=PIPE, stderr=DEVNULL, limit=_BUFFER
-            )
-            await self.ask(request)
+    def ask(self, request: object) -> asyncio.Future[Any]:
+        self._got, self._answer = bytearray(), asyncio.get_running_loop().create_future()
+        self._to.write(pickle.dumps(request))
+        return self._answer
 
-    async def ask(self, request: object) -> Any:
-        process = cast(Process, self._process)
-        to = cast(asyncio.StreamWriter, process.stdin)
-        answers = cast(asyncio.StreamReader, process.stdout)
-        to.write(pickle.dumps(request))
-        size = int.from_bytes(await answers.readexactly(SIZE_BYTES), "big")
-        return pickle.loads(await answers.readexactly(size))  # noqa: S301 - of a module of Hilt
+    def pipe_data_received(self, fd: int, data: bytes) -> None:
+        self._got += data
+        size = int.from_bytes(self._got[:SIZE_BYTES], "big")
+        is_whole = len(self._got) > SIZE_BYTES and len(self._got) >= SIZE_BYTES + size
+        if is_whole and not self._answer.done():
+            found = pickle.loads(self._got[SIZE_BYTES:])  # noqa: S301 - of a module of Hilt
+            self._answer.set_result(found)
+
+    def process_exited(self) -> None:
+        if not self._answer.done():
+            self._answer.set_exception(EOFError(self._process.get_returncode()))
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        self._over.set_result(None)
 
     def lower_priority(self) -> None:
-        self._is_low = True  # for good, so that this process is ended after the query
-        if self._process and hasattr(os, "setpriority"):
+        if hasattr(os, "setpriority"):
             with suppress(OSError):
-                os.setpriority(os.PRIO_PROCESS, self._process.pid, _NICE)
+                os.setpriority(os.PRIO_PROCESS, self._process.get_pid(), _NICE)
 
-    async def end(self) -> int:
-        """Kill the process, and return the code with which it ended."""
-        process, self._process, self._is_low = self._process, None, False
-        if process is None:
-            return 0
+    async def end(self) -> None:
         with suppress(ProcessLookupError):
-            process.kill()
-        return await process.wait()
+            self._process.kill()
+        await self._over
+        self._process.close()
