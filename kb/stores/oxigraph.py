@@ -81,7 +81,7 @@ class OxigraphStore:
             return self._evaluate(query)
         with timed(__name__, "query with limits %s", query):
             snapshot = self.snapshot()
-            return self._worker.request(limits, source=snapshot.path, query=query)
+            return self._worker.request(limits, source=str(snapshot.path), query=query)
 
     def snapshot(self) -> directory.Snapshot:
         """What is stored now, for other processes; the same one until something changes."""

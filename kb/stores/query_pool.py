@@ -68,7 +68,7 @@ class QueryPool:
         self._used = self._loop.time()
         snapshot = self._snapshot or await self._renew()
         request = {"query": query, "document": document, "megabytes": limits.megabytes}
-        answer = await self._ask({**request, "source": snapshot.path}, limits, gone)
+        answer = await self._ask({**request, "source": str(snapshot.path)}, limits, gone)
         if isinstance(answer, MemoryError):
             raise limits.memory_error()
         if isinstance(answer, HiltError):

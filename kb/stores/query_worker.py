@@ -47,8 +47,8 @@ def _limit_memory(megabytes: int) -> None:
 
 
 @lru_cache(maxsize=1)
-def _opened(source: Path, megabytes: int) -> OxigraphStore:
-    store = open_snapshot(source)
+def _opened(source: str, megabytes: int) -> OxigraphStore:
+    store = open_snapshot(Path(source))
     _limit_memory(megabytes)
     return store
 
