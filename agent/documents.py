@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping
-from dataclasses import asdict, dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
-from ..inference.explanation import Counterfactual, counterfactuals
+from ..inference.explanation import counterfactuals
 from ..kb.views import find_rule, last_taught_rules
 from ..ontology.errors import HiltError
-from .dialogue.reply import Reply
 from .execution.outcome import Json
 
 if TYPE_CHECKING:
@@ -23,21 +22,15 @@ if TYPE_CHECKING:
     from .agent import Agent
 
 
-@dataclass(frozen=True)
 class Explanation:
-    """A command that was decided and not carried out, and what would change the decision."""
+    """A command that is decided and not carried out, and what would change the decision."""
 
-    reply: Reply
-    changes: tuple[Counterfactual, ...]
-
-    @classmethod
-    def of(cls, agent: Agent, text: str, speaker: str) -> Explanation:
-        """Decide a command of a speaker; nothing is kept."""
-        reply = agent.hear(text, speaker=speaker, only="do", keep=False)
-        nodes = reply.decision.inferences if reply.decision else ()
+    def __init__(self, agent: Agent, text: str, speaker: str) -> None:
+        self.reply = agent.hear(text, speaker=speaker, only="do", keep=False)
+        nodes = self.reply.decision.inferences if self.reply.decision else ()
         chosen = agent.affordances.settings
         found = [change for node in nodes for change in counterfactuals(node, chosen)]
-        return cls(reply, tuple(sorted(found, key=lambda change: change.size)))
+        self.changes = sorted(found, key=lambda change: change.size)
 
     def as_json(self) -> Json:
         """As `hilt explain --json` prints it."""
@@ -107,11 +100,10 @@ def rules_to_forget(base: KnowledgeBase, name: str, speaker: str) -> list[Rule]:
     return found
 
 
-def forget_rules(base: KnowledgeBase, rules: Iterable[Rule], said: str, speaker: str) -> str:
+def forget_rules(base: KnowledgeBase, rules: Sequence[Rule], said: str, speaker: str) -> str:
     """Retract rules, and return the answer, which the history keeps."""
     from .presentation.console import rule_text
 
-    rules = [*rules]
     answer = f"Forgot {'; '.join(map(rule_text, rules))}."
     ids = [rule.id for rule in rules]
     base.believe(said, "", speaker, [], retracts=ids, kind="correction", answer=answer)

@@ -31,7 +31,7 @@ def explain(
 
     require_base(kb)
     with Agent.open(kb, replace(config, simulate=False)) as agent:
-        found = Explanation.of(agent, text, speaker)
+        found = Explanation(agent, text, speaker)
         decision = found.reply.decision
         drawing, describe = presentation.deduction_svg, agent.dialogue.conversation.describe
         if svg and decision:

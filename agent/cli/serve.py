@@ -21,6 +21,11 @@ if TYPE_CHECKING:
 token_app = typer.Typer(help="Who may use the service.", rich_markup_mode=None)
 app.add_typer(token_app, name="token")
 _UNITS = {"d": "days", "h": "hours", "m": "minutes"}
+_NO_AUTH = "Ask for no key; on this machine only."
+_BARE = "Serve a plain store, without the laws of a base."
+_BEHIND_PROXY = "A proxy does TLS and passes requests on."
+_ALLOW_ORIGIN = "A site whose pages may ask, with tokens."
+_PACE = "How fast the robot moves while somebody looks; 0: as it can."
 
 
 @app.command(epilog=example("serve --no-browser"))
@@ -29,38 +34,18 @@ def serve(
     *,
     config: AgentConfig,
     kb: Kb = None,
-    host: Annotated[str, typer.Option("--host", help="The address to listen at.")] = "127.0.0.1",
-    port: Annotated[
-        int, typer.Option("--port", min=0, max=65535, help="The port; 0 takes a free one.")
-    ] = 8765,
+    host: Annotated[str, typer.Option(help="The address to listen at.")] = "127.0.0.1",
+    port: Annotated[int, typer.Option(min=0, max=65535, help="The port; 0: a free one.")] = 8765,
     speaker: Speaker = "sam",
     browser: Annotated[bool, typer.Option(help="Open the page in a browser.")] = True,
-    no_auth: Annotated[
-        bool, typer.Option("--no-auth", help="Ask for no key; on this machine only.")
-    ] = False,
-    bare: Annotated[
-        bool, typer.Option("--bare", help="Serve a plain store, without the laws of a base.")
-    ] = False,
-    certificate: Annotated[
-        Path | None, typer.Option("--certificate", help="A certificate (PEM), for TLS.")
-    ] = None,
-    key_file: Annotated[Path | None, typer.Option("--key", help="Its private key (PEM).")] = None,
-    behind_proxy: Annotated[
-        bool, typer.Option("--behind-proxy", help="A proxy does TLS and passes requests on.")
-    ] = False,
-    names: Annotated[
-        list[str] | None, typer.Option("--name", help="A host name by which it is reached.")
-    ] = None,
-    origins: Annotated[
-        list[str] | None,
-        typer.Option("--allow-origin", help="A site whose pages may ask, with tokens."),
-    ] = None,
-    pace: Annotated[
-        float,
-        typer.Option(
-            "--pace", min=0, help="How fast the robot moves while somebody looks; 0: as it can."
-        ),
-    ] = 1.0,
+    no_auth: Annotated[bool, typer.Option("--no-auth", help=_NO_AUTH)] = False,
+    bare: Annotated[bool, typer.Option("--bare", help=_BARE)] = False,
+    certificate: Annotated[Path | None, typer.Option(help="A certificate (PEM), for TLS.")] = None,
+    key: Annotated[Path | None, typer.Option(help="Its private key (PEM).")] = None,
+    behind_proxy: Annotated[bool, typer.Option("--behind-proxy", help=_BEHIND_PROXY)] = False,
+    name: Annotated[list[str] | None, typer.Option(help="A host name of the service.")] = None,
+    allow_origin: Annotated[list[str] | None, typer.Option(help=_ALLOW_ORIGIN)] = None,
+    pace: Annotated[float, typer.Option(min=0, help=_PACE)] = 1.0,
     as_json: AsJson = False,
 ) -> None:
     """Talk, watch and query in a browser, and answer programs over HTTP, until Ctrl-C."""
@@ -69,8 +54,8 @@ def serve(
     from ...kb.stores.base import MEMORY
     from ..agent import Agent
 
-    def ready(url: str, key: str | None, port: int) -> None:
-        document = {"url": url, "key": key, "port": port}
+    def ready(url: str, once: str | None, bound: int) -> None:
+        document = {"url": url, "key": once, "port": bound}
         announce(document, f"Hilt is at {url}", as_json=as_json)
         if browser and not as_json:
             typer.launch(url)
@@ -78,7 +63,7 @@ def serve(
     if no_auth or bare:
         typer.echo("Without keys: every program of this machine may do everything.", err=True)
     chosen = server.ServiceSettings(
-        *(host, port, tuple(names or ()), tuple(origins or ()), certificate, key_file),
+        *(host, port, tuple(name or ()), tuple(allow_origin or ()), certificate, key),
         *(behind_proxy, not no_auth, speaker),
         pace=pace,
     )
@@ -108,18 +93,18 @@ def mcp(*, config: AgentConfig, kb: Kb = None, speaker: Speaker = "sam") -> None
 def add(
     name: Annotated[str, typer.Argument(help="What the token is for.")],
     *,
-    speaker: Annotated[str, typer.Option("--speaker", help="For whom it speaks.")],
-    role: Annotated[
-        list[str], typer.Option("--role", help="reader, teacher, operator, admin; repeated.")
-    ],
-    expires: Annotated[
-        str | None, typer.Option("--expires", help="How long it lasts: 30d, 12h, 15m.")
-    ] = None,
+    speaker: Annotated[str, typer.Option(help="For whom it speaks.")],
+    role: Annotated[list[str], typer.Option(help="reader, teacher, operator, admin; repeated.")],
+    expires: Annotated[str | None, typer.Option(help="How long: 30d, 12h, 15m.")] = None,
     kb: Kb = None,
     as_json: AsJson = False,
 ) -> None:
     """Make a token, which is shown this once; it stands for a speaker and roles."""
-    made, secret = _tokens(kb).add(name, speaker, role, _lasts(expires))
+    found = re.fullmatch(r"(\d{1,5})([dhm])", expires or "0d")
+    if found is None:
+        raise typer.BadParameter(f'"{expires}" is no duration: expected 30d, 12h or 15m.')
+    lasts = timedelta(**{_UNITS[found[2]]: int(found[1])}) if expires else None
+    made, secret = _tokens(kb).add(name, speaker, role, lasts)
     announce(made.as_json() | {"token": secret}, secret, as_json=as_json)
 
 
@@ -131,10 +116,8 @@ def list_tokens(*, kb: Kb = None, as_json: AsJson = False) -> None:
         print_json([each.as_json() for each in found])
         return
     for each in found:
-        used, ends = each.used or "never used", each.expires or "no end"
-        typer.echo(
-            f"{each.id}  {each.name}  {each.speaker}  {','.join(each.roles)}  {ends}  {used}"
-        )
+        ends = f"{each.expires or 'no end'}  {each.used or 'never used'}"
+        typer.echo(f"{each.id}  {each.name}  {each.speaker}  {','.join(each.roles)}  {ends}")
 
 
 @token_app.command(epilog=example("token remove tablet"))
@@ -154,12 +137,3 @@ def _tokens(kb: str | None) -> TokenFile:
         from ..web import server
         from ..web.tokens import TokenFile
     return TokenFile(server.tokens_beside(kb or str(default_location())))
-
-
-def _lasts(text: str | None) -> timedelta | None:
-    if text is None:
-        return None
-    found = re.fullmatch(r"(\d{1,5})([dhm])", text)
-    if found is None:
-        raise typer.BadParameter(f'"{text}" is no duration: expected 30d, 12h or 15m.')
-    return timedelta(**{_UNITS[found[2]]: int(found[1])})

@@ -1,10 +1,11 @@
-"""The application: the JSON interface, the page, health and metrics, behind one door."""
+"""The applications: a base with its JSON interface, page and metrics; and a bare store."""
 
 from __future__ import annotations
 
 import asyncio
 from collections.abc import AsyncGenerator
 from contextlib import AbstractAsyncContextManager, asynccontextmanager, nullcontext
+from functools import partial
 from importlib.metadata import version
 from importlib.util import find_spec
 from pathlib import Path
@@ -14,22 +15,28 @@ from fastapi import APIRouter, FastAPI, Request
 from fastapi.staticfiles import StaticFiles
 from prometheus_client import CollectorRegistry, Gauge, generate_latest
 from prometheus_client.exposition import CONTENT_TYPE_LATEST
+from starlette.applications import Starlette
 from starlette.middleware.cors import CORSMiddleware
 from starlette.middleware.gzip import GZipMiddleware
 from starlette.middleware.sessions import SessionMiddleware
 from starlette.responses import FileResponse, PlainTextResponse, RedirectResponse, Response
 
+from ...kb.sparql.query_text import errors_as_typed
+from ...kb.sparql_update import update as update_base
+from ...kb.stores.oxigraph import OxigraphStore
+from ...kb.stores.query_pool import QueryPool
+from ...kb.stores.write_lease import WRITERS
 from ..execution.outcome import Json
-from .doorkeeper import Doorkeeper
-from .problems import RESPONSES, Problem, answer_with_problems
-from .routes import administration, conversation, evaluations, knowledge, robot, session, streams
-from .routes.evaluations import Evaluations
-from .security import Gate, address_of, is_loopback
+from . import evaluations, routes, streams
+from .evaluations import Evaluations
+from .problems import HANDLERS, RESPONSES, Problem
+from .security import Doorkeeper, Gate, ServiceSettings, address_of, check_role, is_loopback
 from .service import Service
-from .sparql_targets import base_target, sparql_routes
+from .sparql import LIMITS, SparqlEndpoint
 
 STATIC = Path(__file__).resolve().with_name("static")  # served from where it is, not by links
 READERS = 4  # threads
+_OWNED = "This base has an owner, which alone writes to it. Tell it what is new, at /api/v1/tell."
 _NO_PAGE = 'The page is not built. Run "make page" in the checkout.\n'
 _health = APIRouter(tags=["health"])
 
@@ -50,14 +57,15 @@ def make_app(service: Service, gate: Gate, *, secret: str, port: int, folder: Pa
         await app.state.evaluations.stop()
         await service.stop()
         await asyncio.wait([shown])
-        if target:
-            await target.pool.close()
+        if sparql:
+            await sparql.pool.close()
         await service.close()
 
     registry = CollectorRegistry()
     app = FastAPI(
         title="Hilt",
         responses=RESPONSES,
+        exception_handlers=HANDLERS,
         version=version("hilt"),
         lifespan=lifespan,
         docs_url=None,
@@ -65,19 +73,22 @@ def make_app(service: Service, gate: Gate, *, secret: str, port: int, folder: Pa
     )
     app.state.service, app.state.gate, app.state.registry = service, gate, registry
     app.state.evaluations = Evaluations(folder, service.hub)
-    routes = (conversation, knowledge, robot, streams, session, evaluations, administration)
-    for each in routes:
-        app.include_router(each.router)
-    app.include_router(_health)
-    target = base_target(service, gate)
-    app.router.routes.extend(sparql_routes(target) if target else [])
+    own = (routes.talk, routes.knowledge, evaluations.router, routes.administration)
+    for router in (*own, streams.router, _health):
+        app.include_router(router)
+    sparql = _base_endpoint(service, gate)
+    app.router.routes.extend(sparql.routes if sparql else [])
     models: AbstractAsyncContextManager[None] = nullcontext()
     if find_spec("mcp"):
         from .mcp_server import add_endpoint
 
         models = add_endpoint(app, service, gate)
-    _count(service, registry)
-    answer_with_problems(app)
+    for name, told, read in (
+        ("hilt_utterances", "Utterances in the history", lambda: service.base.sequence),
+        ("hilt_waiting", "Utterances that wait to be heard", lambda: service.waiting),
+        ("hilt_streams", "Readers of events", lambda: service.hub.readers),
+    ):
+        Gauge(name, told, registry=registry).set_function(read)
     if gate.settings.origins:
         app.add_middleware(
             CORSMiddleware,
@@ -98,13 +109,50 @@ def make_app(service: Service, gate: Gate, *, secret: str, port: int, folder: Pa
     return app
 
 
-def _count(service: Service, registry: CollectorRegistry) -> None:
-    for name, told, read in (
-        ("hilt_utterances", "Utterances in the history", lambda: service.base.sequence),
-        ("hilt_waiting", "Utterances that wait to be heard", lambda: service.waiting),
-        ("hilt_streams", "Readers of events", lambda: service.hub.readers),
-    ):
-        Gauge(name, told, registry=registry).set_function(read)
+def _base_endpoint(service: Service, gate: Gate) -> SparqlEndpoint | None:
+    """SPARQL over a base: readers query it, admins change it as `hilt update` does.
+
+    None for a base that has an endpoint of its own.
+    """
+    base = service.base
+    if not isinstance(base.store, OxigraphStore):
+        return None
+
+    def admit(request: Request, is_write: bool) -> str:
+        caller = gate.caller_of(request, cookies=not is_write)
+        check_role(caller, "admin" if is_write else "reader")
+        return caller.speaker
+
+    async def update(text: str, _: str, speaker: str) -> None:
+        if WRITERS in text:  # another process of Hilt, which takes this for an endpoint
+            raise Problem(409, "owned", "Has an owner", _OWNED)
+        await service.run(partial(update_base, base, text, speaker=speaker, limits=LIMITS))
+        service.agent.dialogue.conversation.expect_news()
+
+    return SparqlEndpoint(base.store, QueryPool(base.store), admit, update, "/#ask")
+
+
+def make_bare_app(store: OxigraphStore, settings: ServiceSettings) -> Starlette:
+    """Return the application of a plain store, which is closed with it; who asks may do all."""
+
+    async def update(text: str, base: str, _: str) -> None:
+        sent = f"BASE <{base}> {text}"
+        with errors_as_typed(text, sent):
+            await asyncio.to_thread(store.update, sent)
+
+    @asynccontextmanager
+    async def lifespan(_: Starlette) -> AsyncGenerator[None]:
+        yield
+        await sparql.pool.close()
+        store.close()
+
+    def admit(_: Request, __: bool) -> str:
+        return settings.speaker
+
+    sparql = SparqlEndpoint(store, QueryPool(store), admit, update)
+    app = Starlette(routes=sparql.routes, lifespan=lifespan, exception_handlers=HANDLERS)
+    app.add_middleware(Doorkeeper, settings=settings, registry=CollectorRegistry())
+    return app
 
 
 @_health.get("/healthz")

@@ -10,7 +10,6 @@ import asyncio
 from collections import Counter, deque
 from collections.abc import AsyncGenerator, Generator, Iterator
 from contextlib import contextmanager
-from itertools import islice
 from typing import Any
 
 from starlette.concurrency import run_in_threadpool
@@ -84,12 +83,13 @@ class Hub:
 
     def publish(self, event: Event | bytes) -> None:
         """Give an event or a frame to every reader."""
-        if self._loop is not None and self._streams:
-            self._loop.call_soon_threadsafe(self._spread, event)
 
-    def _spread(self, event: Event | bytes) -> None:
-        for stream in self._streams:
-            stream.put(event)
+        def spread() -> None:
+            for stream in self._streams:
+                stream.put(event)
+
+        if self._loop is not None and self._streams:
+            self._loop.call_soon_threadsafe(spread)
 
     @contextmanager
     def subscribed(self, caller: Caller) -> Generator[EventStream]:
@@ -116,13 +116,11 @@ def news(base: RuleReader, since: int) -> Iterator[Event]:
     """What was said after an utterance, each after the rules that it changed."""
     with timed(__name__, "read what was said after %s", since):
         for said in base.history(since=since):
-            changed = (said.asserts, said.retracts, said.supersedes)
-            if any(changed):
-                names = ("told", "retracted", "superseded")
-                rules = {
-                    name: [base.rule(one).as_json() for one in islice(ids, MOST_RULES)]
-                    for name, ids in zip(names, changed, strict=True)
-                }
-                more = sum(map(len, changed)) > sum(map(len, rules.values()))
-                yield {"type": "rules", "utterance": said.sequence, **rules, "more": more}
+            changed = {"told": said.asserts, "retracted": said.retracts}
+            changed["superseded"] = said.supersedes
+            if any(changed.values()):
+                shown = {name: ids[:MOST_RULES] for name, ids in changed.items()}
+                rules = {n: [base.rule(one).as_json() for one in i] for n, i in shown.items()}
+                known = {"type": "rules", "utterance": said.sequence, "more": shown != changed}
+                yield known | rules
             yield {"type": "said", "id": said.sequence, **said.as_json()}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from functools import partial
 from typing import TYPE_CHECKING
 
 from ...sim.physics.engine import TIME_STEP
@@ -17,21 +18,20 @@ _LATE_S = 0.2  # behind the clock, from which a slow world does not try to catch
 
 
 class LiveScene:
-    """The scene of one body, which tells readers of events where everything is.
-
-    Args:
-        pace: seconds of the world in one of the clock, at most, while somebody looks; 0 for any.
-
-    Attributes:
-        model: the shapes, as a file that never changes.
-    """
+    """The scene of one body, which tells readers of events where everything is."""
 
     def __init__(self, body: Body, number: int, hub: Hub, *, pace: float) -> None:
-        from ...sim.media.gltf import scene_model
+        """Make its model, and watch it.
 
-        self.model = scene_model(body.world.engine)
+        `pace` is in seconds of the world in one of the clock, at most, while somebody looks; 0 for
+        any.
+        """
+        from ...sim.media.gltf import pose_frame, scene_model
+
         self._engine, self._number, self._hub = body.world.engine, number, hub
         self._pace, self._due = pace, 0.0
+        self.model = scene_model(self._engine)
+        self._frame = partial(pose_frame, self._engine, self.model.nodes, scene=number)
         body.world.watchers.append(self._watch)
 
     def as_json(self) -> Json:
@@ -41,19 +41,13 @@ class LiveScene:
 
     def show(self) -> None:
         """Send a frame now."""
-        from ...sim.media.pose_frames import pose_frame
-
-        self._hub.publish(pose_frame(self._engine, self.model.nodes, scene=self._number))
+        self._hub.publish(self._frame())
 
     def _watch(self) -> None:
         if self._hub.readers and self._engine.steps % STEPS_A_FRAME == 0:
             self.show()
-            if self._pace:
-                self._wait()
-
-    def _wait(self) -> None:
-        """Let the clock go on as far as the world: who looks can stop what is seen."""
-        now = time.monotonic()
-        frame_s = STEPS_A_FRAME * TIME_STEP / self._pace
-        self._due = (self._due if self._due > now - _LATE_S else now) + frame_s
-        time.sleep(max(0.0, self._due - now))
+            if self._pace:  # let the clock go on as far: who looks can stop what is seen
+                now = time.monotonic()
+                start = self._due if self._due > now - _LATE_S else now
+                self._due = start + STEPS_A_FRAME * TIME_STEP / self._pace
+                time.sleep(max(0.0, self._due - now))

@@ -12,9 +12,8 @@ import secrets
 import time
 from collections.abc import Awaitable, Callable, Sequence
 from contextlib import AbstractAsyncContextManager
-from dataclasses import dataclass
 from functools import wraps
-from typing import Any, Literal, cast
+from typing import Any, Literal, TypeVar, cast
 
 from mcp.server.mcpserver import Context, MCPServer
 from mcp.server.mcpserver.exceptions import ToolError
@@ -39,6 +38,7 @@ from .security import CALLER, Gate
 from .service import Service
 from .tokens import Caller
 
+T = TypeVar("T")
 TRUST = 0.3  # in what a model teaches, until somebody says otherwise
 PLAN_SECONDS = 60
 WhoAsks = Callable[[Context[Any]], Caller]
@@ -69,18 +69,6 @@ class CommandPlan(BaseModel):
     object: str | None = None
     part: str | None = None
     proofs: list[dict[str, Any]] = []
-
-
-@dataclass(frozen=True)
-class _Planned:
-    command: str
-    caller: Caller
-    chosen: tuple[str | None, str | None]
-    until: float
-
-    @property
-    def lasts(self) -> bool:
-        return self.until > time.monotonic()
 
 
 def make_mcp(service: Service, who: WhoAsks) -> MCPServer[Any]:
@@ -133,28 +121,29 @@ class ModelTools:
 
     def __init__(self, service: Service, who: WhoAsks) -> None:
         self._service, self._who = service, who
-        self._plans: dict[str, _Planned] = {}
+        self._plans: dict[str, tuple[CommandPlan, str, Caller, float]] = {}  # and until when
 
     async def how_to_hold(self, object: str, action: str, context: Context[Any]) -> Finding:
         """By which part an object ("knife") is held for an action ("pass", "pickUp")."""
-        found = await self._held(object, action, context)
-        best = [each for each in found if each.verdict == "accepted"]
-        return self._finding(best[0]) if best else Finding(object=object)
+        for each in await self._held(object, action, context):
+            if each.verdict == "accepted":
+                return self._finding(each)
+        return Finding(object=object)
 
     async def may_hold(self, object: str, part: str, action: str, context: Context[Any]) -> Finding:
         """Whether an object may be held by a part for an action: proper, improper or unknown."""
-        found = await self._held(object, action, context)
-        about = [each for each in found if each.argument and each.argument.name == part]
-        return self._finding(about[0]) if about else Finding(object=object, part=part)
+        for each in await self._held(object, action, context):
+            if each.argument and each.argument.name == part:
+                return self._finding(each)
+        return Finding(object=object, part=part)
 
     async def _held(self, name: str, action: str, context: Context[Any]) -> Sequence[Candidate]:
         caller = self._model(context)
 
         def inferred(agent: Agent) -> Sequence[Candidate]:
             target = {"object": Target(object=name), "recipient": caller.speaker}
-            result, _ = agent.attempt("", Request(action, target, caller.speaker))
-            part = result.decision.part if result.decision else None
-            return part.candidates if part else ()
+            decision = agent.attempt("", Request(action, target, caller.speaker))[0].decision
+            return decision.part.candidates if decision and decision.part else ()
 
         return await self._deciding(inferred, f"objects:{name}")
 
@@ -164,8 +153,8 @@ class ModelTools:
 
         def inferred(agent: Agent) -> list[Finding]:
             target = {"object": Target(used_for=use), "recipient": caller.speaker}
-            result, _ = agent.attempt("", Request("pass", target, caller.speaker))
-            found = result.decision.object.candidates if result.decision else ()
+            decision = agent.attempt("", Request("pass", target, caller.speaker))[0].decision
+            found = decision.object.candidates if decision else ()
             return [self._finding(each) for each in found if each.accepted]
 
         return await self._deciding(inferred)
@@ -174,7 +163,7 @@ class ModelTools:
         """The proof of what would be decided for a command, and what would change it."""
         caller = self._model(context)
         return await self._deciding(
-            lambda agent: Explanation.of(agent, command, caller.speaker).as_json()
+            lambda agent: Explanation(agent, command, caller.speaker).as_json()
         )
 
     async def teach(self, sentence: str, context: Context[Any]) -> dict[str, Any]:
@@ -187,23 +176,25 @@ class ModelTools:
         caller = await self._introduced(context)
         plan = await self._planned(command, caller)
         if plan.outcome == "done":
+            now = time.monotonic()
+            self._plans = {id_: each for id_, each in self._plans.items() if each[-1] > now}
             plan.id = secrets.token_urlsafe(12)
-            until = time.monotonic() + PLAN_SECONDS
-            self._plans = {name: each for name, each in self._plans.items() if each.lasts}
-            self._plans[plan.id] = _Planned(command, caller, (plan.object, plan.part), until)
+            self._plans[plan.id] = plan, command, caller, now + PLAN_SECONDS
         return plan
 
     async def carry_out(self, plan: str, context: Context[Any]) -> dict[str, Any]:
         """Do what was planned, by the id of the plan; each id counts once."""
-        caller, planned = self._model(context), self._plans.pop(plan, None)
-        if planned is None or not planned.lasts or planned.caller != caller:
+        caller, found = self._model(context), self._plans.pop(plan, None)
+        if found is None or found[2] != caller or found[3] < time.monotonic():
             raise ToolError("There is no such plan of yours, or it is too old. Plan again.")
-        again = await self._planned(planned.command, caller)
-        if (again.object, again.part) != planned.chosen or again.outcome != "done":
+        planned, command, *_ = found
+        again = await self._planned(command, caller)
+        chosen = (planned.object, planned.part, "done")
+        if (again.object, again.part, again.outcome) != chosen:
             raise ToolError(f"It would be decided otherwise now: {again.said} Plan again.")
         self._service.lease(caller, PLAN_SECONDS)
         try:
-            return await self._service.say(Said(text=planned.command), caller, "do").answered()
+            return await self._service.say(Said(text=command), caller, "do").answered()
         finally:
             self._service.lease(caller, 0)
 
@@ -222,8 +213,8 @@ class ModelTools:
 
         return await self._deciding(decided)
 
-    async def _deciding(self, decide: Callable[[Agent], Any], scene: str | None = None) -> Any:
-        def decided() -> Any:
+    async def _deciding(self, decide: Callable[[Agent], T], scene: str | None = None) -> T:
+        def decided() -> T:
             with self._service.deciding([], scene) as agent:
                 return decide(agent)
 
@@ -243,32 +234,27 @@ class ModelTools:
     def _finding(self, found: Candidate) -> Finding:
         verdicts: dict[str, Any] = {"accepted": "proper", "denied": "improper"}
         words_of = self._service.agent.dialogue.conversation.words_of
-        argument, interval = found.argument, found.interval
+        argument = found.argument
         return Finding(
             object=found.object,
             part=argument.name if argument and argument.kind == "part" else None,
             verdict=verdicts.get(found.verdict, "unknown"),
-            lower=interval.lower,
-            upper=interval.upper,
+            lower=found.interval.lower,
+            upper=found.interval.upper,
             because=[rule.as_json() | {"said": words_of(rule)} for rule in found.rules],
         )
 
     def _model(self, context: Context[Any]) -> Caller:
         owner = self._who(context)
-        name = f"model of {owner.speaker}"
         roles = {"teacher", "operator"} if owner.may("admin") else owner.roles
-        return Caller(owner.id, name, frozenset(roles))
+        return Caller(owner.id, f"model of {owner.speaker}", frozenset(roles))
 
 
 def _against(decision: Decision | None) -> Sequence[Rule]:
     named = decision.named_part if decision else None
     denied = decision.part.denied if decision and decision.part else ()
-    return [
-        rule
-        for each in denied
-        if each.argument and each.argument.name == named
-        for rule in each.rules
-    ]
+    about = [each for each in denied if each.argument and each.argument.name == named]
+    return [rule for each in about for rule in each.rules]
 
 
 def _told(tool: Callable[..., Awaitable[Any]]) -> Callable[..., Awaitable[Any]]:

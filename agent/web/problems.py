@@ -6,7 +6,6 @@ from typing import Any
 
 from fastapi import Request
 from fastapi.exceptions import RequestValidationError
-from starlette.applications import Starlette
 from starlette.exceptions import HTTPException
 from starlette.responses import JSONResponse
 
@@ -25,15 +24,10 @@ _KINDS: tuple[tuple[type[Exception], int, str, str], ...] = (  # the first that 
     (errors.HiltError, 422, "wrong", "Cannot be used"),
 )
 _MORE = ("source", "line", "findings")  # attributes of errors
-
-
 MEDIA_TYPE = "application/problem+json"
-_TEXT: dict[str, Any] = {"type": "string"}
-_SCHEMA: dict[str, Any] = {
-    "type": "object",
-    "required": ["type", "title", "status", "detail"],
-    "properties": {"type": _TEXT, "title": _TEXT, "status": {"type": "integer"}, "detail": _TEXT},
-}
+_KEYS = {"type": "string", "title": "string", "status": "integer", "detail": "string"}
+_PROPERTIES = {key: {"type": kind} for key, kind in _KEYS.items()}
+_SCHEMA: dict[str, Any] = {"type": "object", "required": [*_KEYS], "properties": _PROPERTIES}
 _REFUSED: dict[str, Any] = {
     "description": "A problem: what was refused, and why",
     "content": {MEDIA_TYPE: {"schema": _SCHEMA}},
@@ -81,15 +75,15 @@ def problem_of(error: Exception) -> Problem:
         detail = "; ".join(f"{'.'.join(map(str, e['where']))}: {e['problem']}" for e in found)
         return Problem(422, "wrong-form", "Not of the expected form", detail, expected=found)
     kind = next(kind for kind in _KINDS if isinstance(error, kind[0]))
-    where = {name: value for name in _MORE if (value := getattr(error, name, None))}
-    return Problem(*kind[1:], str(error), **where)
+    more = {name: value for name in _MORE if (value := getattr(error, name, None))}
+    return Problem(*kind[1:], str(error), **more)
 
 
-def answer_with_problems(app: Starlette) -> None:
-    """Let an app answer every exception that is foreseen with a problem document."""
+async def _answer(_: Request, error: Exception) -> JSONResponse:
+    return problem_of(error).answer
 
-    async def answer(_: Request, error: Exception) -> JSONResponse:
-        return problem_of(error).answer
 
-    for kind in (HTTPException, RequestValidationError, errors.HiltError):
-        app.add_exception_handler(kind, answer)
+# How an app answers every exception that is foreseen.
+HANDLERS: dict[Any, Any] = dict.fromkeys(
+    (HTTPException, RequestValidationError, errors.HiltError), _answer
+)

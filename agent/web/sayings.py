@@ -46,28 +46,27 @@ class Said(BaseModel):
 
     def halting(self, language: Language) -> Said:
         """Only what halts the robot, if something does: that needs no certainty."""
+
+        def halts(text: str) -> bool:
+            said = language.understand(text).meaning
+            return isinstance(said, meaning.Control) and said.is_halt
+
         own = Alternative(text=self.text, heard=self.heard)
-        halts = [each for each in (own, *self.alternatives) if _is_halt(language, each.text)]
-        if not halts:
+        kept = [each for each in (own, *self.alternatives) if halts(each.text)]
+        if not kept:
             return self
-        (first, *others) = halts
-        kept = {"text": first.text, "heard": first.heard, "alternatives": others}
-        return self.model_copy(update=kept)
+        return self.model_copy(update={**dict(kept[0]), "alternatives": kept[1:]})
 
 
 @dataclass
 class Job:
-    """One utterance that is to be heard, and how far that is.
-
-    Attributes:
-        stops: how often the robot had been stopped before.
-    """
+    """One utterance that is to be heard, and how far that is."""
 
     id: str
     said: Said
     caller: Caller
     listens: Listens
-    stops: int
+    stops: int  # of the robot, before
     state: Literal["queued", "begun", "done"] = "queued"
     answer: asyncio.Future[Json] = field(default_factory=asyncio.Future)
 
@@ -132,8 +131,3 @@ def reply_as_json(reply: Reply, listens: Listens) -> Json:
     if kind == "error":
         found["error"] = reply.understanding.meaning.as_json()
     return found
-
-
-def _is_halt(language: Language, text: str) -> bool:
-    said = language.understand(text).meaning
-    return isinstance(said, meaning.Control) and said.is_halt

@@ -1,15 +1,20 @@
-"""Who asks, what that one may do, and how often.
+"""Who asks, what that one may do, and how often; and what every request passes first.
 
 A bearer token counts everywhere. The cookie of the page counts for the page and `/api` only: any
 other page could post a form to `/update`, which needs no preflight.
+
+`Host` must be a name that is served, against DNS rebinding, and the `Origin` of a browser must be
+ours, also for WebSockets. Bodies are counted while they come. What was asked is counted and noted:
+who, what and how it ended, never a token and never a body.
 """
 
 from __future__ import annotations
 
+import logging
 import secrets
 import time
 from collections.abc import Callable, Coroutine
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from ipaddress import ip_address
 from pathlib import Path
 from typing import Annotated, Any, TypeAlias
@@ -18,7 +23,11 @@ from fastapi import Depends
 from limits import RateLimitItem, parse
 from limits.storage import MemoryStorage
 from limits.strategies import MovingWindowRateLimiter
+from prometheus_client import CollectorRegistry, Counter, Histogram
+from starlette.datastructures import Headers, MutableHeaders
+from starlette.middleware.trustedhost import TrustedHostMiddleware
 from starlette.requests import HTTPConnection
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from .problems import Problem, forbidden
 from .tokens import ROLES, Caller, TokenFile
@@ -26,40 +35,37 @@ from .tokens import ROLES, Caller, TokenFile
 OWNER = "owner"
 CALLER = "hilt.caller"  # in the scope of a request, once it is known
 _READS = {"GET", "HEAD", "OPTIONS"}
+_HEADERS = {
+    "Content-Security-Policy": "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; "
+    "worker-src 'self' blob:; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; "
+    "object-src 'none'; base-uri 'none'; frame-ancestors 'none'",
+    "X-Content-Type-Options": "nosniff",
+    "Referrer-Policy": "no-referrer",
+}
+_OWN_HOSTS = ("127.0.0.1", "localhost", "::1", "[::1]")
+_TOO_LARGE = 413
+_FILES = ("/api/v1/import", "/store")  # take whole files
+_audit, _log = logging.getLogger("hilt.audit"), logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
 class ServiceSettings:
-    """Where and for whom a service listens, and what it allows.
-
-    Attributes:
-        port: 0 for a free one.
-        names: further host names by which it is reached.
-        origins: other sites whose pages may ask, with a bearer token.
-        certificate, key_file: of TLS, in PEM.
-        behind_proxy: whether a proxy does TLS.
-        needs_key: whether the owner shows a one-time key.
-        speaker: for whom the owner speaks.
-        requests: of a token; so many may come at once. "" for any number.
-        failures: wrong keys of an address.
-        most_body, most_file: bytes of what is sent; of what takes whole files.
-        pace: seconds of the world in one of the clock, at most, while somebody looks; 0 for any.
-    """
+    """Where and for whom a service listens, and what it allows."""
 
     host: str = "127.0.0.1"
-    port: int = 8765
-    names: tuple[str, ...] = ()
-    origins: tuple[str, ...] = ()
-    certificate: Path | None = None
+    port: int = 8765  # 0 for a free one
+    names: tuple[str, ...] = ()  # further ones of this host
+    origins: tuple[str, ...] = ()  # other sites whose pages may ask, with a bearer token
+    certificate: Path | None = None  # of TLS, in PEM
     key_file: Path | None = None
-    behind_proxy: bool = False
-    needs_key: bool = True
-    speaker: str = "sam"
-    requests: str = "30/3 seconds"
-    failures: str = "5/minute"
-    most_body: int = 2**20
-    most_file: int = 2**28
-    pace: float = 1.0
+    behind_proxy: bool = False  # which does TLS
+    needs_key: bool = True  # which the owner shows once
+    speaker: str = "sam"  # for whom the owner speaks
+    requests: str = "30/3 seconds"  # of a token; so many may come at once
+    failures: str = "5/minute"  # wrong keys of an address
+    most_body: int = 2**20  # bytes of what is sent
+    most_file: int = 2**28  # bytes of what takes whole files
+    pace: float = 1.0  # seconds of the world in one of the clock, while somebody looks; 0: any
 
     @property
     def has_tls(self) -> bool:
@@ -69,20 +75,14 @@ class ServiceSettings:
 
 @dataclass
 class Gate:
-    """Knows who asks, by a token, a session or the one-time key, and how much they ask.
-
-    Attributes:
-        key: opens the next session of the owner; None when none is needed.
-    """
+    """Knows who asks, by a token, a session or the one-time key, and how much they ask."""
 
     settings: ServiceSettings
     tokens: TokenFile
-    key: str | None = None
-    _limiter: MovingWindowRateLimiter = field(
-        default_factory=lambda: MovingWindowRateLimiter(MemoryStorage())
-    )
 
     def __post_init__(self) -> None:
+        self._limiter = MovingWindowRateLimiter(MemoryStorage())
+        # It opens the next session of the owner.
         self.key = secrets.token_urlsafe(24) if self.settings.needs_key else None
 
     @property
@@ -115,43 +115,35 @@ class Gate:
     def caller_of(self, asked: HTTPConnection, *, cookies: bool = True) -> Caller:
         """Who asks; Problem 401 if nobody is known, 429 if that one asks too much."""
         scheme, _, secret = asked.headers.get("authorization", "").partition(" ")
-        session = self._in_session(asked) if cookies else None
+        caller = self._in_session(asked) if cookies else None
         if scheme.lower() == "bearer":
             caller = self.caller_with(asked, secret.strip())
         elif not self.settings.needs_key:
             caller = self.owner
-        elif session:
-            caller = session
-        else:
+        elif caller is None:
             raise _unknown("Show a token (Authorization: Bearer hilt_...), or open the page.")
         asked.scope[CALLER] = caller
-        if caller.id != OWNER and self.settings.requests:
-            requests = parse(self.settings.requests)
-            if not self._limiter.hit(requests, caller.id):
-                raise self._too_many(requests, caller.id)
+        requests = parse(self.settings.requests)
+        if caller.id != OWNER and not self._limiter.hit(requests, caller.id):
+            raise self._too_many(requests, caller.id)
         return caller
 
     def _in_session(self, asked: HTTPConnection) -> Caller | None:
-        known: str | None = asked.session.get("caller")
         valid = {each.id: each.caller for each in self.tokens.tokens() if each.is_valid}
-        caller = ({OWNER: self.owner} | valid).get(known or "")
-        changes = asked.scope.get("method", "GET") not in _READS
+        caller = ({OWNER: self.owner} | valid).get(asked.session.get("caller", ""))
         is_own = asked.headers.get("sec-fetch-site") == "same-origin" or "origin" in asked.headers
-        if caller and changes and not is_own:  # an origin is checked before
+        if caller and asked.scope.get("method", "GET") not in _READS and not is_own:
             raise forbidden("A cookie counts for requests of the page only.")
         return caller
 
     def _too_many(self, limit: RateLimitItem, who: str) -> Problem:
-        left = self._limiter.get_window_stats(limit, who)
-        seconds = max(1, round(left.reset_time - time.time()))
-        detail = f"At most {limit}."
-        headers = {"Retry-After": str(seconds)}
-        return Problem(429, "too-many", "Too many requests", detail, headers=headers)
+        left = self._limiter.get_window_stats(limit, who).reset_time - time.time()
+        headers = {"Retry-After": str(max(1, round(left)))}
+        return Problem(429, "too-many", "Too many requests", f"At most {limit}.", headers=headers)
 
 
 def _unknown(detail: str) -> Problem:
-    headers = {"WWW-Authenticate": "Bearer"}
-    return Problem(401, "who", "Who asks?", detail, headers=headers)
+    return Problem(401, "who", "Who asks?", detail, headers={"WWW-Authenticate": "Bearer"})
 
 
 def address_of(asked: HTTPConnection) -> str:
@@ -182,11 +174,75 @@ def check_role(caller: Caller, role: str) -> None:
     """A problem 403 unless somebody has this role."""
     if not caller.may(role):
         has = ", ".join(sorted(caller.roles)) or "none"
-        detail = f"This needs the role {role}; this token has: {has}."
-        raise forbidden(detail, needs=role)
+        raise forbidden(f"This needs the role {role}; this token has: {has}.", needs=role)
 
 
 Reader: TypeAlias = Annotated[Caller, Depends(needs("reader"))]
 Teacher: TypeAlias = Annotated[Caller, Depends(needs("teacher"))]
 Operator: TypeAlias = Annotated[Caller, Depends(needs("operator"))]
 Admin: TypeAlias = Annotated[Caller, Depends(needs("admin"))]
+
+
+class Doorkeeper:
+    """The outermost middleware; counts into a registry of Prometheus."""
+
+    def __init__(
+        self, app: ASGIApp, settings: ServiceSettings, registry: CollectorRegistry
+    ) -> None:
+        self._settings = settings
+        hosts = [*_OWN_HOSTS, settings.host, *settings.names]
+        self._app = TrustedHostMiddleware(app, hosts, www_redirect=False)
+        labels = ("method", "route", "status")
+        self._asked = Counter("hilt_requests", "Requests", labels, registry=registry)
+        self._took = Histogram("hilt_request_seconds", "Time of requests", registry=registry)
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Pass a request on, or refuse it."""
+        if scope["type"] == "lifespan":
+            return await self._app(scope, receive, send)
+        started, status, is_gone = time.monotonic(), 101, False
+        is_file = scope["path"].startswith(_FILES)
+        left = most = self._settings.most_file if is_file else self._settings.most_body
+
+        async def counted() -> Message:
+            nonlocal left, is_gone
+            message = await receive()
+            left -= len(message.get("body", b""))
+            is_gone = message["type"] == "http.disconnect"
+            if left < 0:
+                taken = f"At most {most} bytes are taken here."
+                raise Problem(_TOO_LARGE, "too-large", "Too large", taken)
+            return message
+
+        async def sending(message: Message) -> None:
+            nonlocal status
+            if message["type"] in {"http.response.start", "websocket.http.response.start"}:
+                status = message["status"]
+                headers = MutableHeaders(scope=message)
+                if status == _TOO_LARGE:  # the rest of the body is not awaited
+                    headers["Connection"] = "close"
+                for name, value in _HEADERS.items():
+                    headers.setdefault(name, value)
+            await send(message)
+
+        app: ASGIApp = self._app
+        if not self._is_welcome(Headers(scope=scope)):
+            app = forbidden("Pages of other sites may not ask here.").answer
+        try:
+            await app(scope, counted, sending)
+        except Exception:
+            if not is_gone:
+                raise
+            _log.debug("What was sent to somebody who had left failed.", exc_info=True)
+        finally:
+            method, route = scope.get("method", "WS"), getattr(scope.get("route"), "path", "-")
+            self._asked.labels(method, route, status).inc()
+            self._took.observe(time.monotonic() - started)
+            caller = scope.get(CALLER)
+            who = f"{caller.id} {caller.speaker}" if isinstance(caller, Caller) else "- -"
+            _audit.info("%s %s %s %s", who, method, route, status)
+
+    def _is_welcome(self, headers: Headers) -> bool:
+        origin = headers.get("origin")
+        is_ours = origin is None or origin.partition("://")[2] == headers.get("host")
+        return is_ours or (origin in self._settings.origins and "cookie" not in headers)

@@ -17,10 +17,9 @@ from ...kb.stores.opening import open_store
 from ...kb.stores.oxigraph import OxigraphStore
 from ...ontology.errors import DataError, StoreError
 from ..agent import Agent
-from .app import make_app
+from .app import make_app, make_bare_app
 from .security import Gate, ServiceSettings, is_loopback
 from .service import Service
-from .sparql_targets import bare_app
 from .tokens import TokenFile, write_secret
 
 _GRACE_SECONDS = 3  # for connections that stay open after their streams were ended
@@ -54,12 +53,12 @@ def serve(agent: Agent, settings: ServiceSettings, tokens: Path | None, ready: R
     """
     gate = Gate(settings, TokenFile(tokens))
     check_place(gate)
-    listener = _bound(settings)
-    service, folder = Service(agent, pace=settings.pace), _evaluations_folder(tokens)
+    listener, service = _bound(settings), Service(agent, pace=settings.pace)
+    folder = tokens.with_suffix(".evaluations") if tokens else Path(mkdtemp(prefix="hilt-"))
     port: int = listener.getsockname()[1]
     app = make_app(service, gate, secret=_cookie_secret(tokens), port=port, folder=folder)
     _keep_audit_log(tokens)
-    _run(app, settings, listener, ready, key=gate.key, service=service)
+    _run(app, settings, listener, ready, (gate.key, service))
 
 
 def serve_bare(location: str, settings: ServiceSettings, ready: Ready) -> None:
@@ -72,7 +71,7 @@ def serve_bare(location: str, settings: ServiceSettings, ready: Ready) -> None:
     store, listener = open_store(location), _bound(settings)
     if not isinstance(store, OxigraphStore):
         raise StoreError(f'"{location}" is an endpoint already.')
-    _run(bare_app(store, settings), settings, listener, ready)
+    _run(make_bare_app(store, settings), settings, listener, ready)
 
 
 def _run(
@@ -80,9 +79,7 @@ def _run(
     settings: ServiceSettings,
     listener: socket.socket,
     ready: Ready,
-    *,
-    key: str | None = None,
-    service: Service | None = None,
+    owner: tuple[str | None, Service | None] = (None, None),
 ) -> None:
     config = uvicorn.Config(
         app,
@@ -95,7 +92,7 @@ def _run(
         ssl_keyfile=settings.key_file,
         timeout_graceful_shutdown=_GRACE_SECONDS,
     )
-    port: int = listener.getsockname()[1]
+    port, (key, service) = listener.getsockname()[1], owner
     host = f"[{settings.host}]" if ":" in settings.host else settings.host
     address = f"http{'s' * bool(settings.certificate)}://{host}:{port}/"
     url = f"{address}?key={key}" if key else address
@@ -139,10 +136,6 @@ def _bound(settings: ServiceSettings) -> socket.socket:
     except OSError as error:
         place = f"{settings.host}:{settings.port}"
         raise StoreError(f"Cannot listen at {place}: {error.strerror}.") from error
-
-
-def _evaluations_folder(tokens: Path | None) -> Path:
-    return tokens.with_suffix(".evaluations") if tokens else Path(mkdtemp(prefix="hilt-"))
 
 
 def _cookie_secret(tokens: Path | None) -> str:

@@ -13,11 +13,10 @@ from collections import OrderedDict
 from collections.abc import Callable, Generator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
-from functools import partial
+from dataclasses import replace
 from itertools import count
 from threading import Lock
-from typing import TypeVar
+from typing import NamedTuple, TypeVar
 
 from starlette.concurrency import run_in_threadpool
 
@@ -44,8 +43,7 @@ GOODBYE_SECONDS = 1.0  # for readers of events
 _ROLES = {"tell": "teacher", "do": "operator"}
 
 
-@dataclass(frozen=True)
-class _Asked:
+class _Asked(NamedTuple):
     id: str
     question: OpenQuestion
     caller: Caller
@@ -53,20 +51,13 @@ class _Asked:
 
 
 class Service:
-    """An agent that many may talk to; it is closed with the service.
-
-    Args:
-        pace: seconds of the world in one of the clock, at most, while somebody looks; 0 for any.
-
-    Attributes:
-        agent: which hears; another one after the table is set anew.
-        hub: where what happens is made known.
-        is_stopping: whether nothing new is begun.
-    """
+    """An agent that many may talk to; it is closed with the service."""
 
     def __init__(self, agent: Agent, *, pace: float = 0.0) -> None:
-        self.agent, self.hub, self._pace = agent, Hub(), pace
-        self.is_stopping = False
+        """Serve an agent; `pace` is that of a `LiveScene`."""
+        self.agent = agent  # another one after the table is set anew
+        self.hub, self._pace = Hub(), pace
+        self.is_stopping = False  # then nothing new is begun
         self.jobs = OrderedDict[str, Job]()
         self._thread = ThreadPoolExecutor(1, thread_name_prefix="agent")
         self._numbers, self._stops = count(1), 0
@@ -122,7 +113,7 @@ class Service:
             while len(kept) > MOST_KEPT:
                 kept.popitem(last=False)
         self._publish_job(job)
-        job.answer = asyncio.ensure_future(self._heard(job))
+        job.answer = asyncio.ensure_future(self._answered(job))
         job.answer.add_done_callback(lambda done: done.cancelled() or done.exception())
         return job
 
@@ -140,27 +131,27 @@ class Service:
             busy = self._current.speaker if self._current else caller.speaker
             raise Problem(409, "busy", "Busy", f"{busy} is heard, and {self.waiting} wait.")
 
-    async def _heard(self, job: Job) -> Json:
+    async def _answered(self, job: Job) -> Json:
+        def is_control() -> bool:
+            language = self.agent.dialogue.conversation.language
+            text = job.said.halting(language).text
+            return isinstance(language.understand(text).meaning, Control)
+
+        def decided() -> Json:
+            with self.deciding(job.said.context) as agent:
+                reply = agent.hear(job.said.text, speaker=job.speaker, only="do", keep=False)
+            return reply_as_json(reply, "do")
+
         try:
             if job.said.dry:
-                return await run_in_threadpool(self._decided, job)
-            if self.agent.is_busy and await run_in_threadpool(self._is_control, job):
+                return await run_in_threadpool(decided)
+            if self.agent.is_busy and await run_in_threadpool(is_control):
                 return await run_in_threadpool(self._reply, job)  # it interrupts
             loop = asyncio.get_running_loop()
             return await loop.run_in_executor(self._thread, self._hear, job)
         finally:
             job.state = "done"
             self._publish_job(job)
-
-    def _is_control(self, job: Job) -> bool:
-        language = self.agent.dialogue.conversation.language
-        understood = language.understand(job.said.halting(language).text)
-        return isinstance(understood.meaning, Control)
-
-    def _decided(self, job: Job) -> Json:
-        with self.deciding(job.said.context) as agent:
-            reply = agent.hear(job.said.text, speaker=job.speaker, only="do", keep=False)
-        return reply_as_json(reply, "do")
 
     @contextmanager
     def deciding(self, contexts: list[str], scene: str | None = None) -> Generator[Agent]:
@@ -195,13 +186,22 @@ class Service:
         moves = [check_words(job, text, conversation) for text in said.texts]  # all of them
         if any(moves):
             self.check_lease(job.caller)
-        scores = [(each.text, each.heard) for each in said.alternatives]
-        hear = partial(self.agent.hear, speaker=job.speaker, only=job.listens)
-        reply = hear(said.text, heard=said.heard, alternatives=scores)
+        reply = self.agent.hear(
+            said.text,
+            speaker=job.speaker,
+            only=job.listens,
+            heard=said.heard,
+            alternatives=[(each.text, each.heard) for each in said.alternatives],
+        )
         found = reply_as_json(reply, job.listens) | self._wait_for_answer(job, reply)
         if job.said.alternatives:
             found["heard"] = round(reply.heard, 6)
-        self._publish_decision(job, reply)
+        if reply.decision:
+            known = {"type": "decision", "command": job.id, "decision": reply.decision.as_json()}
+            self.hub.publish(known | {"proofs": reply.decision.proofs_as_json()})
+        if reply.result and reply.result.world.touched:
+            parts = [*reply.result.world.touched]
+            self.hub.publish({"type": "touch", "command": job.id, "parts": parts})
         self._tell_news(found)
         return found
 
@@ -276,11 +276,10 @@ class Service:
 
         A robot that is moved by something else is not shown.
         """
-        agent = self.agent
         self.live_scene = None
-        if agent.simulate:
-            number = next(self._scenes)
-            self.live_scene = LiveScene(agent.body, number, self.hub, pace=self._pace)
+        if self.agent.simulate:
+            number, body = next(self._scenes), self.agent.body
+            self.live_scene = LiveScene(body, number, self.hub, pace=self._pace)
         self.hub.publish({"type": "scene", **self.scene_as_json()})
         self.show_frame()
 
@@ -307,15 +306,6 @@ class Service:
         known = {"command": job.id, "state": job.state, "text": job.said.text}
         self.hub.publish({"type": "command", **known, "speaker": job.speaker})
 
-    def _publish_decision(self, job: Job, reply: Reply) -> None:
-        if reply.decision:
-            decision, proofs = reply.decision.as_json(), reply.decision.proofs_as_json()
-            event = {"type": "decision", "command": job.id, "decision": decision, "proofs": proofs}
-            self.hub.publish(event)
-        if reply.result and reply.result.world.touched:
-            parts = [*reply.result.world.touched]
-            self.hub.publish({"type": "touch", "command": job.id, "parts": parts})
-
     def _tell_news(self, reply: Json | None = None) -> None:
         with self._telling:
             for event in news(self.base, self._told):
@@ -325,8 +315,8 @@ class Service:
 
     def _check_open(self) -> None:
         if self.is_stopping:
-            headers = {"Retry-After": "10"}
-            raise Problem(503, "stopping", "Stopping", "The service ends.", headers=headers)
+            later = {"Retry-After": "10"}
+            raise Problem(503, "stopping", "Stopping", "The service ends.", headers=later)
 
     async def stop(self) -> None:
         """Begin nothing more, let the motion under way end or stop it, and end all streams."""

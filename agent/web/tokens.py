@@ -9,13 +9,13 @@ from __future__ import annotations
 import hmac
 import os
 import secrets
-from collections.abc import Callable, Sequence
-from contextlib import nullcontext
+from collections.abc import Generator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from datetime import datetime, timedelta, timezone
 from hashlib import sha256
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 from filelock import FileLock
 from pydantic import TypeAdapter
@@ -23,7 +23,6 @@ from pydantic import TypeAdapter
 from ...kb.rule import check_speaker
 from ...ontology.errors import DataError, NotFoundError, UnknownNameError
 
-T = TypeVar("T")
 ROLES = ("reader", "teacher", "operator", "admin")
 _NOTED = timedelta(minutes=1)  # between two notes of the last use
 
@@ -43,21 +42,15 @@ class Caller:
 
 @dataclass(frozen=True)
 class AccessToken:
-    """What is kept of a token.
-
-    Attributes:
-        digest: the SHA-256 of the token, in hexadecimal digits.
-        expires: when it ends; None for never.
-        used: when it was used last, up to a minute; None for never.
-    """
+    """What is kept of a token."""
 
     id: str
     name: str
     speaker: str
     roles: tuple[str, ...]
-    digest: str
-    expires: datetime | None = None
-    used: datetime | None = None
+    digest: str  # its SHA-256, in hexadecimal digits
+    expires: datetime | None = None  # None for never
+    used: datetime | None = None  # last, up to a minute; None for never
 
     @property
     def is_valid(self) -> bool:
@@ -104,46 +97,44 @@ class TokenFile:
         check_speaker(speaker)
         for role in set(roles).difference(ROLES):
             raise UnknownNameError("role", role, ROLES)
-        secret = f"hilt_{secrets.token_urlsafe(32)}"
+        id_, secret = f"t{secrets.token_hex(3)}", f"hilt_{secrets.token_urlsafe(32)}"
         expires = _now() + lasts if lasts else None
-        kept = (f"t{secrets.token_hex(3)}", name, speaker, tuple(roles), _digest(secret), expires)
-        made = AccessToken(*kept)
-        self._change(lambda tokens: tokens.append(made))
+        made = AccessToken(id_, name, speaker, tuple(roles), _digest(secret), expires)
+        with self._changing() as tokens:
+            tokens.append(made)
         return made, secret
 
     def remove(self, name: str) -> AccessToken:
         """Remove a token, by its id or name, and return it; UnknownNameError if there is none."""
-
-        def removed(tokens: list[AccessToken]) -> AccessToken:
-            for each in tokens:
-                if name in {each.id, each.name}:
-                    tokens.remove(each)
-                    return each
-            raise NotFoundError("token", name, [each.id for each in tokens])
-
-        return self._change(removed)
+        with self._changing() as tokens:
+            found = [each for each in tokens if name in {each.id, each.name}]
+            if not found:
+                raise NotFoundError("token", name, [each.id for each in tokens])
+            tokens.remove(found[0])
+        return found[0]
 
     def find(self, secret: str) -> AccessToken | None:
         """The token that somebody shows, unless it has expired; None if there is none."""
         digest, now = _digest(secret), _now()
-        found = [each for each in self.tokens() if hmac.compare_digest(each.digest, digest)]
-        if not found or not found[0].is_valid:
+        known = (each for each in self.tokens() if hmac.compare_digest(each.digest, digest))
+        found = next(known, None)
+        if found is None or not found.is_valid:
             return None
-        if found[0].used is None or found[0].used < now - _NOTED:
-            self._change(lambda tokens: _note_use(tokens, found[0].id, now))
-        return found[0]
+        if found.used is None or found.used < now - _NOTED:
+            with self._changing() as tokens:
+                noted = (replace(e, used=now) if e.id == found.id else e for e in tokens)
+                tokens[:] = list(noted)
+        return found
 
-    def _change(self, change: Callable[[list[AccessToken]], T]) -> T:
-        if self._path:
-            self._path.parent.mkdir(parents=True, exist_ok=True)
-        lock = FileLock(f"{self._path}.lock", mode=0o600) if self._path else nullcontext()
-        with lock:
-            changed = change(tokens := self.tokens())
-            if self._path:
-                write_secret(self._path, _TOKENS.dump_json(tokens, indent=1))
-            else:
-                self._read = 0, tokens
-        return changed
+    @contextmanager
+    def _changing(self) -> Generator[list[AccessToken]]:
+        if self._path is None:
+            yield self._read[1]
+            return
+        self._path.parent.mkdir(parents=True, exist_ok=True)
+        with FileLock(f"{self._path}.lock", mode=0o600):
+            yield (tokens := self.tokens())
+            write_secret(self._path, _TOKENS.dump_json(tokens, indent=1))
 
 
 def write_secret(path: Path, content: bytes) -> None:
@@ -152,10 +143,6 @@ def write_secret(path: Path, content: bytes) -> None:
     with os.fdopen(os.open(beside, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "wb") as file:
         file.write(content)
     beside.replace(path)
-
-
-def _note_use(tokens: list[AccessToken], id: str, now: datetime) -> None:  # noqa: A002
-    tokens[:] = [replace(each, used=now) if each.id == id else each for each in tokens]
 
 
 def _now() -> datetime:

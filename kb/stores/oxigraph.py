@@ -15,7 +15,7 @@ import os
 import shutil
 import threading
 from collections import deque
-from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
+from collections.abc import Generator, Iterable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 from typing import Any, BinaryIO, TypeAlias, cast
@@ -66,7 +66,6 @@ class OxigraphStore:
         self._snapshot = snapshot  # what is read, by a worker too; None where that would be old
         self.location = location
         self.read_only = read_only
-        self.watchers: list[Callable[[], None]] = []  # called when something has changed
 
     def select(self, query: str) -> results.SelectResult:
         """All rows of a SELECT query."""
@@ -89,6 +88,10 @@ class OxigraphStore:
             self._snapshot = self._snapshot or self._take_snapshot()
             return self._snapshot
 
+    def is_current(self, snapshot: directory.Snapshot) -> bool:
+        """Whether nothing has changed since a snapshot of this store."""
+        return snapshot is self._snapshot
+
     def document(
         self,
         query: str,
@@ -100,14 +103,9 @@ class OxigraphStore:
     ) -> tuple[str, bytes]:
         """The result of a query as a document in UTF-8, after its media type.
 
-        Args:
-            query: the query.
-            formats: the media types for rows, for a boolean, and for statements; where one is
-                None, both parts of the answer are empty.
-            base: against which relative IRIs are resolved.
-            dataset: the graphs that are its default graph, and the named ones; by default what
-                it says itself, or all.
-            is_union: whether all graphs are its default graph if nothing else says which.
+        `formats` are the media types for rows, for a boolean, and for statements; where one is
+        None, both parts of the answer are empty. `dataset` has the graphs that are its default
+        graph, and the named ones. By default the query says them, or, with `is_union`, all are.
         """
         names = zip(("default_graph", "named_graphs"), dataset or (), strict=bool(dataset))
         with translated_errors(self.location):
@@ -303,8 +301,6 @@ class OxigraphStore:
             yield store
             if self._log and not self._log.sync(last_utterance(self)):
                 self._write_tables(store)
-        for watcher in self.watchers:
-            watcher()
 
 
 class _ChunkReader:

@@ -1,7 +1,7 @@
 """Queries of many, each in a process of its own that is killed when it exceeds its limits.
 
-The processes read a snapshot of the store, so that nobody waits for a write. While queries come, a
-new snapshot is taken in the background soon after a write. As many queries as there
+The processes read a snapshot of the store, so that nobody waits for a write: while queries come, a
+new one is taken in the background soon after a write. As many queries as there
 are processes, but one, may take long; a further one is stopped, so that quick ones are answered at
 any time. All of it runs in one event loop; requests and answers are those of `query_worker`.
 """
@@ -25,7 +25,7 @@ from .query_subprocess import COMMAND, SIZE_BYTES, exit_error
 PROCESSES = 4
 LONG_S = 1.0  # from here on a query counts as one that takes long
 PAUSE_S = 0.1  # between a write and the next snapshot, which has what else was written until then
-IN_USE_S = 60.0  # after the last query; then a snapshot waits for the next one
+MOST_AGE_S = 1.0  # after which a query waits for the next snapshot
 _NICE = 19  # priority of a query that takes long
 Gone: TypeAlias = "Callable[[], Coroutine[Any, Any, None]]"
 
@@ -40,33 +40,24 @@ class QueryPool:
             self._idle.put_nowait(None)
         self._long = 0  # queries that take long
         self._snapshot: Snapshot | None = None
-        self._is_stale, self._forgotten, self._used = False, 0, 0.0
-        self._renewal: asyncio.Future[None] | None = None
-        self._loop: asyncio.AbstractEventLoop | None = None
-        store.watchers.append(self._note_change)
+        self._seen = 0.0  # when it was that of today
+        self._renewal: asyncio.Future[Snapshot] | None = None
 
     def forget_snapshot(self) -> None:
         """Let the next query see everything that was written before, and wait for it."""
-        self._snapshot, self._forgotten = None, self._forgotten + 1
+        self._snapshot = None
 
     async def answer(
         self, query: str, document: Mapping[str, object], limits: QueryLimits, *, gone: Gone
     ) -> tuple[str, bytes, int]:
         """The media type and the text of a result, and the number of the last utterance in it.
 
-        Args:
-            query: what is asked.
-            document: the further arguments of `OxigraphStore.document`.
-            limits: its time, as long as it may wait for a process too, and its memory.
-            gone: ends when nobody waits for the answer; a query that takes long is stopped then.
-
-        Raises:
-            QueryError: the query is wrong, or was stopped; a BusyError if that is due to others.
-            StoreError: the store cannot be read.
+        `document` has the further arguments of `OxigraphStore.document`. A query may wait for a
+        process as long as it may take; one that takes long is stopped when `gone` ends, for nobody
+        waits. QueryError if it is wrong, or was stopped, a BusyError if that is due to others;
+        StoreError if the store cannot be read.
         """
-        self._loop = asyncio.get_running_loop()
-        self._used = self._loop.time()
-        snapshot = self._snapshot or await self._renew()
+        snapshot = await self._current()
         request = {"query": query, "document": document, "megabytes": limits.megabytes}
         answer = await self._ask({**request, "source": str(snapshot.path)}, limits, gone)
         if isinstance(answer, MemoryError):
@@ -77,8 +68,7 @@ class QueryPool:
 
     async def close(self) -> None:
         """End the processes, when no query runs any more."""
-        self._store.watchers.remove(self._note_change)
-        self._loop = self._snapshot = None
+        self._snapshot = None
         if self._renewal:
             self._renewal.cancel()
         for _ in range(PROCESSES):
@@ -89,9 +79,8 @@ class QueryPool:
         worker = kept = await self._idle_worker(limits)
         try:
             if worker is None:
-                _, worker = await cast("asyncio.AbstractEventLoop", self._loop).subprocess_exec(
-                    _Worker, *COMMAND, stderr=subprocess.DEVNULL
-                )
+                start = asyncio.get_running_loop().subprocess_exec
+                _, worker = await start(_Worker, *COMMAND, stderr=subprocess.DEVNULL)
                 await worker.ask({**request, "query": "ASK {}"})  # its time does not count
             kept, asking = None, worker.ask(request)
             await asyncio.wait({asking}, timeout=min(LONG_S, limits.seconds))
@@ -134,30 +123,23 @@ class QueryPool:
         if not asking.done():
             raise limits.time_error()
 
-    async def _renew(self) -> Snapshot:
-        forgotten = self._forgotten
+    async def _current(self) -> Snapshot:
+        now = asyncio.get_running_loop().time()
+        if self._snapshot and self._store.is_current(self._snapshot):
+            self._seen = now
+        elif self._snapshot is None or now > self._seen + MOST_AGE_S:
+            return await self._renew()
+        elif self._renewal is None or self._renewal.done():
+            self._renewal = asyncio.ensure_future(self._renew(PAUSE_S))
+            self._renewal.add_done_callback(lambda done: done.cancelled() or done.exception())
+        return self._snapshot
+
+    async def _renew(self, pause_s: float = 0.0) -> Snapshot:
+        await asyncio.sleep(pause_s)
         found = await asyncio.to_thread(self._store.snapshot)
-        if forgotten == self._forgotten:
-            self._snapshot = found
+        if self._store.is_current(found):
+            self._snapshot, self._seen = found, asyncio.get_running_loop().time()
         return found
-
-    def _note_change(self) -> None:
-        if self._loop is not None:
-            with suppress(RuntimeError):  # it has ended
-                self._loop.call_soon_threadsafe(self._plan_renewal, self._loop)
-
-    def _plan_renewal(self, loop: asyncio.AbstractEventLoop) -> None:
-        self._is_stale = True
-        is_planned = self._renewal is not None and not self._renewal.done()
-        if not is_planned and loop.time() < self._used + IN_USE_S:
-            self._renewal = asyncio.ensure_future(self._renew_after_pause())
-
-    async def _renew_after_pause(self) -> None:
-        while self._is_stale:
-            await asyncio.sleep(PAUSE_S)
-            self._is_stale = False  # until the next change, perhaps while this snapshot is taken
-            with suppress(HiltError, OSError):  # who asks next is told
-                await self._renew()
 
 
 class _Worker(asyncio.SubprocessProtocol):

@@ -33,21 +33,16 @@ class Lighting:
 class VisualShape:
     """A visual shape of a link, as its URDF describes it.
 
-    Attributes:
-        kind: "sphere", "box", "cylinder", "mesh", "plane" or "capsule".
-        size: edges of a box, radius of a sphere, length and radius of a cylinder or capsule [m],
-            and the scale of a mesh.
-        file: of a mesh.
-        link_from_shape: pose (4, 4) in the frame of the link.
-        colour: red, green, blue and opacity in [0, 1].
+    `size` has the edges of a box, the radius of a sphere, the length and radius of a cylinder or
+    capsule [m], or the scale of a mesh.
     """
 
     link: str
-    kind: str
+    kind: str  # "sphere", "box", "cylinder", "mesh", "plane" or "capsule"
     size: tuple[float, float, float]
-    file: Path
-    link_from_shape: Array
-    colour: tuple[float, float, float, float]
+    file: Path  # of a mesh
+    link_from_shape: Array  # (4, 4)
+    colour: tuple[float, float, float, float]  # red, green, blue and opacity in [0, 1]
 
 
 _KINDS = {2: "sphere", 3: "box", 4: "cylinder", 5: "mesh", 6: "plane", 7: "capsule"}
@@ -140,8 +135,7 @@ class Rendering:
     def visual_shapes(self, body: str) -> Iterator[VisualShape]:
         """Iterate over the visual shapes of a body."""
         for raw in self._visual_data(body):
-            _, link = self._bodies.links[raw[:2]]
-            at = self._bodies.world_pose(raw[5], raw[6])
+            link, at = self._bodies.links[raw[:2]][1], self._bodies.world_pose(raw[5], raw[6])
             yield VisualShape(link, _KINDS[raw[2]], raw[3], Path(raw[4].decode()), at, raw[7])
 
     def _visual_data(self, body: str) -> Sequence[Any]:

@@ -12,8 +12,7 @@ from scipy.spatial.transform import Rotation
 from hilt.ontology.objects import load_objects
 from hilt.sim import poses
 from hilt.sim.body import Body
-from hilt.sim.media.gltf import SceneModel, scene_model
-from hilt.sim.media.pose_frames import pose_frame
+from hilt.sim.media.gltf import SceneModel, pose_frame, scene_model
 from hilt.sim.scene.scene import parse_scene
 
 pytestmark = pytest.mark.sim

@@ -8,18 +8,18 @@ import sys
 from contextlib import suppress
 from pathlib import Path
 from secrets import token_hex
-from typing import Annotated, Literal
+from typing import Annotated, Literal, TypeAlias
 
-from fastapi import APIRouter, Request, Response
+from fastapi import APIRouter, Depends, Request, Response
 from pydantic import BaseModel, Field
 from starlette.responses import FileResponse, HTMLResponse
 
-from ....ontology.errors import NotFoundError
-from ...evaluation.runners.journal import JOURNAL
-from ...execution.outcome import Json
-from ..events import Hub
-from ..problems import Problem
-from ..security import Operator, Reader
+from ...ontology.errors import NotFoundError
+from ..evaluation.runners.journal import JOURNAL
+from ..execution.outcome import Json
+from .events import Hub
+from .problems import Problem
+from .security import Operator, Reader
 
 router = APIRouter(prefix="/api/v1/evaluations", tags=["evaluations"])
 Count = Annotated[int, Field(ge=1, le=1000)] | None
@@ -106,9 +106,9 @@ class Evaluations:
     def report(self, name: str) -> Path:
         """Its report; UnknownNameError if there is none yet."""
         self.as_json(name)
-        if not (self._folder / name / _REPORT).exists():
+        if not (file := self._folder / name / _REPORT).exists():
             raise NotFoundError("report", name, [])
-        return self._folder / name / _REPORT
+        return file
 
     async def stop(self, name: str | None = None) -> None:
         """Stop one, or the one that runs; its journal is kept."""
@@ -117,39 +117,41 @@ class Evaluations:
             await process.wait()
 
 
-def _evaluations(request: Request) -> Evaluations:
+async def _evaluations(request: Request) -> Evaluations:
     return request.app.state.evaluations
 
 
+Theirs: TypeAlias = Annotated[Evaluations, Depends(_evaluations)]
+
+
 @router.post("", status_code=202)
-async def begin(request: Request, response: Response, _: Operator, wish: EvaluationWish) -> Json:
+async def begin(found: Theirs, response: Response, _: Operator, wish: EvaluationWish) -> Json:
     """Begin an evaluation; events tell its progress."""
-    name = await _evaluations(request).begin(wish)
+    name = await found.begin(wish)
     response.headers["Location"] = f"/api/v1/evaluations/{name}"
-    return _evaluations(request).as_json(name)
+    return found.as_json(name)
 
 
 @router.get("")
-def all_evaluations(request: Request, _: Reader) -> list[Json]:
+def all_evaluations(found: Theirs, _: Reader) -> list[Json]:
     """All evaluations, oldest first."""
-    return _evaluations(request).all()
+    return found.all()
 
 
 @router.get("/{name}")
-def evaluation(request: Request, _: Reader, name: str) -> Json:
+def evaluation(found: Theirs, _: Reader, name: str) -> Json:
     """How far it is, and its result as of `hilt evaluate --json`."""
-    return _evaluations(request).as_json(name)
+    return found.as_json(name)
 
 
 @router.get("/{name}/report", response_class=HTMLResponse)
-def report(request: Request, _: Reader, name: str) -> FileResponse:
+def report(found: Theirs, _: Reader, name: str) -> FileResponse:
     """Its report for people, as HTML."""
-    headers = {"Content-Security-Policy": _POLICY}
-    return FileResponse(_evaluations(request).report(name), headers=headers)
+    return FileResponse(found.report(name), headers={"Content-Security-Policy": _POLICY})
 
 
 @router.delete("/{name}", status_code=204)
-async def stop(request: Request, _: Operator, name: str) -> None:
+async def stop(found: Theirs, _: Operator, name: str) -> None:
     """Stop it; what is done is kept."""
-    _evaluations(request).as_json(name)
-    await _evaluations(request).stop(name)
+    found.as_json(name)
+    await found.stop(name)

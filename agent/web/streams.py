@@ -11,13 +11,12 @@ from fastapi import APIRouter, Depends, Header, Query, WebSocket
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 from starlette.websockets import WebSocketDisconnect, WebSocketState
 
-from ...execution.outcome import Json
-from ..events import EventStream
-from ..problems import Problem
-from ..security import CALLER, Gate, Reader
-from ..service import Service
-from ..tokens import Caller
-from .conversation import TheService
+from ..execution.outcome import Json
+from .events import EventStream
+from .problems import Problem
+from .routes import TheService
+from .security import CALLER, Gate, Reader
+from .service import Service
 
 router = APIRouter(prefix="/api/v1", tags=["events"])
 PROTOCOL = 1
@@ -57,13 +56,17 @@ async def live(socket: WebSocket) -> None:
     await socket.accept()
     code = _NORMAL
     try:
-        caller, first = await _greeted(socket, socket.app.state.gate)
+        # The cookie says who listens, or a token in the first message.
+        first: dict[str, Any] = await asyncio.wait_for(socket.receive_json(), _HELLO_SECONDS)
+        gate: Gate = socket.app.state.gate
+        token = first.get("token")
+        caller = gate.caller_with(socket, str(token)) if token else gate.caller_of(socket)
+        socket.scope[CALLER] = caller
         with service.hub.subscribed(caller) as stream:
             await socket.send_json(hello(service))
             shown = asyncio.ensure_future(service.run(service.show_frame))
             shown.add_done_callback(lambda done: done.exception())
-            since = first.get("since")
-            code = await _both_ways(socket, stream, service, since)
+            code = await _both_ways(socket, stream, service, first.get("since"))
     except Problem as problem:
         await _ended(socket, _TOO_MANY if problem.status_code == 429 else _WHO)
     except (WebSocketDisconnect, asyncio.TimeoutError, ValueError, KeyError):
@@ -77,22 +80,17 @@ def hello(service: Service) -> Json:
     return known | {"scene": service.scene_as_json()}
 
 
-async def _greeted(socket: WebSocket, gate: Gate) -> tuple[Caller, dict[str, Any]]:
-    """Who listens, and the first message; the cookie says it, or a token in that message."""
-    first: dict[str, Any] = await asyncio.wait_for(socket.receive_json(), _HELLO_SECONDS)
-    if first.get("token"):
-        caller = gate.caller_with(socket, str(first["token"]))
-    else:
-        caller = gate.caller_of(socket)
-    socket.scope[CALLER] = caller
-    return caller, first
-
-
 async def _both_ways(
     socket: WebSocket, stream: EventStream, service: Service, since: int | None
 ) -> int:
-    listening = asyncio.ensure_future(_listen(socket))
-    listening.add_done_callback(lambda _: stream.close(_NORMAL))
+    async def listen() -> None:
+        try:
+            async for _ in socket.iter_text():  # what it says after its hello is not needed
+                pass
+        finally:
+            stream.close(_NORMAL)
+
+    listening = asyncio.ensure_future(listen())
     try:
         async for event in stream.read(since, service.base):
             if isinstance(event, bytes):
@@ -102,11 +100,6 @@ async def _both_ways(
     finally:
         listening.cancel()
     return stream.end or _NORMAL
-
-
-async def _listen(socket: WebSocket) -> None:
-    async for _ in socket.iter_text():  # what it says after its hello is not needed
-        pass
 
 
 async def _ended(socket: WebSocket, code: int) -> None:
