@@ -111,13 +111,8 @@ INFERENCE = ("induce", "contexts", "settings", "overrides", "taxonomy")
 EVERY = tuple(OPTIONS)
 
 
-def with_config(
-    *names: str, robot_unless: str = ""
-) -> Callable[[Callable[..., None]], Callable[..., None]]:
-    """Give a command these options of `AgentConfig`, and `--config`, for its parameter `config`.
-
-    With `simulate` among them the simulator must be there, unless that option is given.
-    """
+def with_config(*names: str) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """Give a command these options of `AgentConfig`, and `--config`, for its parameter `config`."""
 
     def decorate(command: Callable[..., None]) -> Callable[..., None]:
         @wraps(command)
@@ -129,7 +124,7 @@ def with_config(
                 if value is not None and value != []:
                     values[name] = tuple(value) if isinstance(value, list) else value
             config = AgentConfig(**values)
-            moves = "simulate" in names and config.simulate and not given.get(robot_unless)
+            moves = "simulate" in names and config.simulate and not given.get("bare")
             if moves and not is_plugin(config.vision):
                 check_simulator()
             command(config=config, **given)

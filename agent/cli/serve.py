@@ -29,7 +29,7 @@ _PACE = "How fast the robot moves while somebody looks; 0: as it can."
 
 
 @app.command(epilog=example("serve --no-browser"))
-@with_config(*options.EVERY, robot_unless="bare")
+@with_config(*options.EVERY)
 def serve(
     *,
     config: AgentConfig,

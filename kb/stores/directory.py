@@ -99,14 +99,9 @@ class WriteAheadLogSync:
 
 
 class Snapshot:
-    """A new, empty folder for a snapshot, removed when nobody refers to it any more.
+    """A new, empty folder for a snapshot, removed when nobody refers to it any more."""
 
-    Attributes:
-        path: the folder.
-        number: that of the last utterance in it, where it is known.
-    """
-
-    number = 0
+    number = 0  # of the last utterance in it, where it is known
 
     def __init__(self, folder: Path | None) -> None:
         """Make it inside the folder of a base, or among the temporary files."""

@@ -15,7 +15,7 @@ from urllib.parse import urlsplit
 
 import pytest
 
-from hilt.agent.web.app import STATIC
+from hilt.agent.web.server import STATIC
 
 from ..running_service import RunningService, end, start
 from .driving import LESSONS, Visitor

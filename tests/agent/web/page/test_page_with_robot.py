@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hilt.agent.web.app import STATIC
+from hilt.agent.web.server import STATIC
 
 from ..running_service import RunningService
 from .conftest import Visit
