@@ -88,8 +88,7 @@ class Affordances:
 
     def features(self, node: str, goal: Goal) -> tuple[Atom, ...]:
         """Return the features that vision has to look for at a node ("pass/findObject"), sorted."""
-        here = self._node_context(node, goal)
-        atoms = {*here.named_features, *here.relevant_features}
+        atoms = self._node_context(node, goal).features
         return tuple(sorted(kind for atom in atoms for kind in self._taxonomy.below(atom)))
 
     def infer(self, node: str, goal: Goal, observations: Sequence[Observation]) -> Inference:

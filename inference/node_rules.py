@@ -219,14 +219,15 @@ class NodeRules:
         return (*(f"{each.name}.{wanted.functor}" for each in self.contexts), wanted.functor)
 
     @property
-    def relevant_features(self) -> Iterable[Atom]:
-        """The features of the rules of this node; the found object itself if a rule has none."""
+    def features(self) -> frozenset[Atom]:
+        """Those that the command names, and those of the rules of this node.
+
+        If a rule has none, the found object itself.
+        """
         named = self.goal.target.object
-        for rule in chain.from_iterable(map(self.rules, self.keys)):
-            features = features_of(rule)
-            if not features and named and self.action != FIND:
-                yield Atom("object", named)
-            yield from features
+        found = [features_of(rule) for rule in chain.from_iterable(map(self.rules, self.keys))]
+        itself = {Atom("object", named)} if named and self.action != FIND and not all(found) else ()
+        return frozenset(self.named_features).union(itself, *found)
 
     def rules(self, key: str) -> Sequence[Rule]:
         """Return the rules of a key whose contexts hold and (past the find node) object fits."""

@@ -28,9 +28,8 @@ class Act:
     """What is about to be done with one object.
 
     Attributes:
-        actions: the actions that are done, the nearest first: that of a node and those above it.
+        actions: that of a node and those above it, the nearest first.
         object, part: its type, and the part that it is held by; None where not known yet.
-        properties: those that it is known to have.
         contexts: what else holds: places, roles of who receives it, what a tool is used on.
         done: the acts before this one, in order: action and type of object.
         holding: the type of the object in the hand, None when it is empty.

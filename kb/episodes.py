@@ -5,11 +5,11 @@ which node, what each grasp came to); the complete record, as `hilt do --json` p
 beside them as one text. Experience is counted from the grasp trials, which are stored nowhere else.
 """
 
-from collections import defaultdict
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from datetime import datetime
 from decimal import Decimal
+from itertools import groupby
 from numbers import Number
 from typing import Annotated, cast
 
@@ -29,7 +29,6 @@ STEP, INDEX, TRIAL = term("step"), term("index"), term("trial")
 FORGOTTEN_BY = term("forgottenBy")
 HELD = "held"
 
-
 _OBJECT, _USED = term("chosenObject"), rules_property(external("prov:used"))
 _FEATURES = FieldProperty(rule_mapping.FEATURE, Iri, atom_iri, atom_from_iri, ())
 _OUTCOME = FieldProperty(term("outcome"), str)
@@ -44,14 +43,10 @@ def _name(predicate: Iri, kind: str, default: object = record_mapping.REQUIRED) 
 
 @dataclass(frozen=True)
 class EpisodeStep:
-    """The decision at one node of the action tree.
+    """The decision at the node of the action tree with a path, as "pass/graspObject".
 
-    Attributes:
-        path: path of the node, as "pass/graspObject".
-        features: the features that were searched for.
-        object, part: the object and the part chosen; None where none was.
-        interval: interval of the conclusion; None where nothing was concluded.
-        rules: ids of the rules that support it.
+    `features` were searched for, `object` and `part` chosen (None where none was). `interval` is
+    that of the conclusion, None where there is none, and `rules` the ids of those that support it.
     """
 
     path: Annotated[str, FieldProperty(term("path"), str)]
@@ -64,15 +59,13 @@ class EpisodeStep:
 
 @dataclass(frozen=True)
 class GraspTrial:
-    """One closing of the gripper, and what came of it.
+    """One closing of the gripper of a robot, and what came of it.
 
     Attributes:
-        object: the kind of object.
-        part: the part by which it was to be held.
+        object, part: the kind of object, and the part by which it was to be held.
         context: the action that it was grasped for ("pass").
         outcome: held; slipped while it was lifted; dropped later; the
             wrong part or nothing (missed) between the fingers; or refused at the hand-over.
-        robot: the robot that did it.
         forgotten_by: number of the utterance that made it be forgotten; None while it counts.
     """
 
@@ -90,16 +83,14 @@ class Episode:
 
     Attributes:
         goal: in predicate form.
-        text: the command as it was said.
-        speaker: who said it.
+        text, speaker: the command as it was said, and by whom.
         outcome: done, failed, asked, refused or not_understood.
         said: the answer.
-        seed: the seed of all random choices.
+        seed: that of all random choices.
         document: the complete record as JSON.
-        object, part: the object and the part that were chosen; None where none was.
+        object, part: those that were chosen; None where none was.
         rules: ids of the rules that decided.
-        steps: the decisions at the nodes, in order of execution.
-        trials: what each grasp came to, in order.
+        steps, trials: the decisions at the nodes, and what each grasp came to, in order.
         touched: the parts that the fingers touched.
         lifted_m: height the object was lifted [m]; None without a simulation.
         handed_over: whether it was still held at the hand-over; None without a simulation.
@@ -132,31 +123,23 @@ class Episode:
 
 def episode_quads(episode: Episode) -> Iterator[Quad]:
     """The statements about a recorded episode, its steps and its grasp trials, and what follows."""
-    about: dict[Iri, list[tuple[Iri, Term]]] = defaultdict(list)
-    for quad in _stored_quads(episode):
-        about[quad.subject].append((quad.predicate, quad.object))
-        yield quad
-    for node, properties in about.items():
-        yield from observation_quads(node, properties)
-
-
-def _stored_quads(episode: Episode) -> Iterator[Quad]:
     node = iri("episode", episode.id)
-    yield from _EPISODES.quads(node, episode)
+    stored = [*_EPISODES.quads(node, episode)]
     for index, step in enumerate(episode.steps):
-        step_node = iri("step", f"{episode.id}.{index}")
-        yield Quad(node, STEP, step_node, EPISODES)
-        yield Quad(step_node, INDEX, index, EPISODES)
-        yield from _STEPS.quads(step_node, step)
+        place = iri("step", f"{episode.id}.{index}")
+        stored += (Quad(node, STEP, place, EPISODES), Quad(place, INDEX, index, EPISODES))
+        stored += _STEPS.quads(place, step)
         if step.interval is not None:
             bounds = step.interval.rounded()
-            yield Quad(step_node, LOWER, Decimal(str(bounds.lower)), EPISODES)
-            yield Quad(step_node, UPPER, Decimal(str(bounds.upper)), EPISODES)
+            stored.append(Quad(place, LOWER, Decimal(str(bounds.lower)), EPISODES))
+            stored.append(Quad(place, UPPER, Decimal(str(bounds.upper)), EPISODES))
     for index, trial in enumerate(episode.trials):
-        trial_node = iri("trial", f"{episode.id}.{index}")
-        yield Quad(node, TRIAL, trial_node, EPISODES)
-        yield Quad(trial_node, INDEX, index, EPISODES)
-        yield from _TRIALS.quads(trial_node, trial)
+        place = iri("trial", f"{episode.id}.{index}")
+        stored += (Quad(node, TRIAL, place, EPISODES), Quad(place, INDEX, index, EPISODES))
+        stored += _TRIALS.quads(place, trial)
+    yield from stored
+    for about, some in groupby(sorted(stored), key=lambda quad: quad.subject):
+        yield from observation_quads(about, [(quad.predicate, quad.object) for quad in some])
 
 
 def observation_quads(node: Iri, properties: Iterable[tuple[Iri, Term]]) -> Iterator[Quad]:

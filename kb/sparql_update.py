@@ -12,8 +12,8 @@ import contextlib
 import tempfile
 import time
 from collections import defaultdict
-from collections.abc import Generator, Iterator, Sequence
-from contextlib import closing, contextmanager
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, closing
 from dataclasses import dataclass, field, replace
 from itertools import chain
 from pathlib import Path
@@ -120,30 +120,23 @@ def find_difference(store: Store, text: str, limits: QueryLimits) -> Difference:
     """
     readable, end, found = readable_update(text), time.monotonic() + limits.seconds, Difference()
     try:
-        with closing(WorkerProcess()) as worker:
+        with ExitStack() as stack:
+            worker, trial = stack.enter_context(closing(WorkerProcess())), store
             worker.request(limits, update=readable)  # an error says where it is in the whole text
             operations = parse_update(text)
-            with _trial(store, len(operations)) as trial:
-                for operation in operations:
-                    left = replace(limits, seconds=max(0.001, end - time.monotonic()))
-                    delete, insert = _effect(trial, worker, operation, left)
-                    found.add(delete, insert)
-                    if trial is not store:
-                        trial.apply(insert=insert, delete=delete)
+            if len(operations) > 1:
+                folder = tempfile.TemporaryDirectory(prefix="hilt-", ignore_cleanup_errors=True)
+                store.save(place := Path(stack.enter_context(folder)) / "copy")
+                trial = stack.enter_context(closing(open_store(place)))
+            for operation in operations:
+                left = replace(limits, seconds=max(0.001, end - time.monotonic()))
+                delete, insert = _effect(trial, worker, operation, left)
+                found.add(delete, insert)
+                if trial is not store:
+                    trial.apply(insert=insert, delete=delete)
     except QueryLimitError as error:
         raise limits.time_error() if time.monotonic() >= end else error from None
     return found
-
-
-@contextmanager
-def _trial(store: Store, operations: int) -> Generator[Store]:
-    if operations == 1:
-        yield store
-        return
-    with tempfile.TemporaryDirectory(prefix="hilt-", ignore_cleanup_errors=True) as folder:
-        store.save(place := Path(folder) / "copy")
-        with closing(open_store(place)) as copy:
-            yield copy
 
 
 def _effect(

@@ -92,11 +92,8 @@ class AlteredRule:
 class BaseDifference:
     """The difference between the active rules, trust and words of two bases.
 
-    Attributes:
-        removed, added: rules that are active in the first only, in the second only.
-        altered: rules that both have, with another interval or status.
-        trust: speaker, trust in the first, trust in the second; None where it is not set.
-        words_removed, words_added: learned words that only one of them has.
+    Of the rules and words only the first has those removed, only the second those added; both have
+    those altered. `trust` has speakers with that in both; None where it is not set.
     """
 
     removed: tuple[Rule, ...]
@@ -113,15 +110,11 @@ class BaseDifference:
 
     def as_json(self) -> dict[str, object]:
         """The document of `hilt diff --json`."""
-        found: dict[str, object] = {
-            name: [each.as_json() for each in getattr(self, name)]
-            for name in ("removed", "added", "altered", "words_removed", "words_added")
-        }
-        found["trust"] = [
-            {"speaker": who, "before": _bounds(before), "after": _bounds(after)}
-            for who, before, after in self.trust
-        ]
-        return found
+        names = ("removed", "added", "altered", "words_removed", "words_added")
+        found = {name: [each.as_json() for each in getattr(self, name)] for name in names}
+        bounds = ((who, *map(_bounds, intervals)) for who, *intervals in self.trust)
+        keys = ("speaker", "before", "after")
+        return {**found, "trust": [dict(zip(keys, one, strict=True)) for one in bounds]}
 
 
 def view(

@@ -29,9 +29,8 @@ _TIME = re.compile(
 )
 _BAD_IRI = re.compile(r'[\x00-\x20<>"{}|^`\\\ud800-\udfff]')
 _SURROGATE = re.compile(r"[\ud800-\udfff]")
-_ESCAPES = {code: f"\\u{code:04X}" for code in (*range(0x20), 0x7F)} | str.maketrans(
-    {"\\": "\\\\", '"': '\\"', "\n": "\\n", "\r": "\\r", "\t": "\\t"}
-)
+_ESCAPES = {"\\": "\\\\", '"': '\\"', "\n": "\\n", "\r": "\\r", "\t": "\\t"}
+_TO_ESCAPE = re.compile(r'[\x00-\x1f\x7f"\\]')
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,7 +97,7 @@ def as_sparql(term: Term) -> str:
             raise ValueError(f"{str(term)!r} is no IRI.")
         return f"<{term}>"
     text, datatype, language = lexical(term)
-    quoted = f'"{text.translate(_ESCAPES)}"'
+    quoted = f'"{_TO_ESCAPE.sub(_escape, text)}"'
     if language:
         return f"{quoted}@{language}"
     return quoted if datatype == STRING else f"{quoted}^^{as_sparql(Iri(datatype))}"
@@ -118,11 +117,8 @@ def read_time(text: str) -> datetime:
     if not match:
         raise ValueError(f"{text!r} is no time with a zone.")
     moment, fraction, zone = match.groups()
-    time = datetime.fromisoformat(moment)
-    if fraction:
-        time += timedelta(microseconds=int(fraction.ljust(6, "0")))
-    zone = zone.replace("Z", "+00:00")
-    return datetime.fromisoformat(f"{time.isoformat()}{zone}").astimezone(timezone.utc)
+    time = datetime.fromisoformat(moment + zone.replace("Z", "+00:00")).astimezone(timezone.utc)
+    return time + timedelta(microseconds=int(fraction.ljust(6, "0"))) if fraction else time
 
 
 def _read_decimal(text: str) -> Decimal:
@@ -160,3 +156,8 @@ _WRITERS: dict[type, tuple[Callable[[Any], str], str]] = {
     float: (lambda value: repr(value).replace("inf", "INF").replace("nan", "NaN"), XSD + "double"),
     datetime: (write_time, DATE_TIME),
 }
+
+
+def _escape(match: re.Match[str]) -> str:
+    character = match.group()
+    return _ESCAPES.get(character) or f"\\u{ord(character):04X}"

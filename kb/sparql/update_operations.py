@@ -24,14 +24,10 @@ _DECLARATIONS = {"BASE": 2, "PREFIX": 3}  # with how many tokens they have
 
 @dataclass(frozen=True)
 class UpdateOperation:
-    """One operation of an update.
+    """One operation of an update, after the declarations of its prologue; empty what it has not.
 
-    Attributes:
-        prologue: the declarations before it.
-        graph: the graph that its WITH names, as it is written; empty without.
-        deleted, inserted: its templates, groups in braces; empty where it has none.
-        where: its WHERE group; empty where the templates hold as they are.
-        dataset: the FROM clauses that its USING clauses amount to.
+    Its templates and its WHERE group are in braces, the graph of its WITH is as it was written, and
+    `dataset` has the FROM clauses that its USING clauses amount to.
     """
 
     prologue: str
