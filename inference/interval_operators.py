@@ -19,11 +19,7 @@ from ..kb.interval import EPSILON, VACUOUS, Interval
 from ..ontology import evidence_operators
 from ..ontology.errors import ConflictError, UnknownNameError
 
-Conjunction = Callable[[Sequence[Interval]], Interval]
-ModusPonens = Callable[[Interval, Interval], Interval]
-Fusion = Callable[[Sequence[Interval]], Interval]
-Ranking = Callable[[Interval], float]
-Acceptance = Callable[[Interval, float], bool]
+Combination = Callable[[Sequence[Interval]], Interval]
 
 
 def _bounded(lower: float, upper: float) -> Interval:
@@ -135,30 +131,30 @@ def is_affirmed(interval: Interval, threshold: float) -> bool:
     return interval.lower + interval.upper > 1 + EPSILON and certainty(interval) > threshold
 
 
-CONJUNCTIONS: Mapping[str, Conjunction] = {
+CONJUNCTIONS: Mapping[str, Combination] = {
     "product": conjunction,
     "frechet": conjunction_frechet,
     "min": conjunction_min,
 }
-MODUS_PONENS: Mapping[str, ModusPonens] = {
+MODUS_PONENS: Mapping[str, Callable[[Interval, Interval], Interval]] = {
     "conditional": modus_ponens,
     "published": modus_ponens_published,
     "material": modus_ponens_material,
 }
-FUSIONS: Mapping[str, Fusion] = {
+FUSIONS: Mapping[str, Combination] = {
     "yager": fuse_yager,
     "dempster": fuse_dempster,
     "cautious": fuse_cautious,
     "mean": fuse_mean,
     "latest": fuse_latest,
 }
-RANKINGS: Mapping[str, Ranking] = {
+RANKINGS: Mapping[str, Callable[[Interval], float]] = {
     "plausibility": relative_plausibility,
     "belief": lambda interval: interval.lower,
     "pignistic": lambda interval: (interval.lower + interval.upper) / 2,
     "lambda": certainty,
 }
-ACCEPTANCES: Mapping[str, Acceptance] = {
+ACCEPTANCES: Mapping[str, Callable[[Interval, float], bool]] = {
     "directed": is_affirmed,
     "lambda": lambda interval, threshold: certainty(interval) > threshold,  # as in the paper
 }

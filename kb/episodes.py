@@ -8,7 +8,6 @@ beside them as one text. Experience is counted from the grasp trials, which are 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from datetime import datetime
-from decimal import Decimal
 from itertools import groupby
 from numbers import Number
 from typing import Annotated, cast
@@ -18,7 +17,7 @@ from .history import ANSWER, SPEAKER, TEXT, rules_property, utterance_property
 from .interval import Interval
 from .rdf import record_mapping, rule_mapping
 from .rdf.record_mapping import FieldProperty, RecordMapping, group_properties, local_name
-from .rdf.rule_mapping import DERIVED, LOWER, TYPE, UPPER, atom_from_iri, atom_iri
+from .rdf.rule_mapping import DERIVED, LOWER, TYPE, UPPER, atom_from_iri, atom_iri, decimal
 from .rdf.terms import Quad, Term
 from .rule import Atom
 from .stores.base import ReadableStore, Store
@@ -32,7 +31,7 @@ HELD = "held"
 _OBJECT, _USED = term("chosenObject"), rules_property(external("prov:used"))
 _FEATURES = FieldProperty(rule_mapping.FEATURE, Iri, atom_iri, atom_from_iri, ())
 _OUTCOME = FieldProperty(term("outcome"), str)
-_LIFTED = FieldProperty(term("lifted"), Number, lambda h: Decimal(str(round(h, 6))), float, None)
+_LIFTED = FieldProperty(term("lifted"), Number, decimal, float, None)
 _HANDED_OVER = FieldProperty(term("handedOver"), bool, default=None)
 _RECORDED = FieldProperty(rule_mapping.GENERATED_AT, datetime, default=None)
 
@@ -130,9 +129,8 @@ def episode_quads(episode: Episode) -> Iterator[Quad]:
         stored += (Quad(node, STEP, place, EPISODES), Quad(place, INDEX, index, EPISODES))
         stored += _STEPS.quads(place, step)
         if step.interval is not None:
-            bounds = step.interval.rounded()
-            stored.append(Quad(place, LOWER, Decimal(str(bounds.lower)), EPISODES))
-            stored.append(Quad(place, UPPER, Decimal(str(bounds.upper)), EPISODES))
+            bounds = ((LOWER, step.interval.lower), (UPPER, step.interval.upper))
+            stored += (Quad(place, key, decimal(bound), EPISODES) for key, bound in bounds)
     for index, trial in enumerate(episode.trials):
         place = iri("trial", f"{episode.id}.{index}")
         stored += (Quad(node, TRIAL, place, EPISODES), Quad(place, INDEX, index, EPISODES))

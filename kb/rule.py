@@ -104,9 +104,8 @@ class Rule:
         functor: the predicate concluded: "usedFor", "graspObject", or another action's name.
         argument: its argument: an affordance, a part, ...; None where the functor needs none.
         interval: as it was said, with at most 6 fractional digits.
-        utterance: number of the utterance that last asserted it; None before it is stored.
-        time: when it was last asserted, with a time zone; None before it is stored.
-        status: active, retracted, superseded, or induced.
+        utterance, time: the number of the utterance that last asserted it, and when that was, with
+            a time zone; None before it is stored.
         trust: the present trust in the speaker, in [0, 1]; not part of the rule's content.
     """
 
@@ -133,18 +132,16 @@ class Rule:
             raise ValidationError([f"{expected}; found {self.argument or 'none'}."])
         if sum(atom.kind == "material" for atom in self.contexts) > 1:
             raise ValidationError(["A rule has at most one material; write a rule for each."])
-        if self.kind == "norm":
-            self._check_norm()
         check_speaker(self.speaker)
         object.__setattr__(self, "interval", self.interval.rounded())
-
-    def _check_norm(self) -> None:
+        if self.kind != "norm":
+            return
         if self.context is None:
             raise ValidationError([f"{self.functor} needs the action that it is about as context."])
-        allowed = {"part"} if self.functor == FORBIDDEN else {"part", "action"}
-        found = {self.argument.kind} if self.argument else set[str]()
-        if not found <= allowed or (self.functor == OBLIGED and not found):
-            expected = " or ".join(map(_article, sorted(allowed, reverse=True)))
+        allowed = ("part",) if self.functor == FORBIDDEN else ("part", "action")
+        is_fit = self.argument.kind in allowed if self.argument else self.functor != OBLIGED
+        if not is_fit:
+            expected = " or ".join(map(_article, allowed))
             raise ValidationError([f"{self.functor} takes {expected}, not {self.argument}."])
 
     @property
@@ -237,14 +234,13 @@ class Rule:
         """The rule in the JSON of every command; "*" is any object."""
         props = sorted(str(atom) for atom in self.features if atom.kind != "object")
         where = sorted(str(a) for a in self.contexts if a.kind not in {"action", "material"})
-        material = {"material": self.material} if self.material else {}
         general = {"functor": self.functor, "argument": str(self.argument or "") or None}
         return {
             "id": self.id,
             "kind": self.kind,
             "object": self.object or "*",
             "affordance": self.affordance,
-            **material,
+            **({"material": self.material} if self.material else {}),
             "context": self.context,
             "part": self.part,
             "lower": self.interval.lower,
@@ -283,8 +279,8 @@ def functional(
 
     `affordance` is a gerund ("cutting"); `material` is what it is used on ("bread"), None for any.
     """
+    contexts = frozenset([Atom("material", material)] if material else [])
     features, argument = _features(name, properties), Atom("affordance", affordance)
-    contexts = _context("material", material)
     return Rule(features, contexts, USED_FOR, argument, interval, speaker)
 
 
@@ -298,7 +294,7 @@ def grasping(
     speaker: str = DEFAULT_SPEAKER,
 ) -> Rule:
     """The rule that an object is grasped by a part, in the context of an action ("pass") or any."""
-    contexts = _context("action", context)
+    contexts = frozenset([Atom("action", context)] if context else [])
     features, argument = _features(name, properties), Atom("part", part)
     return Rule(features, contexts, GRASP_OBJECT, argument, interval, speaker)
 
@@ -343,10 +339,6 @@ def check_speaker(name: str) -> None:
 def _features(name: str, properties: Iterable[str]) -> frozenset[Atom]:
     objects = () if name == "*" else (Atom("object", name),)
     return frozenset((*objects, *(Atom("property", prop) for prop in properties)))
-
-
-def _context(kind: str, name: str | None) -> frozenset[Atom]:
-    return frozenset([Atom(kind, name)]) if name else frozenset()
 
 
 @lru_cache(maxsize=2**18)

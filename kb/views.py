@@ -21,8 +21,7 @@ from .rule import DEFAULT_SPEAKER, Atom, Rule
 from .stores.base import described_nodes
 
 _DATE = re.compile(r"\d{4}-\d{2}-\d{2}")
-_RULE_NAME = re.compile(r"(?:rule[/:])?([0-9a-f]{4,16})")
-_TOO_SHORT = re.compile(r"(?:rule[/:])?[0-9a-f]{0,3}")  # could be the number of an utterance
+_RULE_NAME = re.compile(r"(?:rule[/:])?([0-9a-f]{0,16})")
 
 
 @dataclass(frozen=True)
@@ -225,19 +224,19 @@ def find_rule(base: RuleReader, name: str) -> Rule:
 
     There may be none (UnknownNameError) or several (ValidationError).
     """
-    if _TOO_SHORT.fullmatch(name):
-        raise ValidationError([f'"{name}" is too short for a rule: expected 4 digits of its id.'])
     digits = _RULE_NAME.fullmatch(name)
-    if digits is None or len(digits[1]) == len("0123456789abcdef"):
-        return base.rule(f"rule/{digits[1]}" if digits else name)
-    start = rule_mapping.rule_iri(f"rule/{digits[1]}")
-    found = [node for node in base.nodes_with([]) if node.startswith(start)]
-    if not found:
-        return base.rule(f"rule/{digits[1]}")  # which says what there is
+    if digits is None:
+        return base.rule(name)  # which says what there is
+    if len(digits[1]) < 4:  # could be the number of an utterance
+        raise ValidationError([f'"{name}" is too short for a rule: expected 4 digits of its id.'])
+    rule_id, found = f"rule/{digits[1]}", list[str]()
+    if len(digits[1]) < len("0123456789abcdef"):
+        found = [
+            one for one in map(rule_mapping.rule_id, base.nodes_with([])) if one.startswith(rule_id)
+        ]
     if len(found) > 1:
-        listed = ", ".join(sorted(map(rule_mapping.rule_id, found)))
-        raise ValidationError([f'"{name}" names several rules: {listed}.'])
-    return base.rule(rule_mapping.rule_id(found[0]))
+        raise ValidationError([f'"{name}" names several rules: {", ".join(sorted(found))}.'])
+    return base.rule(found[0] if found else rule_id)
 
 
 def last_taught_rules(base: RuleReader, speaker: str) -> list[Rule]:

@@ -80,8 +80,8 @@ class RuleWriter(RuleReader):
         teller = source or speaker
         asserted = {rule.id: rule for rule in (replace(one, speaker=teller) for one in rules)}
         gone = set(retracts) - set(asserted)
-        utterance = replace(
-            self._said(text, predicate, speaker, kind, time),
+        utterance = Utterance(
+            *(0, text, predicate, speaker, to_milliseconds(time or self.clock()), kind),
             answer=answer,
             asserts=tuple(sorted(asserted)),
             retracts=tuple(sorted(gone)),
@@ -89,9 +89,8 @@ class RuleWriter(RuleReader):
             heard=heard,
         )
         with self.store.writing():
-            change = _Change()
+            change, number = _Change(), self.sequence + 1
             change.insert += speaker_quads(source, BELIEFS) if source else []
-            number = self.sequence + 1
             for word in words:
                 change.insert += learned.WORDS.learned_quads(replace(word, utterance=number))
             for action in actions:
@@ -113,9 +112,8 @@ class RuleWriter(RuleReader):
         heard: float = 1.0,
     ) -> Utterance:
         """Add an utterance that changes no rule, as a command; arguments as for `Utterance`."""
-        said = self._said(text, predicate, speaker, kind)
-        said = replace(said, accepted=accepted, answer=answer, heard=heard)
-        return self.write(said)
+        said = (0, text, predicate, speaker, to_milliseconds(self.clock()), kind, accepted, answer)
+        return self.write(Utterance(*said, heard=heard))
 
     def retract(
         self, rule_id: str, text: str, predicate: str, speaker: str, *, answer: str = ""
@@ -148,12 +146,11 @@ class RuleWriter(RuleReader):
         most = (1.0 if lower else 0.0) if upper is None else upper
         trust = Interval(lower, most).rounded()
         form = f"trust({speaker},{trust.lower},{trust.upper})"
-        utterance = self._said(f"trust {speaker} {trust}", form, by, "trust")
+        said = (0, f"trust {speaker} {trust}", form, by, to_milliseconds(self.clock()), "trust")
         with self.store.writing():
-            before = self.store.quads(iri("speaker", speaker), None, None, BELIEFS)
-            change = _Change()
-            change.replace(before, trust_quads(speaker, trust))
-            self._write(utterance, [], change)
+            before = {*self.store.quads(iri("speaker", speaker), None, None, BELIEFS)}
+            after = {*trust_quads(speaker, trust)}
+            self.write(Utterance(*said), insert=after - before, delete=before - after)
         return trust
 
     def learn_phrase(self, phrase: LearnedPhrase) -> None:
@@ -176,8 +173,8 @@ class RuleWriter(RuleReader):
             if not found:
                 raise NotFoundError("experience", " ".join(filter(None, (of, part))) or "any", ())
             by = utterance_iri(self.sequence + 1)
-            change = _Change([Quad(node, FORGOTTEN_BY, by, EPISODES) for node in found])
-            self._write(self._said(text, "", speaker, "correction"), [], change)
+            forgotten = [Quad(node, FORGOTTEN_BY, by, EPISODES) for node in found]
+            self.write(self._correction(text, speaker), insert=forgotten)
         return len(found)
 
     def forget(
@@ -195,7 +192,6 @@ class RuleWriter(RuleReader):
         was learned), or `TAUGHT_ACTIONS`; `text` is the utterance that retracts it, for the
         history. A NotFoundError says that there is none.
         """
-        said = replace(self._said(text, "", speaker, "correction"), answer=answer)
         with self.store.writing():
             known = mapping.active(self.store)
             found = [record for record in known if name in mapping.names(record)]
@@ -205,7 +201,7 @@ class RuleWriter(RuleReader):
             change = _Change()
             for record in found:
                 self._end_learned(change, mapping, record)
-            self._write(said, [], change)
+            self._write(replace(self._correction(text, speaker), answer=answer), [], change)
         return found[-1]
 
     def _end_learned(
@@ -219,11 +215,8 @@ class RuleWriter(RuleReader):
         """The number of the last utterance of this process; of all, if it has written none."""
         return self._own or self.sequence
 
-    def _said(
-        self, text: str, predicate: str, speaker: str, kind: str, time: datetime | None = None
-    ) -> Utterance:
-        when = to_milliseconds(time or self.clock())
-        return Utterance(0, text, predicate, speaker, when, kind)
+    def _correction(self, text: str, speaker: str) -> Utterance:
+        return Utterance(0, text, "", speaker, to_milliseconds(self.clock()), "correction")
 
     def _write(self, utterance: Utterance, rules: Sequence[Rule], change: _Change) -> Utterance:
         last, time = self.sequence, utterance.time

@@ -8,12 +8,11 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterable, Iterator, Mapping
-from decimal import Decimal
 from typing import TYPE_CHECKING, TypeAlias
 
 from ...ontology.vocabulary import Iri, external, iri, term
 from ..rule import Atom
-from .rule_mapping import LABEL, TYPE, atom_label_quads, label
+from .rule_mapping import LABEL, TYPE, atom_label_quads, decimal, label
 from .terms import Quad, Term, as_sparql
 
 if TYPE_CHECKING:
@@ -52,7 +51,7 @@ def _object_statements(
             yield from _named("object", above)
             yield from _is_a(iri("object", name), iri("object", above))
     for name, kind in objects.items():
-        yield iri("object", name), MASS, _kilograms(kind.mass)
+        yield iri("object", name), MASS, decimal(kind.mass)
         yield from _having(iri("object", name), PROPERTY, "property", kind.properties)
         for part_name, part in kind.parts.items():
             of_any, node = iri("part", part_name), iri("part", f"{name}.{part_name}")
@@ -62,7 +61,7 @@ def _object_statements(
             yield node, LABEL, label(f"{part_name} of {name}")
             yield from _is_a(node, of_any)
             yield node, WHOLE, iri("object", name)
-            yield node, MASS, _kilograms(part.mass)
+            yield node, MASS, decimal(part.mass)
             yield from _having(node, ROLE, "role", [part.role])
             yield from _having(node, PROPERTY, "property", part.properties)
 
@@ -112,10 +111,6 @@ def _named(kind: str, name: str) -> Iterator[Statement]:
 def _is_a(node: Iri, above: Iri) -> Iterator[Statement]:
     yield node, IS_A, above
     yield node, SUBCLASS_OF, above
-
-
-def _kilograms(mass: float) -> Decimal:
-    return Decimal(f"{mass:.6f}").normalize() + 0
 
 
 def _written(quad: Quad) -> str:

@@ -20,7 +20,17 @@ from functools import lru_cache
 from typing import Any, cast, get_args
 
 from ...ontology.errors import ValidationError
-from ...ontology.vocabulary import ATOM_KINDS, HILT, PREFIXES, Iri, external, iri, split, term
+from ...ontology.vocabulary import (
+    ATOM_KINDS,
+    HILT,
+    PREFIXES,
+    Iri,
+    external,
+    iri,
+    shortened,
+    split,
+    term,
+)
 from ..interval import DIGITS, VACUOUS, Interval
 from ..rule import GRASP_OBJECT, KIND_OF, USED_FOR, Atom, Rule, Status
 from .record_mapping import TYPE, group_properties
@@ -109,7 +119,7 @@ def property_quads(rule: Rule) -> Iterator[Quad]:
     found.append((FUNCTOR, _functor_iri(rule.functor)))
     if rule.argument:
         found.append((argument_property(rule.argument.kind), atom_iri(rule.argument)))
-    found += [(LOWER, _decimal(rule.interval.lower)), (UPPER, _decimal(rule.interval.upper))]
+    found += [(LOWER, decimal(rule.interval.lower)), (UPPER, decimal(rule.interval.upper))]
     found += [(STATUS, term(rule.status)), (ATTRIBUTED_TO, iri("speaker", rule.speaker))]
     if rule.utterance is not None:
         found.append((DERIVED_FROM, iri("utterance", str(rule.utterance))))
@@ -207,7 +217,7 @@ def read_rule(properties: Iterable[Property]) -> Rule:
     except ValidationError:
         raise
     except KeyError as error:
-        raise ValidationError([f"A rule has no {_shown(error.args[0])}."]) from error
+        raise ValidationError([f"A rule has no {shortened(error.args[0])}."]) from error
     except (TypeError, ValueError, AttributeError) as error:
         raise ValidationError([f"A rule is malformed: {error}"]) from error
 
@@ -221,7 +231,7 @@ def _shared_content(properties: tuple[Property, ...]) -> Rule:
     status = status_node.removeprefix(HILT)
     if status not in _STATUSES:
         expected = ", ".join(_STATUSES)
-        raise ValidationError([f"{_shown(status_node)} is no status; expected {expected}."])
+        raise ValidationError([f"{shortened(status_node)} is no status; expected {expected}."])
     return Rule(
         frozenset([ANY]),
         _atoms_of(tuple(found[CONTEXT])),
@@ -248,7 +258,7 @@ def _one(found: Mapping[Iri, list[Any]], predicate: Iri) -> Any:
     if not values:
         raise KeyError(predicate)
     if len(values) > 1:
-        raise ValueError(f"{_shown(predicate)} stands there {len(values)} times.")
+        raise ValueError(f"{shortened(predicate)} stands there {len(values)} times.")
     return values[0]
 
 
@@ -256,9 +266,6 @@ def _functor_iri(functor: str) -> Iri:
     return term(functor) if functor in _EDGES else iri("functor", functor)
 
 
-def _decimal(bound: float) -> Decimal:
-    return Decimal(f"{bound:.{DIGITS}f}").normalize() + 0  # never -0
-
-
-def _shown(predicate: Iri) -> str:
-    return predicate.replace(HILT, "hilt:")
+def decimal(number: float) -> Decimal:
+    """A number as it is stored, with at most `DIGITS` fractional digits; never -0."""
+    return Decimal(f"{number:.{DIGITS}f}").normalize() + 0
