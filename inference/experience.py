@@ -144,10 +144,7 @@ def read_records(base: KnowledgeBase, **wanted: str) -> list[GraspRecord]:
 
 
 class Experience:
-    """The experience of one robot, read from a base when it is asked for and the base has changed.
-
-    With `before`, it is that of the time before the utterance with this number.
-    """
+    """The experience of one robot, as a base has it now, or had it `before` an utterance."""
 
     def __init__(self, base: KnowledgeBase, robot: str, *, before: int | None = None) -> None:
         self.base = base
@@ -172,10 +169,7 @@ NO_TRIALS = OutcomeCounts()
 
 @dataclass(frozen=True)
 class TeacherRecord:
-    """What the record says about the rules of a speaker: how the grasps turned out as they say.
-
-    The present trust is in [0, 1]; `counts` are of grasps by the parts that the rules name.
-    """
+    """The trust in a speaker, in [0, 1], and how grasps turned out as the speaker's rules say."""
 
     speaker: str
     trust: float

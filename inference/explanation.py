@@ -66,10 +66,8 @@ def counterfactuals(inference: Inference, settings: Settings) -> list[Counterfac
     and the upper one with it where they meet; or raise the upper bound first, then the lower one.
     There are two likewise by which it can decrease. With the default operators, whether a candidate
     is chosen is a linear condition on the bounds of each leaf, so the smallest change
-    |Δlower| + |Δupper| lies on one of these four paths.
-
-    `settings` are those of the decision. For each leaf of its proofs there is at most one change in
-    each direction.
+    |Δlower| + |Δupper| lies on one of these four paths: at most one in each direction for each leaf
+    of the proofs. `settings` are those of the decision.
     """
     search = _CounterfactualSearch(inference, settings)
     leaves = dict.fromkeys(leaf for each in search.candidates for leaf in each.proof.leaves)

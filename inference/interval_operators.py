@@ -47,11 +47,6 @@ def conjunction_frechet(intervals: Sequence[Interval]) -> Interval:
     return _bounded(total, min((i.upper for i in intervals), default=1.0))
 
 
-def conjunction_min(intervals: Sequence[Interval]) -> Interval:
-    """AND when one proposition implies the other: [min a, min b]."""
-    return _each_bound(partial(min, default=1.0), intervals)
-
-
 def modus_ponens(antecedent: Interval, rule: Interval) -> Interval:
     """Conclude by the conditional reading: [a·α, 1 - a·(1-β)] (`ontology.evidence_operators`)."""
     return Interval(*evidence_operators.modus_ponens(_pair(antecedent), _pair(rule)))
@@ -111,11 +106,6 @@ def fuse_mean(intervals: Sequence[Interval]) -> Interval:
     return _each_bound(lambda bounds: sum(sorted(bounds)) / count, intervals) if count else VACUOUS
 
 
-def fuse_latest(intervals: Sequence[Interval]) -> Interval:
-    """The last interval, which is the one taught last; [0, 1] when there is none."""
-    return intervals[-1] if intervals else VACUOUS
-
-
 def relative_plausibility(interval: Interval) -> float:
     """PlP = b / (1 + b - a) in [0, 1], the plausibility transform (Cobb & Shenoy 2006)."""
     return evidence_operators.relative_plausibility(_pair(interval))
@@ -134,7 +124,8 @@ def is_affirmed(interval: Interval, threshold: float) -> bool:
 CONJUNCTIONS: Mapping[str, Combination] = {
     "product": conjunction,
     "frechet": conjunction_frechet,
-    "min": conjunction_min,
+    # When one proposition implies the other: [min a, min b].
+    "min": partial(_each_bound, partial(min, default=1.0)),
 }
 MODUS_PONENS: Mapping[str, Callable[[Interval, Interval], Interval]] = {
     "conditional": modus_ponens,
@@ -146,7 +137,7 @@ FUSIONS: Mapping[str, Combination] = {
     "dempster": fuse_dempster,
     "cautious": fuse_cautious,
     "mean": fuse_mean,
-    "latest": fuse_latest,
+    "latest": lambda intervals: intervals[-1] if intervals else VACUOUS,  # the one taught last
 }
 RANKINGS: Mapping[str, Callable[[Interval], float]] = {
     "plausibility": relative_plausibility,

@@ -31,7 +31,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from itertools import chain
 
 from ..kb.interval import EPSILON
 from ..kb.rule import GRASP_OBJECT, USED_FOR, Atom, Rule
@@ -161,10 +160,7 @@ class Specificity:
 
 
 class NodeRules:
-    """The rules that apply at one node for one goal; shared by all objects observed there.
-
-    `rules_at` returns the rules stored under a key.
-    """
+    """The rules that apply at one node for one goal, of those that `rules_at` has under a key."""
 
     def __init__(
         self, node: str, goal: Goal, rules_at: Callable[[str], Sequence[Rule]], taxonomy: Taxonomy
@@ -180,12 +176,9 @@ class NodeRules:
 
     @cached_property
     def contexts(self) -> tuple[Atom, ...]:
-        """The actions above the node, nearest first, each with its more general actions.
-
-        The last one is grasping, where an object is grasped, whatever for.
-        """
+        """The actions above the node, nearest first, each with its more general actions."""
         names = Actions.contexts(self.node)
-        itself = (GRASP,) if self.action == GRASP_OBJECT else ()
+        itself = (GRASP,) if self.action == GRASP_OBJECT else ()  # whatever for
         acting = (Atom("action", name) for name in (*names, *itself))
         kinds = (above for atom in acting for above, _ in self.taxonomy.above(atom))
         return tuple(dict.fromkeys(kinds))
@@ -220,12 +213,9 @@ class NodeRules:
 
     @property
     def features(self) -> frozenset[Atom]:
-        """Those that the command names, and those of the rules of this node.
-
-        If a rule has none, the found object itself.
-        """
+        """Those of the command and of the rules here; if one has none, the found object itself."""
         named = self.goal.target.object
-        found = [features_of(rule) for rule in chain.from_iterable(map(self.rules, self.keys))]
+        found = [features_of(rule) for key in self.keys for rule in self.rules(key)]
         itself = {Atom("object", named)} if named and self.action != FIND and not all(found) else ()
         return frozenset(self.named_features).union(itself, *found)
 

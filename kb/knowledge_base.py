@@ -25,6 +25,7 @@ from ..ontology.vocabulary import PREFIXES, Iri, term
 from .episodes import EPISODES, Episode, episode_quads, observation_quads, read_episodes
 from .history import HISTORY, read_utterance, utterance_quads
 from .interval import CERTAIN
+from .rdf.domain import DOMAIN, DOMAIN_HASH, content_hash, domain_quads
 from .rdf.rule_mapping import BELIEFS, DERIVED, TYPE, read_rule, rule_quads
 from .rdf.terms import BASE_GRAPH, BASE_NODE, Properties, Quad, Term, as_sparql
 from .rule import DEFAULT_SPEAKER
@@ -172,12 +173,7 @@ class KnowledgeBase(RuleWriter, AbstractContextManager["KnowledgeBase"]):
         actions: Actions,
         classes: Mapping[str, str | None] | None = None,
     ) -> bool:
-        """Write the household domain and return True, unless it is there already.
-
-        `classes` gives the class above each class of objects, or None.
-        """
-        from .rdf.domain import DOMAIN, DOMAIN_HASH, content_hash, domain_quads
-
+        """Write the domain, with the class above each of `classes`; False if it is there."""
         new = domain_quads(objects, actions, classes)
         mark = Quad(BASE_NODE, DOMAIN_HASH, content_hash(new), BASE_GRAPH)
         before = list(self.store.quads(BASE_NODE, DOMAIN_HASH, None, BASE_GRAPH))
@@ -262,10 +258,7 @@ def version_quad(number: int) -> Quad:
 
 
 def derived_quads(store: Store, *graphs: Iri) -> Iterator[Quad]:
-    """What follows from graphs of a store, all by default; nothing follows from what is malformed.
-
-    A statement may come more than once.
-    """
+    """What follows from graphs of a store, by default all, where well formed; some of it twice."""
     for graph in graphs or _SOURCES:
         kind, read = _SOURCES[graph]
         for node, properties in described_nodes(store, graph):

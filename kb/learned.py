@@ -64,10 +64,7 @@ class LearnedMapping(RecordMapping[Record]):
 
 @dataclass(frozen=True, order=True)
 class LearnedWord:
-    """A learned word; `atom` is what it denotes: its dictionary form and its kind.
-
-    `utterance` is the number of the one it was learned from; None before it is stored.
-    """
+    """A learned word, what it denotes, and its utterance, which is None before it is stored."""
 
     atom: Annotated[Atom, _DENOTES]
     said: Annotated[str, _SAID]
@@ -81,10 +78,9 @@ class LearnedWord:
 
 @dataclass(frozen=True, order=True)
 class LearnedPhrase:
-    """A learned phrase, and who used it first.
+    """A learned phrase, who used it first, and the utterance that confirmed it, once it is stored.
 
     Pattern and meaning (compact JSON) have slots: "?affordance is what you want a ?object for".
-    `utterance` is the number of the one that confirmed it; None before it is stored.
     """
 
     pattern: Annotated[str, _PATTERN]
@@ -101,10 +97,9 @@ class LearnedPhrase:
 
 @dataclass(frozen=True, order=True)
 class TaughtAction:
-    """A taught action, whose name is an atom of the kind "action", and who taught it.
+    """A taught action, who taught it, and the utterance in which, once it is stored.
 
-    The meaning is compact JSON. `utterance` is the number of the one that taught it; None before it
-    is stored. `nodes` are the paths of the nodes of its tree; written only.
+    The meaning is compact JSON. `nodes` are the paths of the nodes of its tree; written only.
     """
 
     action: Annotated[Atom, _DENOTES]

@@ -85,21 +85,15 @@ class RuleReader:
     def count_and_some_rules(
         self, most: int, *, speaker: str | None = None
     ) -> tuple[int, list[Rule]]:
-        """The number of active rules (of a speaker), and at most `most` of them, as `rules` orders.
-
-        Only these are read, so that it is quick on a large base.
-        """
+        """The number of active rules (of a speaker), and at most `most`; only these are read."""
         by = [(rule_mapping.ATTRIBUTED_TO, iri("speaker", speaker))] if speaker else []
         nodes = self.nodes_with([*by, rule_mapping.ACTIVE])
         some = ((node, self.properties(node)) for node in nsmallest(most, nodes))
         return len(nodes), sorted(self.read_rules(some), key=_last_said)
 
     def rules_with_premises_of(self, rule: Rule) -> list[Rule]:
-        """The active rules of the same speaker with the same premises, in any order.
-
-        The time depends on how many rules have its features, not on the size of the base.
-        """
-        if rule.features:
+        """The active rules of the same speaker with the same premises, in any order."""
+        if rule.features:  # so that the time does not depend on the size of the base
             atom_iri = rule_mapping.atom_iri
             wanted = [(rule_mapping.FEATURE, atom_iri(one)) for one in sorted(rule.features)]
             wanted += [(rule_mapping.CONTEXT, atom_iri(one)) for one in sorted(rule.contexts)]
@@ -191,10 +185,7 @@ class RuleReader:
         return _gathered(self.store.select(_having_query(wanted)))
 
     def nodes_with(self, wanted: Sequence[tuple[Iri, Iri]]) -> set[Iri]:
-        """The nodes of the rules that have all of these properties; of all rules, if none is given.
-
-        The time depends on how many rules have the first of them.
-        """
+        """The nodes of the rules that have all of these properties, if any, else of all rules."""
         if not self.store.has_cheap_patterns:
             return {cast(Iri, node) for (node,) in self.store.select(_having_query(wanted, ""))}
         first, *others = wanted or [(rule_mapping.STATUS, None)]

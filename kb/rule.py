@@ -167,12 +167,12 @@ class Rule:
     @property
     def affordance(self) -> str | None:
         """The affordance it concludes; None for other rules."""
-        return self._argument("affordance")
+        return self.argument.name if self.argument and self.argument.kind == "affordance" else None
 
     @property
     def part(self) -> str | None:
         """The part it concludes; None for other rules."""
-        return self._argument("part")
+        return self.argument.name if self.argument and self.argument.kind == "part" else None
 
     @property
     def support(self) -> Interval:
@@ -255,9 +255,6 @@ class Rule:
         bounds = f"{interval.lower:.{DIGITS}f} {interval.upper:.{DIGITS}f}"
         content = f"{self.speaker}\n{_atoms_text(features)}\n{self._implied}\n{bounds}"
         return "rule/" + hashlib.sha256(content.encode()).hexdigest()[:16]
-
-    def _argument(self, kind: str) -> str | None:
-        return self.argument.name if self.argument and self.argument.kind == kind else None
 
     def __repr__(self) -> str:
         left = sorted(self.contexts) + sorted(self.features)

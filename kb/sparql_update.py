@@ -14,10 +14,10 @@ import time
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, closing
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from itertools import chain
 from pathlib import Path
-from typing import cast
+from typing import NamedTuple, cast
 
 from ..ontology.errors import QueryError, QueryLimitError, ValidationError
 from ..ontology.vocabulary import Iri, is_ontology, shortened, split
@@ -81,7 +81,7 @@ def update(
     refuse_external_access(text)
     with base.store.writing():
         change = find_difference(base.store, text, limits or QueryLimits())
-        if not change:
+        if not any(change):
             return None
         plan = _Plan(base.store, change)
         said = Utterance(
@@ -95,22 +95,11 @@ def update(
         return base.write(said, plan.asserted, insert=plan.insert, delete=plan.delete)
 
 
-@dataclass
-class Difference:
-    """What an update deletes and inserts in the end; false when that is nothing."""
+class Difference(NamedTuple):
+    """What an update deletes and inserts in the end."""
 
-    delete: set[Quad] = field(default_factory=set[Quad])
-    insert: set[Quad] = field(default_factory=set[Quad])
-
-    def __bool__(self) -> bool:
-        return bool(self.delete or self.insert)
-
-    def add(self, delete: set[Quad], insert: set[Quad]) -> None:
-        """Add what comes after, given as statements that are there and ones that are not."""
-        self.insert, self.delete = (
-            (self.insert - delete) | (insert - self.delete),
-            (self.delete - insert) | (delete - self.insert),
-        )
+    delete: set[Quad]
+    insert: set[Quad]
 
 
 def find_difference(store: Store, text: str, limits: QueryLimits) -> Difference:
@@ -118,7 +107,8 @@ def find_difference(store: Store, text: str, limits: QueryLimits) -> Difference:
 
     Of several operations each sees what those before it have changed, so these run on a copy.
     """
-    readable, end, found = readable_update(text), time.monotonic() + limits.seconds, Difference()
+    readable, end = readable_update(text), time.monotonic() + limits.seconds
+    gone, new = set[Quad](), set[Quad]()
     try:
         with ExitStack() as stack:
             worker, trial = stack.enter_context(closing(WorkerProcess())), store
@@ -131,12 +121,12 @@ def find_difference(store: Store, text: str, limits: QueryLimits) -> Difference:
             for operation in operations:
                 left = replace(limits, seconds=max(0.001, end - time.monotonic()))
                 delete, insert = _effect(trial, worker, operation, left)
-                found.add(delete, insert)
+                new, gone = (new - delete) | (insert - gone), (gone - insert) | (delete - new)
                 if trial is not store:
                     trial.apply(insert=insert, delete=delete)
     except QueryLimitError as error:
         raise limits.time_error() if time.monotonic() >= end else error from None
-    return found
+    return Difference(gone, new)
 
 
 def _effect(

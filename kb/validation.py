@@ -25,8 +25,7 @@ from .learned import ACTIONS, LEXICON
 from .rdf import rule_mapping
 from .rdf.rule_mapping import BELIEFS, DERIVED, TYPE
 from .rdf.terms import BASE_GRAPH, Quad
-from .rule import Rule
-from .stores.base import MEMORY, ReadableStore, Store
+from .stores.base import MEMORY, ReadableStore, Store, batched
 from .stores.opening import open_store
 from .stores.rdf_text import write_rdf
 
@@ -59,13 +58,6 @@ def stage(quads: Iterable[Quad], *, source: str) -> Store:
     staging.apply(insert=checked())
     _sort(staging)
     _rename(staging)
-    return staging
-
-
-def stage_rules(rules: Iterable[Rule]) -> Store:
-    """Return a store with these rules."""
-    staging = open_store(MEMORY)
-    staging.apply(insert=(quad for rule in rules for quad in rule_mapping.rule_quads(rule)))
     return staging
 
 
@@ -129,24 +121,28 @@ def raise_findings(found: Iterable[ValidationFinding]) -> None:
 def check_shapes(
     store: ReadableStore, *, nodes: Iterable[Iri] | None = None
 ) -> Iterator[ValidationFinding]:
-    """What breaks the SHACL shapes, at some nodes or at all.
-
-    A shape looks at one node and what stands at it, so that the nodes are checked in portions.
-    """
+    """What breaks the SHACL shapes, at some nodes or at all."""
     import pyshacl  # slow to import, and only validation needs it
-    from rdflib import Graph
+    from rdflib import RDF, SH, Graph, URIRef
 
     shapes_graph = Graph().parse(SHAPES_FILE, format="turtle")
     own = (quad.subject for quad in store.quads() if not is_ontology(quad.graph))
-    chosen = sorted(set(own if nodes is None else nodes))
-    for start in range(0, len(chosen), PORTION):
-        quads = (quad for node in chosen[start : start + PORTION] for quad in store.quads(node))
+    # In portions: a shape looks at one node and what stands at it.
+    for some in batched(sorted(set(own if nodes is None else nodes)), PORTION):
+        quads = (quad for node in some for quad in store.quads(node))
         graph = Graph(bind_namespaces="none")
         graph.parse(data=write_rdf(quads, format="ntriples"), format="nt")
-        _, report, _ = pyshacl.validate(
+        report: Any = pyshacl.validate(
             graph, shacl_graph=shapes_graph, inplace=True, do_owl_imports=False
-        )
-        yield from _reported(report)
+        )[1]
+        for result in report.subjects(RDF.type, SH.ValidationResult):
+            message, found = report.value(result, SH.resultMessage), report.value(result, SH.value)
+            brief = shortened(str(found)) if ":" in str(found)[:8] else f'"{str(found)[:60]}"'
+            text = "" if found is None else f" Found {brief}."
+            path = report.value(result, SH.resultPath)
+            key = shortened(str(path)) if isinstance(path, URIRef) else ""
+            node = shortened(str(report.value(result, SH.focusNode)))
+            yield ValidationFinding(node, f"{message}{text}", key)
 
 
 def locate_findings(found: Iterable[ValidationFinding], text: str) -> list[ValidationFinding]:
@@ -161,20 +157,6 @@ def locate_findings(found: Iterable[ValidationFinding], text: str) -> list[Valid
             name = shortened(start[1][1:-1]) if start[1].startswith("<") else start[1]
             lines.setdefault(name, number)
     return sorted(replace(one, line=lines.get(one.node, 0)) for one in set(found))
-
-
-def _reported(report: Any) -> Iterator[ValidationFinding]:
-    from rdflib import RDF, SH, URIRef
-
-    for result in report.subjects(RDF.type, SH.ValidationResult):
-        message, found = report.value(result, SH.resultMessage), report.value(result, SH.value)
-        brief = shortened(str(found)) if ":" in str(found)[:8] else f'"{str(found)[:60]}"'
-        text = "" if found is None else f" Found {brief}."
-        path = report.value(result, SH.resultPath)
-        key = shortened(str(path)) if isinstance(path, URIRef) else ""
-        yield ValidationFinding(
-            shortened(str(report.value(result, SH.focusNode))), f"{message}{text}", key
-        )
 
 
 def _sort(staging: Store) -> None:

@@ -220,10 +220,7 @@ def compare_bases(before: RuleReader, after: RuleReader) -> BaseDifference:
 
 
 def find_rule(base: RuleReader, name: str) -> Rule:
-    """The rule that a person names: by its id, or by the first digits of it.
-
-    There may be none (UnknownNameError) or several (ValidationError).
-    """
+    """The rule with an id, or its first digits; UnknownNameError or ValidationError if not one."""
     digits = _RULE_NAME.fullmatch(name)
     if digits is None:
         return base.rule(name)  # which says what there is

@@ -38,11 +38,7 @@ class _Change:
 
 
 class RuleWriter(RuleReader):
-    """Writes rules and utterances into `store`, at the times that `clock` gives.
-
-    The clocks of processes that share a store may differ a little; an utterance is never older than
-    the one before it.
-    """
+    """Writes rules and utterances into `store`, at the times that `clock` gives."""
 
     def __init__(self, store: Store, *, clock: Callable[[], datetime] | None = None) -> None:
         super().__init__(store)
@@ -220,7 +216,7 @@ class RuleWriter(RuleReader):
 
     def _write(self, utterance: Utterance, rules: Sequence[Rule], change: _Change) -> Utterance:
         last, time = self.sequence, utterance.time
-        if last and self.is_shared:
+        if last and self.is_shared:  # by processes whose clocks may differ a little
             at = self.store.quads(utterance_iri(last), rule_mapping.GENERATED_AT, None, HISTORY)
             time = max([time, *(cast(datetime, quad.object) for quad in at)])
         numbered = replace(utterance, sequence=last + 1, time=time)

@@ -90,10 +90,7 @@ def variables(text: str) -> tuple[str, ...]:
 
 
 def with_prefixes(text: str) -> str:
-    """A text with declarations of the vocabulary's prefixes that it uses and does not declare.
-
-    They are added to its first line, so that line numbers in messages stay right.
-    """
+    """A text with the prefixes that it uses, and does not declare, declared in its first line."""
     missing = [prefix for prefix in _undeclared_prefixes(text) if prefix in PREFIXES]
     return "".join(f"PREFIX {one}: <{PREFIXES[one]}> " for one in missing) + text
 
