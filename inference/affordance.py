@@ -22,18 +22,10 @@ from ..kb.interval import CERTAIN, EPSILON, VACUOUS, Interval
 from ..kb.rule import GRASP_OBJECT, KIND_OF, Atom, Rule
 from .experience import NO_TRIALS, Experience, OutcomeCounts
 from .interval_operators import Operators, certainty
-from .node_rules import (
-    FIND,
-    ImpliedAtoms,
-    NodeRules,
-    ObjectRules,
-    acting_for,
-    features_of,
-    implied_atoms,
-)
+from .node_rules import FIND, NodeRules, ObjectRules, acting_for, features_of
 from .proof import LEAVES, Proof, derive
 from .settings import Settings
-from .taxonomy import FLAT, Taxonomy
+from .taxonomy import FLAT, ImpliedAtoms, Taxonomy
 from .types import Candidate, Goal, Inference, Observation, Verdict
 
 PERCEIVED = ("object", "part", "property")  # kinds of atoms that vision reports
@@ -139,7 +131,7 @@ class Affordances:
         self, here: NodeRules, seen: Observation, decision: DecisionRule
     ) -> Candidate:
         target = here.goal.target
-        shown = implied_atoms(seen.atoms, self._taxonomy)
+        shown = self._taxonomy.implied(seen.atoms)
         steps = [_evidence(atom, here, seen, shown) for atom in here.named_features]
         argument, applied = None, ObjectRules()
         for conclusion, is_negated in target.wanted:
@@ -155,7 +147,7 @@ class Affordances:
     def _argument_candidates(
         self, here: NodeRules, seen: Observation, decision: DecisionRule
     ) -> Iterator[Candidate]:
-        shown = implied_atoms(seen.atoms, self._taxonomy)
+        shown = self._taxonomy.implied(seen.atoms)
         for argument, applied in here.binding(seen, shown).by_argument().items():
             steps = [self._conclude(applied.rules, here, seen, shown)]
             known = NO_TRIALS
@@ -166,7 +158,7 @@ class Affordances:
     def _absent_candidates(
         self, here: NodeRules, observations: Sequence[Observation], decision: DecisionRule
     ) -> Iterator[Candidate]:
-        shown = [implied_atoms(seen.atoms, self._taxonomy) for seen in observations]
+        shown = [self._taxonomy.implied(seen.atoms) for seen in observations]
         for conclusion, is_negated in here.goal.target.wanted:
             groups: dict[str, list[Rule]] = defaultdict(list)
             wanted = conclusion.argument

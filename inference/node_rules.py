@@ -28,14 +28,14 @@ blunt knives says nothing of a knife that does not look blunt. An overridden rul
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
 from ..kb.interval import EPSILON
 from ..kb.rule import GRASP_OBJECT, USED_FOR, Atom, Rule
 from ..ontology.actions import Actions
-from .taxonomy import Taxonomy
+from .taxonomy import ImpliedAtoms, Taxonomy
 from .types import Conclusion, Goal, Observation
 
 FIND = "findObject"  # the action that selects an object; its rules conclude usedFor(affordance)
@@ -43,7 +43,6 @@ GRASP = "grasp"  # the action of which every grasp is one: "never grab a knife b
 
 Premise = tuple[str, Atom]  # "feature", "context" or "argument", and the atom
 Premises = frozenset[Premise]
-ImpliedAtoms = Mapping[Atom, tuple[int, Atom]]  # atom -> steps up from the given atom, given atom
 
 
 @dataclass(frozen=True)
@@ -186,7 +185,7 @@ class NodeRules:
     @cached_property
     def given(self) -> ImpliedAtoms:
         """The other contexts of the goal, with their more general kinds."""
-        return implied_atoms(self.goal.contexts, self.taxonomy)
+        return self.taxonomy.implied(self.goal.contexts)
 
     @cached_property
     def named_features(self) -> tuple[Atom, ...]:
@@ -237,7 +236,7 @@ class NodeRules:
         """Return the most specific rules that conclude what is wanted of an object."""
         rules = [rule for key in self.keys_of(wanted) for rule in self.rules(key)]
         if wanted.argument is not None:
-            asked = implied_atoms([wanted.argument], self.taxonomy)
+            asked = self.taxonomy.implied([wanted.argument])
             rules = [rule for rule in rules if rule.argument is None or rule.argument in asked]
         return self._most_specific(rules, seen, shown, is_asked=True)
 
@@ -271,16 +270,6 @@ class NodeRules:
 def acting_for(node: str) -> str:
     """Return the action that a node is part of: "pass" for "pass/graspObject"."""
     return next(iter(Actions.contexts(node)), node)
-
-
-def implied_atoms(atoms: Iterable[Atom], taxonomy: Taxonomy) -> ImpliedAtoms:
-    """Return the atoms and all kinds above them, with distance and the atom they follow from."""
-    found: dict[Atom, tuple[int, Atom]] = {}
-    for atom in atoms:
-        for above, distance in taxonomy.above(atom):
-            if above not in found or distance < found[above][0]:
-                found[above] = (distance, atom)
-    return found
 
 
 def features_of(rule: Rule) -> frozenset[Atom]:

@@ -16,7 +16,7 @@ from functools import cached_property
 from ..kb.interval import CERTAIN, EPSILON, VACUOUS, Interval
 from ..kb.rule import FORBIDDEN, NORMS, OBLIGED, PERMITTED, Atom, Rule
 from .affordance import Affordances
-from .node_rules import Specificity, implied_atoms
+from .node_rules import Specificity
 from .proof import Json, Proof, derive
 from .taxonomy import Taxonomy
 
@@ -157,7 +157,7 @@ class _JudgedAct:
         seen = [Atom("property", name) for name in act.properties]
         seen += [Atom("object", act.object)] if act.object else []
         evidence = {**act.contexts, **dict.fromkeys(seen, CERTAIN)}
-        implied = implied_atoms(evidence, self.taxonomy)
+        implied = self.taxonomy.implied(evidence)
         return {atom: evidence[origin] for atom, (_, origin) in implied.items()}
 
     def _applies(self, rule: Rule) -> bool:

@@ -28,6 +28,7 @@ _FOREIGN = """SELECT ?kind ?same ?above {
     VALUES (?key ?same) { (rdfs:subClassOf false) (owl:sameAs true) (owl:equivalentClass true) }
     GRAPH ?g { ?kind ?key ?above } FILTER(isIRI(?above)) }"""
 GENID = "/.well-known/genid/"
+ImpliedAtoms = Mapping[Atom, tuple[int, Atom]]  # atom -> steps up from the given atom, given atom
 _KINDS = ("object", "part", "property", "action", "place", "role")
 
 
@@ -105,6 +106,15 @@ class Taxonomy:
         if atom not in self._above:
             self._above[atom] = tuple(_reachable(self._parents, atom).items())
         return self._above[atom]
+
+    def implied(self, atoms: Iterable[Atom]) -> ImpliedAtoms:
+        """Return the atoms and all kinds above them, with distance and the atom they come from."""
+        found: dict[Atom, tuple[int, Atom]] = {}
+        for atom in atoms:
+            for above, distance in self.above(atom):
+                if above not in found or distance < found[above][0]:
+                    found[above] = (distance, atom)
+        return found
 
     def below(self, atom: Atom) -> tuple[Atom, ...]:
         """Return the atom and its subclasses, nearest first."""
