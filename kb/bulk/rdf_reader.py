@@ -31,26 +31,24 @@ def read_groups(
     The text is UTF-8 in one of `rdf_text.RDF_FORMATS`; statements without a graph are of `default`.
     DataError if the text is malformed; says where.
     """
-    from ..stores.errors import translated_text_errors  # the engine, only when it is needed
     from ..stores.rdf_text import TRIPLE, from_engine, parsed, property_from_engine, shared_iri
 
-    with translated_text_errors(source):
-        last, place, pairs = cast(Any, None), cast(Any, None), list[Property]()
-        node = named = default
-        for subject, predicate, value, graph in parsed(stream, format=format, source=source):
-            if subject != last or graph != place or len(pairs) >= MAX_GROUP:
-                if pairs:
-                    yield StatementGroup(node, named, pairs)
-                last, place, pairs = subject, graph, []
-                node = cast(Iri, from_engine(subject))
-                named = shared_iri(getattr(graph, "value", default))
-            if type(value) is TRIPLE:
-                edge = AnnotatedEdge(*(cast(Any, from_engine(part)) for part in value))
-                yield ReifyingTriple(node, Iri(predicate.value), edge, named)
-            else:
-                pairs.append(property_from_engine(predicate, value))
-        if pairs:
-            yield StatementGroup(node, named, pairs)
+    last, place, pairs = cast(Any, None), cast(Any, None), list[Property]()
+    node = named = default
+    for subject, predicate, value, graph in parsed(stream, format=format, source=source):
+        if subject != last or graph != place or len(pairs) >= MAX_GROUP:
+            if pairs:
+                yield StatementGroup(node, named, pairs)
+            last, place, pairs = subject, graph, []
+            node = cast(Iri, from_engine(subject))
+            named = shared_iri(getattr(graph, "value", default))
+        if type(value) is TRIPLE:
+            edge = AnnotatedEdge(*(cast(Any, from_engine(part)) for part in value))
+            yield ReifyingTriple(node, Iri(predicate.value), edge, named)
+        else:
+            pairs.append(property_from_engine(predicate, value))
+    if pairs:
+        yield StatementGroup(node, named, pairs)
 
 
 def read_quads(items: Iterable[Statements]) -> Iterator[Quad | ReifyingTriple]:

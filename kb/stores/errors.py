@@ -29,22 +29,10 @@ def translated_errors(location: str, text: str = "") -> Generator[None]:
                 f'The disk of the knowledge base "{location}" is full. The change was not '
                 "written; all that was acknowledged is safe. Make room, and open the base again."
             ) from error
-        raise StoreError(f'The knowledge base "{location}" failed: {_short(error)}') from error
+        problem = short_message(error)
+        raise StoreError(f'The knowledge base "{location}" failed: {problem}') from error
     except (SyntaxError, ValueError) as error:
         raise QueryError(syntax_message(str(error), text)) from error
-
-
-@contextmanager
-def translated_text_errors(source: str) -> Generator[None]:
-    """Raise what goes wrong while an RDF text is read as DataError, with the text's name."""
-    try:
-        yield
-    except MemoryError as error:
-        raise DataError("has a text or name of more than 16 MB.", source=source) from error
-    except HiltError:
-        raise
-    except (ValueError, OSError) as error:
-        raise DataError(_short(error), source=source) from error
 
 
 def open_error(folder: Path, error: Exception) -> StoreError:
@@ -67,10 +55,10 @@ def open_error(folder: Path, error: Exception) -> StoreError:
         return InUseError(str(folder))
     if is_there:
         return StoreError(
-            f'The knowledge base "{folder}" is damaged or cannot be read: {_short(error)} '
+            f'The knowledge base "{folder}" is damaged or cannot be read: {short_message(error)} '
             "Restore it from a backup or an export."
         )
-    return StoreError(f'The knowledge base "{folder}" cannot be created: {_short(error)}')
+    return StoreError(f'The knowledge base "{folder}" cannot be created: {short_message(error)}')
 
 
 def syntax_error(error: SyntaxError, source: str, text: str) -> DataError:
@@ -89,6 +77,7 @@ def syntax_error(error: SyntaxError, source: str, text: str) -> DataError:
     )
 
 
-def _short(error: Exception) -> str:
+def short_message(error: Exception) -> str:
+    """The first line of what an error says."""
     text = getattr(error, "strerror", None) or str(error)
     return next(iter(text.strip().rstrip(".").splitlines()), type(error).__name__) + "."

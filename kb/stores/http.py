@@ -176,13 +176,19 @@ class EndpointTransport:
         )
         asked = form.get("query") or form.get("update") if form else "statements"
         for attempt in range(TRIES):
-            is_last = attempt == TRIES - 1
+            is_last, wait = attempt == TRIES - 1, None
             try:
                 with timed(__name__, "request %s %s", url, asked):
                     status, response, wait = self._once(request, limits)
+            except (httpx.ReadTimeout, httpx.WriteTimeout) as error:
+                raise limits.time_error() from error
             except httpx.TransportError as error:
-                self._raise_unless_retried(error, is_last, may_repeat, limits)
-                wait = None
+                was_not_sent = isinstance(error, (httpx.ConnectError, httpx.ConnectTimeout))
+                if is_last or not (was_not_sent or may_repeat):
+                    raise StoreError(
+                        f'The endpoint "{self.address.query}" cannot be reached: {_reason(error)} '
+                        "Is it running, and is the address right?"
+                    ) from error
             else:
                 if status not in BUSY or is_last or not may_repeat:
                     if response.is_partial:
@@ -205,8 +211,7 @@ class EndpointTransport:
                 if len(received) > limits.megabytes * 1_000_000:
                     raise limits.memory_error()
             headers = response.headers
-            max_rows = headers.get("x-sparql-maxrows", "")
-            wait = headers.get("retry-after", "")
+            max_rows, wait = headers.get("x-sparql-maxrows", ""), headers.get("retry-after", "")
             answer = EndpointResponse(
                 bytes(received),
                 headers.get("server", ""),
@@ -214,18 +219,6 @@ class EndpointTransport:
                 headers.get("x-sql-state", "") == OUT_OF_TIME,
             )
             return response.status_code, answer, float(wait) if wait.isdigit() else None
-
-    def _raise_unless_retried(
-        self, error: httpx.TransportError, is_last: bool, may_repeat: bool, limits: QueryLimits
-    ) -> None:
-        if isinstance(error, (httpx.ReadTimeout, httpx.WriteTimeout)):
-            raise limits.time_error() from error
-        was_not_sent = isinstance(error, (httpx.ConnectError, httpx.ConnectTimeout))
-        if is_last or not (was_not_sent or may_repeat):
-            raise StoreError(
-                f'The endpoint "{self.address.query}" cannot be reached: {_reason(error)} '
-                "Is it running, and is the address right?"
-            ) from error
 
     def _check(self, status: int, body: bytes, url: str) -> None:
         if status < REDIRECT:

@@ -87,12 +87,9 @@ class WriteAheadLogSync:
         self._manifests = {name: _end(self._folder / name, *self._manifests.get(name, (0, 0)))}
         body = json.dumps([number, self._logs | self._manifests], separators=(",", ":")).encode()
         flags = os.O_WRONLY | os.O_CREAT | getattr(os, "O_BINARY", 0)
-        handle = os.open(self._folder / MARK, flags, 0o644)
-        try:
-            os.write(handle, (b"%08x %s\n" % (zlib.crc32(body), body)).ljust(_SECTOR))
-            getattr(os, "fdatasync", os.fsync)(handle)
-        finally:
-            os.close(handle)
+        with os.fdopen(os.open(self._folder / MARK, flags, 0o644), "wb", buffering=0) as file:
+            file.write((b"%08x %s\n" % (zlib.crc32(body), body)).ljust(_SECTOR))
+            getattr(os, "fdatasync", os.fsync)(file.fileno())
 
 
 def sync(path: Path) -> None:

@@ -13,13 +13,13 @@ from typing import Any, BinaryIO, cast
 
 import pyoxigraph as engine
 
-from ...ontology.errors import DataError, QueryError
+from ...ontology.errors import DataError, HiltError, QueryError
 from ...ontology.vocabulary import PREFIXES, Iri, shortened
 from ..rdf.rule_mapping import KEYS, TYPE
 from ..rdf.terms import LANGUAGE_TEXT, STRING, Quad, Term, lexical, literal
 from ..sparql.results import RDF_12_UNSUPPORTED, BooleanResult, ConstructResult, QueryResult
 from .base import EmbeddedStore, EngineQuad, Store
-from .errors import syntax_error, translated_errors
+from .errors import short_message, syntax_error, translated_errors
 
 RDF_FORMATS = {
     "turtle": engine.RdfFormat.TURTLE,
@@ -101,7 +101,18 @@ def parsed(stream: BinaryIO, *, format: str, source: str) -> Iterator[EngineQuad
     try:
         yield from engine.parse(stream, format=RDF_FORMATS[format])
     except SyntaxError as error:
-        raise syntax_error(error, source, _line(stream, error.lineno or 0)) from error
+        line, number = b"", error.lineno or 0
+        if number and stream.seekable():
+            stream.seek(0)
+            lines = iter(lambda: stream.readline(_MAX_LINE), b"")
+            line = next(islice(lines, number - 1, None), b"")
+        raise syntax_error(error, source, line.decode("utf-8", "replace")) from error
+    except MemoryError as error:
+        raise DataError("has a text or name of more than 16 MB.", source=source) from error
+    except HiltError:
+        raise
+    except (ValueError, OSError) as error:
+        raise DataError(short_message(error), source=source) from error
 
 
 def read_triples(data: bytes, *, source: str) -> list[Quad]:
@@ -150,14 +161,6 @@ def write_result(found: QueryResult, format: str) -> str:
         known = ", ".join(RESULT_FORMATS)
         raise QueryError(f'There is no result format "{format}". Known: {known}.')
     return RESULT_FORMATS[format](found)
-
-
-def _line(stream: BinaryIO, number: int) -> str:
-    if not number or not stream.seekable():
-        return ""
-    stream.seek(0)
-    text = next(islice(iter(lambda: stream.readline(_MAX_LINE), b""), number - 1, None), b"")
-    return text.decode("utf-8", "replace")
 
 
 def _checked_for_xml(quad: engine.Quad) -> engine.Quad:

@@ -74,7 +74,17 @@ class RemoteStore(ReadableStore):
         except QueryError as error:
             raise StoreError(f'"{self.location}" is not a SPARQL endpoint: {error}') from error
         self._extend_dataset(cast(Iri, graph) for (graph,) in self.select(_ONTOLOGIES))
-        self._complete()
+        claims = self._lease.claims()
+        if any(one.is_decided or not (one.is_live or self.read_only) for one in claims):
+            try:
+                self._lease.acquire()
+            except StoreError as error:
+                raise StoreError(
+                    f'The last large write to "{self.location}" is unfinished. It is completed '
+                    f"when the base is opened for writing. {error}"
+                ) from error
+            finally:
+                self._lease.release()
 
     def select(self, query: str, limits: QueryLimits = CALL) -> SelectResult:
         """All rows of a SELECT query, however many the endpoint sends at once."""
@@ -82,9 +92,17 @@ class RemoteStore(ReadableStore):
             raise QueryError("Expected a SELECT query.")
         response = self._read(query, ROWS, limits)
         found = read_solutions(response.body)
-        if response.max_rows and len(found) >= response.max_rows:
-            return self._read_pages(query, found, response.max_rows, limits)
-        return found
+        size = response.max_rows
+        if not size or len(found) < size:
+            return found
+        rows: list[tuple[Term | None, ...]] = []
+        while len(rows) % size == 0:
+            text = query_text.page_query(query, found.variables, size=size, offset=len(rows))
+            page = read_solutions(self._read(text, ROWS, limits).body).rows
+            rows += page
+            if not page:
+                break
+        return SelectResult(found.variables, tuple(rows))
 
     def run(self, query: str, limits: QueryLimits | None = None) -> QueryResult:
         """The result of any query; the endpoint's own limits apply too."""
@@ -168,35 +186,10 @@ class RemoteStore(ReadableStore):
         self._is_open = False
         self._transport.close()
 
-    def _complete(self) -> None:
-        claims = self._lease.claims()
-        if any(one.is_decided or not (one.is_live or self.read_only) for one in claims):
-            try:
-                self._lease.acquire()
-            except StoreError as error:
-                raise StoreError(
-                    f'The last large write to "{self.location}" is unfinished. It is completed '
-                    f"when the base is opened for writing. {error}"
-                ) from error
-            finally:
-                self._lease.release()
-
     def _extend_dataset(self, graphs: Iterable[Iri]) -> None:
         self._graphs.update(filter(is_ontology, graphs))
         names = sorted(map(str, self._graphs))
         self._dataset = {"default-graph-uri": names, "named-graph-uri": names}
-
-    def _read_pages(
-        self, query: str, first: SelectResult, size: int, limits: QueryLimits
-    ) -> SelectResult:
-        rows: list[tuple[Term | None, ...]] = []
-        while len(rows) % size == 0:
-            text = query_text.page_query(query, first.variables, size=size, offset=len(rows))
-            page = read_solutions(self._read(text, ROWS, limits).body).rows
-            rows += page
-            if not page:
-                break
-        return SelectResult(first.variables, tuple(rows))
 
     def _construct(self, query: str, limits: QueryLimits) -> list[Quad]:
         is_cut = self._server.startswith(VIRTUOSO) and query_text.query_form(query) == "CONSTRUCT"

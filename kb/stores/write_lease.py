@@ -202,9 +202,21 @@ class WriteLease:
 
     def claims(self) -> list[Claim]:
         """All claims, and what is left of those that were ended."""
-        rows = self._read(_READ).rows
-        nodes = dict.fromkeys(cast(Iri, row[0]) for row in rows)
-        return [_claim(node, [row[1:] for row in rows if row[0] == node]) for node in nodes]
+        rows = cast("list[Any]", self._read(_READ).rows)
+        claims = list[Claim]()
+        for node in dict.fromkeys(cast(Iri, row[0]) for row in rows):
+            found = group_properties(row[1:3] for row in rows if row[0] == node)
+            now, made = _moment(rows[0][3]), map(_moment, found[CLAIMED_AT])
+            claim = Claim(
+                node,
+                next((str(one) for one in found[CLAIMED_BY]), ""),
+                next((cast(int, one) for one in found[NUMBER]), None),
+                min(((now - at).total_seconds() for at in made), default=None),
+                *(tuple(cast("list[Iri]", found[key])) for key in (CHANGES, REPLACES)),
+                is_decided=bool(found[IS_DECIDED]),
+            )
+            claims.append(claim)
+        return claims
 
     def _are_ended(self, dead: Sequence[Claim]) -> bool:
         ended = [one for one in dead if one.age_s is not None]
@@ -237,21 +249,6 @@ class WriteLease:
                 with suppress(HiltError):
                     self._update(_RENEW, self.node)
                 self._start_renewing(self.node)
-
-
-def _claim(node: Iri, rows: Sequence[tuple[Any, ...]]) -> Claim:
-    found = group_properties(row[:2] for row in rows)
-    ages = [(_moment(rows[0][2]) - _moment(at)).total_seconds() for at in found[CLAIMED_AT]]
-    changes, replaces = (tuple(cast("list[Iri]", found[key])) for key in (CHANGES, REPLACES))
-    return Claim(
-        node,
-        next((str(one) for one in found[CLAIMED_BY]), ""),
-        next((cast(int, one) for one in found[NUMBER]), None),
-        min(ages, default=None),
-        changes,
-        replaces,
-        is_decided=bool(found[IS_DECIDED]),
-    )
 
 
 def _moment(value: Term) -> datetime:
