@@ -158,7 +158,31 @@ def read_table(lines: Iterable[str], *, source: str) -> Iterator[Rule]:
     """
     rows = _rows(lines, source)
     _, first = next(rows, (1, []))
-    yield from read_all(rows, _RowReader(_header(first, source), source).read)
+    names = _header(first, source)
+    # A column that is missing is found behind the last one.
+    in_order = itemgetter(*(names.index(n) if n in names else len(names) for n in COLUMNS))
+    similar: dict[tuple[str, ...], Rule] = {}  # what several rows share is read once
+
+    def read(numbered: tuple[int, list[str]]) -> Rule:
+        line, row = numbered
+        try:
+            if len(row) != len(names):
+                raise ValidationError(
+                    [f"expected {len(names)} cells, one for each column, found {len(row)}."]
+                )
+            cells = in_order((*row, ""))
+            features, *shared, lower, upper, speaker, status, time = cells
+            known = similar.get(key := (*shared, speaker, status, time))
+            if known is None:
+                if len(similar) >= _MAX_KNOWN:
+                    similar.clear()
+                return similar.setdefault(key, read_rule(cells))
+            seen = split_atoms(features.strip(), FEATURE_KIND)
+            return known.restated(seen, read_interval(lower, upper).rounded(), time=known.time)
+        except HiltError as error:
+            raise DataError(str(error), source=source, line=line) from error
+
+    yield from read_all(rows, read)
 
 
 def write_table(target: TextIO, rules: Iterable[Rule]) -> None:
@@ -202,33 +226,3 @@ def _header(names: Sequence[str], source: str) -> list[str]:
             line=1,
         )
     return found
-
-
-class _RowReader:
-    """Makes rules of rows; what several rows share is read once."""
-
-    def __init__(self, names: Sequence[str], source: str) -> None:
-        self._count, self._source = len(names), source
-        # A column that is missing is found behind the last one.
-        places = (names.index(name) if name in names else len(names) for name in COLUMNS)
-        self._in_order = itemgetter(*places)
-        self._known: dict[tuple[str, ...], Rule] = {}
-
-    def read(self, numbered: tuple[int, list[str]]) -> Rule:
-        line, row = numbered
-        try:
-            if len(row) != self._count:
-                raise ValidationError(
-                    [f"expected {self._count} cells, one for each column, found {len(row)}."]
-                )
-            cells = self._in_order((*row, ""))
-            features, *shared, lower, upper, speaker, status, time = cells
-            known = self._known.get(key := (*shared, speaker, status, time))
-            if known is None:
-                if len(self._known) >= _MAX_KNOWN:
-                    self._known.clear()
-                return self._known.setdefault(key, read_rule(cells))
-            seen = split_atoms(features.strip(), FEATURE_KIND)
-            return known.restated(seen, read_interval(lower, upper).rounded(), time=known.time)
-        except HiltError as error:
-            raise DataError(str(error), source=self._source, line=line) from error
