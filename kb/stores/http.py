@@ -20,6 +20,7 @@ import time
 from collections.abc import Callable, Generator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field
+from typing import NamedTuple
 from urllib.parse import unquote, urldefrag, urljoin, urlsplit, urlunsplit
 
 import httpx
@@ -96,18 +97,12 @@ def parse_address(location: str, environment: Mapping[str, str] | None = None) -
     )
 
 
-@dataclass(frozen=True)
-class EndpointResponse:
-    """The answer of an endpoint.
-
-    `max_rows` is the number of rows after which it truncated the result, None for all rows;
-    `is_partial` says that it ran out of time, and sent an incomplete result.
-    """
+class EndpointResponse(NamedTuple):
+    """The answer of an endpoint, cut after `max_rows` rows; 0 where it has all."""
 
     body: bytes
-    server: str = ""
-    max_rows: int | None = None
-    is_partial: bool = False
+    server: str
+    max_rows: int
 
 
 class EndpointAuth(httpx.Auth):
@@ -176,10 +171,10 @@ class EndpointTransport:
         )
         asked = form.get("query") or form.get("update") if form else "statements"
         for attempt in range(TRIES):
-            is_last, wait = attempt == TRIES - 1, None
+            is_last, wait = attempt == TRIES - 1, ""
             try:
                 with timed(__name__, "request %s %s", url, asked):
-                    status, response, wait = self._once(request, limits)
+                    status, headers, body = self._once(request, limits)
             except (httpx.ReadTimeout, httpx.WriteTimeout) as error:
                 raise limits.time_error() from error
             except httpx.TransportError as error:
@@ -191,16 +186,20 @@ class EndpointTransport:
                     ) from error
             else:
                 if status not in BUSY or is_last or not may_repeat:
-                    if response.is_partial:
+                    if headers.get("x-sql-state") == OUT_OF_TIME:
                         raise limits.time_error()
-                    self._check(status, response.body, url)
-                    return response
-            self._pause(min(wait or FIRST_PAUSE_S * 2**attempt, MAX_PAUSE_S))
+                    self._check(status, body, url)
+                    most = headers.get("x-sparql-maxrows", "")
+                    rows = int(most) if most.isdigit() else 0
+                    return EndpointResponse(body, headers.get("server", ""), rows)
+                wait = headers.get("retry-after", "")
+            asked_s = float(wait) if wait.isdigit() else 0
+            self._pause(min(asked_s or FIRST_PAUSE_S * 2**attempt, MAX_PAUSE_S))
         raise AssertionError("the last try returns or raises")
 
     def _once(
         self, request: httpx.Request, limits: QueryLimits
-    ) -> tuple[int, EndpointResponse, float | None]:
+    ) -> tuple[int, httpx.Headers, bytes]:
         deadline = time.monotonic() + limits.seconds
         received = bytearray()
         with closing(self._client.send(request, stream=True)) as response:
@@ -210,15 +209,7 @@ class EndpointTransport:
                     raise limits.time_error()
                 if len(received) > limits.megabytes * 1_000_000:
                     raise limits.memory_error()
-            headers = response.headers
-            max_rows, wait = headers.get("x-sparql-maxrows", ""), headers.get("retry-after", "")
-            answer = EndpointResponse(
-                bytes(received),
-                headers.get("server", ""),
-                int(max_rows) if max_rows.isdigit() else None,
-                headers.get("x-sql-state", "") == OUT_OF_TIME,
-            )
-            return response.status_code, answer, float(wait) if wait.isdigit() else None
+            return response.status_code, response.headers, bytes(received)
 
     def _check(self, status: int, body: bytes, url: str) -> None:
         if status < REDIRECT:
