@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -14,6 +14,9 @@ from .. import presentation
 from ..presentation.plain_text import counted
 from . import common
 from .options import AsJson, DryRun, Kb, Speaker, app, example
+
+if TYPE_CHECKING:
+    from networkx import MultiDiGraph
 
 MOST_RULES = 500  # in one picture; nobody finds anything in more
 Object = Annotated[str | None, typer.Option("--object", help="About this object.")]
@@ -114,7 +117,7 @@ def graph(
     as_json: AsJson = False,
 ) -> None:
     """Draw the rules as a graph, coloured by context; --json prints it and draws nothing."""
-    from ...kb.formats.graphml import draw_graph, graph_of
+    from ...kb.formats.graphml import graph_of
     from ...kb.views import parse_moment, view
 
     moment = None if at is None else parse_moment(at)
@@ -136,10 +139,7 @@ def graph(
             "GraphML.",
             source=file,
         )
-    suffix = ".svg" if file == common.STDIN else Path(file).suffix.lower()
-    if suffix not in {".svg", ".png"}:
-        raise DataError(f'the extension "{suffix}" is no picture; use .svg or .png.', source=file)
-    common.write_bytes(file, draw_graph(found, suffix[1:]))
+    _write_picture(found, file)
     typer.echo(f"Drew {counted(len(rules), 'rule')} into {file}.", err=True)
 
 
@@ -213,6 +213,15 @@ def update(
     done = "The update is valid." if dry_run and said else updated
     found = {"updated": bool(said) and not dry_run, "sequence": number}
     common.announce(found, done, as_json=as_json, err=True)
+
+
+def _write_picture(graph: MultiDiGraph[str], file: str) -> None:
+    from ...kb.formats.graphml import draw_graph
+
+    suffix = ".svg" if file == common.STDIN else Path(file).suffix.lower()
+    if suffix not in {".svg", ".png"}:
+        raise DataError(f'the extension "{suffix}" is no picture; use .svg or .png.', source=file)
+    common.write_bytes(file, draw_graph(graph, suffix[1:]))
 
 
 def _arguments(given: Sequence[str]) -> dict[str, list[str]]:

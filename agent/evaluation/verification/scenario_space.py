@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import product
 from random import Random
 
 from ....kb.rule import DEFAULT_SPEAKER, Rule
@@ -73,15 +74,15 @@ class ScenarioSpace:
     @cached_property
     def rules(self) -> dict[tuple[RuleKey, str], Rule]:
         """Cell and level -> the rule that its sentence teaches."""
-        cells = ((cell, level) for cell in self.cells for level in LEVELS)
-        return {(cell, level): self._rule(rule_sentence(*cell, level)) for cell, level in cells}
-
-    def _rule(self, text: str) -> Rule:
-        said = self.language.understand(text).meaning
-        if not isinstance(said, meaning.Statement):
-            raise TypeError(f'"{text}" is not understood as a statement: {said}.')
-        (rule,) = said.rules
-        return rule_from_meaning(rule, DEFAULT_SPEAKER)
+        found: dict[tuple[RuleKey, str], Rule] = {}
+        for cell, level in product(self.cells, LEVELS):
+            text = rule_sentence(*cell, level)
+            said = self.language.understand(text).meaning
+            if not isinstance(said, meaning.Statement):
+                raise TypeError(f'"{text}" is not understood as a statement: {said}.')
+            (rule,) = said.rules
+            found[cell, level] = rule_from_meaning(rule, DEFAULT_SPEAKER)
+        return found
 
     @cached_property
     def statements(self) -> dict[str, frozenset[GraphStatement]]:
@@ -104,11 +105,8 @@ class ScenarioSpace:
 
     def commands(self) -> list[tuple[str, int, int]]:
         """Return all commands: sentence, index of the action, index of the affordance."""
-        return [
-            (command(action, affordance), number, wanted)
-            for number, action in enumerate(ACTIONS)
-            for wanted, affordance in enumerate(self.affordances)
-        ]
+        asked = product(enumerate(ACTIONS), enumerate(self.affordances))
+        return [(command(action, used_for), i, j) for (i, action), (j, used_for) in asked]
 
     def scene(self, mask: int) -> tuple[str, ...]:
         """Return the objects of a scene given as a bit mask, the first object the lowest bit."""
@@ -129,9 +127,8 @@ class ScenarioSpace:
 
     def node(self, cell: RuleKey) -> list[int]:
         """Return the indices of the cells whose rules are at the same node as those of a cell."""
-        same = (each for each in self.cells if each.context == cell.context)
-        every = (each for each in same if cell.context or each.argument == cell.argument)
-        return [self.index[each] for each in every]
+        same = ((i, each) for i, each in enumerate(self.cells) if each.context == cell.context)
+        return [i for i, each in same if cell.context or each.argument == cell.argument]
 
 
 def bit_mask(indices: Iterable[int]) -> int:
