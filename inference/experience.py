@@ -128,8 +128,8 @@ class GraspRecord:
 
     def as_json(self) -> Json:
         """Return the JSON object that `hilt experience --json` prints."""
-        names = ("object", "part", "context", "robot")
-        return {name: getattr(self, name) for name in names} | self.counts.as_json()
+        names = {name: value for name, value in vars(self).items() if name != "counts"}
+        return names | self.counts.as_json()
 
 
 def read_records(base: KnowledgeBase, **wanted: str) -> list[GraspRecord]:

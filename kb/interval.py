@@ -56,10 +56,7 @@ class Interval:
         return Interval(1.0 - self.upper, 1.0 - self.lower)
 
     def discounted(self, trust: float) -> Interval:
-        """This interval when its source is reliable only with probability `trust`, in [0, 1].
-
-        Shafer's discounting: the mass taken away goes to ignorance.
-        """
+        """Shafer's discounting, for a source reliable with probability `trust` in [0, 1]."""
         if not 0.0 <= trust <= 1.0:
             raise IntervalError(trust, 1)
         if trust == 1.0:

@@ -237,10 +237,7 @@ def base_format(store: ReadableStore) -> Term | None:
 
 
 def migrate(store: Store, found: Term) -> None:
-    """Bring a base of format 1 to that of today; the caller holds the write lock.
-
-    A StoreError says that the format found is another one, or that the store is read-only.
-    """
+    """Bring a base of format 1 to that of today, with the write lock; StoreError if impossible."""
     what = f'The knowledge base "{store.location}" has format {found};'
     if found != 1:
         raise StoreError(

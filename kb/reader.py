@@ -155,10 +155,7 @@ class RuleReader:
         return None if lower is None or upper is None else Interval(lower, upper)
 
     def match_speaker(self, speaker: str) -> str:
-        """The known speaker whose name matches, whatever the case; else the name as given.
-
-        Known are those whom somebody trusted or not, and those whose words were reported.
-        """
+        """The speaker, trusted or not or reported, whose name this is in any case; else as given."""
         if self.trust(speaker) is not None:
             return speaker
         typed = self.store.quads(None, rule_mapping.TYPE, term("Speaker"), BELIEFS)

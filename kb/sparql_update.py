@@ -103,10 +103,7 @@ class Difference(NamedTuple):
 
 
 def find_difference(store: Store, text: str, limits: QueryLimits) -> Difference:
-    """What an update would change in a store; errors as for `update`.
-
-    Of several operations each sees what those before it have changed, so these run on a copy.
-    """
+    """What an update would change in a store; errors as for `update`."""
     readable, end = readable_update(text), time.monotonic() + limits.seconds
     gone, new = set[Quad](), set[Quad]()
     try:
@@ -114,7 +111,7 @@ def find_difference(store: Store, text: str, limits: QueryLimits) -> Difference:
             worker, trial = stack.enter_context(closing(WorkerProcess())), store
             worker.request(limits, update=readable)  # an error says where it is in the whole text
             operations = parse_update(text)
-            if len(operations) > 1:
+            if len(operations) > 1:  # on a copy: each sees what those before it have changed
                 folder = tempfile.TemporaryDirectory(prefix="hilt-", ignore_cleanup_errors=True)
                 store.save(place := Path(stack.enter_context(folder)) / "copy")
                 trial = stack.enter_context(closing(open_store(place)))

@@ -237,10 +237,7 @@ def find_rule(base: RuleReader, name: str) -> Rule:
 
 
 def last_taught_rules(base: RuleReader, speaker: str) -> list[Rule]:
-    """The rules of the last utterance of a speaker that asserted a rule which is still active.
-
-    An UnknownNameError lists other speakers when this one has no active rule.
-    """
+    """The rules that hold of the last utterance of a speaker with one; else UnknownNameError."""
     others = set[str]()
     for number in range(base.sequence, 0, -1):
         kinds = base.store.quads(utterance_iri(number), KIND, None, HISTORY)

@@ -48,10 +48,7 @@ class ReifyingTriple(NamedTuple):
 
 
 def expand_annotations(statements: Iterable[Quad | ReifyingTriple], *, source: str) -> list[Quad]:
-    """Statements, with every annotated edge replaced by the properties of a rule.
-
-    DataError if a blank node is not the annotation of a rule, or something else is annotated.
-    """
+    """Statements with annotated edges as the properties of rules; DataError for any other."""
     plain: list[Quad] = []
     edges: dict[Iri, list[AnnotatedEdge]] = {}
     for one in statements:

@@ -60,10 +60,7 @@ class UpdateOperation:
 
 
 def readable_update(text: str) -> str:
-    """Return an update as an engine can read it, every token in its place.
-
-    A QueryError says that it has no operation, or one for which a base has no use.
-    """
+    """An update as an engine reads it, tokens in place; QueryError for none, or of no use here."""
     readable, pieces = text, list(_pieces(text))
     for start, end, _ in reversed(pieces):
         if _graph_operation(text[start:end]):
