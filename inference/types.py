@@ -14,7 +14,7 @@ from typing import Literal
 from ..kb.interval import Interval
 from ..kb.rule import USED_FOR, Atom, Rule
 from ..ontology.actions import DescribedObject
-from .experience import OutcomeCounts
+from .experience import OutcomeCounts, contradiction
 from .proof import Proof
 
 Verdict = Literal["accepted", "denied", "unsure", "unknown", "absent"]
@@ -106,6 +106,11 @@ class Candidate:
     def told(self) -> Interval:
         """The interval that follows from what was told, without experience."""
         return self.proof.inputs[0].interval if self.experience else self.interval
+
+    @property
+    def contradiction(self) -> float:
+        """The mass by which experience contradicts what was told, in [0, 1]."""
+        return contradiction(self.told, self.experience.interval) if self.experience else 0.0
 
     @property
     def interval(self) -> Interval:

@@ -72,8 +72,7 @@ class RuleReader:
     ) -> list[Rule]:
         """The rules that match, in the order in which they were last said.
 
-        Rules are about an object, apply to the action `context`, and conclude an affordance or a
-        part. A status of None is any status.
+        They are about an object, for the action `context`, on an affordance or part; None is any.
         """
         # The most selective property comes first.
         atoms = atoms_named(object=object, affordance=affordance, part=part, action=context)
@@ -155,7 +154,7 @@ class RuleReader:
         return None if lower is None or upper is None else Interval(lower, upper)
 
     def match_speaker(self, speaker: str) -> str:
-        """The speaker, trusted or not or reported, whose name this is in any case; else as given."""
+        """The speaker, trusted or not or reported, with this name in any case; else as given."""
         if self.trust(speaker) is not None:
             return speaker
         typed = self.store.quads(None, rule_mapping.TYPE, term("Speaker"), BELIEFS)

@@ -54,8 +54,7 @@ class RuleView:
 
     def rules_at_nodes(self, nodes: Sequence[str]) -> list[Rule]:
         """The rules at action-tree nodes, as `RuleReader.rules_at_nodes` gives them."""
-        wanted = frozenset(nodes)
-        return sorted((rule for rule in self.all if rule.node in wanted), key=lambda one: one.id)
+        return sorted((rule for rule in self.all if rule.node in nodes), key=lambda one: one.id)
 
 
 @dataclass(frozen=True)

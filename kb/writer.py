@@ -272,11 +272,8 @@ def trust_quads(speaker: str, trust: Interval) -> list[Quad]:
 
 def speaker_quads(speaker: str, graph: Iri) -> list[Quad]:
     """The type and name of a speaker."""
-    node = iri("speaker", speaker)
-    return [
-        Quad(node, rule_mapping.TYPE, term("Speaker"), graph),
-        Quad(node, rule_mapping.LABEL, speaker, graph),
-    ]
+    pairs = ((rule_mapping.TYPE, term("Speaker")), (rule_mapping.LABEL, speaker))
+    return [Quad(iri("speaker", speaker), key, value, graph) for key, value in pairs]
 
 
 def to_milliseconds(time: datetime) -> datetime:

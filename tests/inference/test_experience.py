@@ -172,9 +172,7 @@ def test_experience_discounts_what_was_told_and_never_denies_it(
     assert candidate.interval.lower == pytest.approx(rule.interval.lower * upper)
     assert candidate.interval.upper == 1
     assert candidate.told == rule.interval
-    assert contradiction(candidate.told, credible_interval(*trial)) == pytest.approx(
-        rule.interval.lower * (1 - upper)
-    )
+    assert candidate.contradiction == pytest.approx(rule.interval.lower * (1 - upper))
 
 
 def test_failures_do_not_weaken_a_prohibition():
@@ -213,10 +211,11 @@ def test_experience_is_of_grasps_alone():
 
 
 def test_what_was_told_is_kept_apart_from_experience():
-    """It is what follows from the rules alone."""
+    """The contradiction is that of the rules alone with experience."""
     [shaft] = decided(grasping("screwdriver", "shaft", interval=HIGH), shaft=outcomes(0, 9))
 
     assert shaft.told == HIGH
+    assert shaft.contradiction == contradiction(HIGH, outcomes(0, 9).interval)
 
 
 def test_the_proof_shows_experience_and_gives_the_numbers_again():
