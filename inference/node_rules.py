@@ -251,9 +251,9 @@ class NodeRules:
         # What asserts and denies nothing only says on what a use rests (`induction`).
         telling = (rule for rule in rules if not rule.interval.is_vacuous)
         fitting = [rule for rule in telling if features_of(rule) <= shown.keys()]
-        known, evidence = {**self.given, **shown}, {**self.goal.contexts, **seen.atoms}
 
         def is_affirmed(*premises: Premises) -> bool:
+            known, evidence = {**self.given, **shown}, {**self.goal.contexts, **seen.atoms}
             one, other = ({known[a][1] for _, a in each if a in known} for each in premises)
             return all(evidence[a].lower + evidence[a].upper > 1 + EPSILON for a in one - other)
 
