@@ -6,6 +6,7 @@ import asyncio
 import logging
 import secrets
 import socket
+import sys
 from collections.abc import AsyncGenerator, Callable
 from contextlib import AbstractAsyncContextManager, asynccontextmanager, nullcontext
 from functools import partial
@@ -48,6 +49,7 @@ STATIC = Path(__file__).resolve().with_name("static")  # served from where it is
 READERS = 4  # threads
 _OWNED = "This base has an owner, which alone writes to it. Tell it what is new, at /api/v1/tell."
 _NO_PAGE = 'The page is not built. Run "make page" in the checkout.\n'
+SWITCH_S = 0.001  # after which the thread of the robot gives way to an answer
 _GRACE_SECONDS = 3  # for connections that stay open after their streams were ended
 _AUDIT_BYTES, _AUDIT_FILES = 10 * 2**20, 5
 _health = APIRouter(tags=["health"])
@@ -236,6 +238,7 @@ def serve(agent: Agent, settings: ServiceSettings, tokens: Path | None, ready: R
 
     DataError if it may not listen there; StoreError if the port is taken.
     """
+    sys.setswitchinterval(SWITCH_S)
     gate = Gate(settings, TokenFile(tokens))
     check_place(gate)
     listener, service = _bound(settings), Service(agent, pace=settings.pace)
