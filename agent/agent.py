@@ -263,7 +263,7 @@ class Agent(AbstractContextManager["Agent"]):
 
     def state(self) -> str:
         """Return a hash of the state of the simulation; empty when there is none yet."""
-        return self.body.state_hash() if "body" in self.__dict__ else ""
+        return self.body.state_hash() if self.has_body else ""
 
     @property
     def robot(self) -> str:
@@ -279,7 +279,7 @@ class Agent(AbstractContextManager["Agent"]):
 
     def holding(self) -> str | None:
         """Return the name of the object in the simulated hand; None when it is empty."""
-        return self.body.holding if "body" in self.__dict__ else None
+        return self.body.holding if self.has_body else None
 
     def quote(self, utterance: int) -> str:
         """Return the text of the utterance with this number; UnknownNameError if there is none."""
@@ -329,7 +329,7 @@ class Agent(AbstractContextManager["Agent"]):
         try:
             yield other
         finally:
-            other._release_body()
+            other.release_body()
 
     @contextmanager
     def filmed(self, path: Path) -> Generator[None]:
@@ -348,11 +348,17 @@ class Agent(AbstractContextManager["Agent"]):
 
     def close(self) -> None:
         """Release the body and the base."""
-        self._release_body()
+        self.release_body()
         self.base.close()
 
-    def _release_body(self) -> None:
-        if "body" in self.__dict__:
+    @property
+    def has_body(self) -> bool:
+        """Whether the simulated body has been made."""
+        return "body" in self.__dict__
+
+    def release_body(self) -> None:
+        """Release the body, if there is one; the base stays open."""
+        if self.has_body:
             self.body.close()
 
     def __exit__(self, *_: object) -> None:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import os
 import shlex
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -34,15 +35,22 @@ PICTURES = {
 }
 
 
+# Pictures of the page of `hilt serve`: its tests take them in a browser, into out/page.
+PAGE_PICTURES = {"page.png": "wide.png", "page_dark.png": "tablet_dark.png"}
+
+
 def make(name: str, folder: Path) -> Path:
-    """Write one of `PICTURES` into a folder, and return its path.
+    """Write one of `PICTURES` or `PAGE_PICTURES` into a folder, and return its path.
 
     Raises:
         CalledProcessError: a command failed.
+        FileNotFoundError: the tests of the page did not run.
     """
     path = folder.resolve() / name
+    if name in PAGE_PICTURES:
+        shutil.copy(ROOT / "out" / "page" / PAGE_PICTURES[name], path)
     with tempfile.TemporaryDirectory() as base:
-        for command in PICTURES[name]:
+        for command in PICTURES.get(name, ()):
             words = [str(path) if word == name else word for word in shlex.split(command)]
             subprocess.run(  # noqa: S603 - the commands above
                 [Path(sys.executable).with_name("hilt"), *words],
@@ -60,7 +68,7 @@ def make(name: str, folder: Path) -> Path:
 def main(folder: str = str(ROOT / "docs" / "images"), *names: str) -> None:
     """Write the pictures with the names, or all."""
     Path(folder).mkdir(parents=True, exist_ok=True)
-    for name in names or PICTURES:
+    for name in names or (*PICTURES, *PAGE_PICTURES):
         path = make(name, Path(folder))
         sys.stdout.write(f"{path.stat().st_size:8} {path}\n")
 

@@ -119,6 +119,10 @@ class QueryLimitError(QueryError):
     """A SPARQL query or update exceeded its limit of time or memory and was stopped."""
 
 
+class BusyError(QueryLimitError):
+    """Too many other queries are running; the same one may be asked again later."""
+
+
 class ValidationError(HiltError, ValueError):
     """A graph or rule violates the SHACL shapes; `findings` has a sentence for each violation."""
 

@@ -106,7 +106,8 @@ def test_gallery_shows_every_picture_with_its_commands():
     page = (ROOT / "docs" / "gallery.md").read_text(encoding="utf-8")
     files = {path.name: path for path in (ROOT / "docs" / "images").iterdir()}
 
-    assert files.keys() == GALLERY["PICTURES"].keys()
+    assert files.keys() == GALLERY["PICTURES"].keys() | GALLERY["PAGE_PICTURES"].keys()
+    assert all(files[name].stat().st_size < MOST_BYTES for name in GALLERY["PAGE_PICTURES"])
     for name, commands in GALLERY["PICTURES"].items():
         assert files[name].stat().st_size < MOST_BYTES
         assert f"(images/{name})" in page

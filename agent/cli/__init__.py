@@ -22,7 +22,7 @@ from ...ontology import errors
 # Each module adds its commands to `app`; help lists them in this order.
 # pyright: reportUnusedImport=false
 from . import conversation, language, rules, files, history  # isort: skip  # noqa: F401
-from . import reasoning, scene, configuration, evaluate  # isort: skip  # noqa: F401
+from . import reasoning, scene, configuration, evaluate, serve  # isort: skip  # noqa: F401
 from .common import FAILED, report_error
 from .options import app
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import sys
 import time
 from collections.abc import Generator, Iterator
@@ -77,14 +76,13 @@ def forget(
     as_json: AsJson = False,
 ) -> None:
     """Take back a rule, what was told last, a word, an action, ..; the history keeps it."""
-    from ...kb.views import rule_changes
+    from ..documents import forgotten_as_json
 
     with common.open_base(kb) as base:
         before = base.sequence
         said = _forgotten(base, what, speaker)
-        done = list(rule_changes(base, since=before))
-    retracted = [rule.as_json() for one in done for rule in one.retracted]
-    common.announce({"said": said, "retracted": retracted}, said, as_json=as_json)
+        done = forgotten_as_json(base, said, before)
+    common.announce(done, said, as_json=as_json)
 
 
 @app.command(epilog=example("watch --json"))
@@ -162,15 +160,13 @@ def episodes(
     """List the episodes: each command with its time, outcome, object and part."""
     if context.invoked_subcommand:
         return
+    from ..documents import episode_as_json
+
     with common.open_for_reading(kb) as base:
         found = list(base.episodes())
     shown = found[-last:] if last else found
     if as_json:
-        common.print_json([
-            {"id": one.id, "time": one.time and one.time.isoformat(), "speaker": one.speaker,
-             **json.loads(one.document)}
-            for one in shown
-        ])  # fmt: skip
+        common.print_json([episode_as_json(one) for one in shown])
     else:
         common.terminal().print(presentation.console.episodes(shown))
 
@@ -232,7 +228,7 @@ def replay(
 
 def _forgotten(base: KnowledgeBase, what: list[str], speaker: str) -> str:
     from ...kb.learned import PHRASES, TAUGHT_ACTIONS, WORDS
-    from ...kb.views import find_rule, last_taught_rules
+    from ..documents import forget_rules, rules_to_forget
 
     said, speaker = f"forget {' '.join(what)}", base.match_speaker(speaker)
     match what:
@@ -251,22 +247,13 @@ def _forgotten(base: KnowledgeBase, what: list[str], speaker: str) -> str:
             name, part = (*names, None, None)[:2]
             number = base.forget_trials(said, speaker, of=name, part=part)
             return f"Forgot what {counted(number, 'grasp')} came to."
-        case ["last"]:
-            gone = last_taught_rules(base, speaker)
         case [name]:
-            gone = [find_rule(base, name)]
+            return forget_rules(base, rules_to_forget(base, name, speaker), said, speaker)
         case _:
             raise typer.BadParameter(
                 'Expected RULE, "last", "word" and a word, "phrase" and a phrase, "action" and an '
                 'action, or "experience".'
             )
-    over = [rule for rule in gone if rule.status != "active"]
-    if over:
-        raise HiltError(f"{over[0].id} is {over[0].status} already.")
-    answer = f"Forgot {'; '.join(map(presentation.console.rule_text, gone))}."
-    ids = [rule.id for rule in gone]
-    base.believe(said, "", speaker, [], retracts=ids, kind="correction", answer=answer)
-    return answer
 
 
 def _new_states(

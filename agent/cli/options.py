@@ -124,7 +124,8 @@ def with_config(*names: str) -> Callable[[Callable[..., None]], Callable[..., No
                 if value is not None and value != []:
                     values[name] = tuple(value) if isinstance(value, list) else value
             config = AgentConfig(**values)
-            if "simulate" in names and config.simulate and not is_plugin(config.vision):
+            moves = "simulate" in names and config.simulate and not given.get("bare")
+            if moves and not is_plugin(config.vision):
                 check_simulator()
             command(config=config, **given)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
@@ -12,11 +12,6 @@ from .. import presentation
 from ..config import AgentConfig
 from .common import exit_with, open_for_reading, print_json, require_base, show, terminal, write_svg
 from .options import INFERENCE, SCENE, AsJson, Kb, Speaker, app, example, with_config
-
-if TYPE_CHECKING:
-    from ...inference.explanation import Counterfactual
-    from ..agent import Agent
-    from ..execution.outcome import Decision
 
 
 @app.command(epilog=example('explain "pass me something used for cutting"'))
@@ -32,34 +27,22 @@ def explain(
 ) -> None:
     """Prove a decision: from what was said to what is chosen, and what would change it."""
     from ..agent import Agent
+    from ..documents import Explanation
 
     require_base(kb)
     with Agent.open(kb, replace(config, simulate=False)) as agent:
-        reply = agent.hear(text, speaker=speaker, only="do", keep=False)
-        decision = reply.decision
-        changes = _changes(agent, decision)
+        found = Explanation(agent, text, speaker)
+        decision = found.reply.decision
         drawing, describe = presentation.deduction_svg, agent.dialogue.conversation.describe
         if svg and decision:
             proved = [drawing.from_proof(each, describe) for each in decision.proofs()]
             write_svg(svg, drawing.draw_svg(proved))
         if as_json:
-            proofs = decision.proofs_as_json() if decision else []
-            said = {"utterance": text, "said": reply.said, "outcome": reply.ending}
-            norms = [each.as_json() for each in reply.result.verdicts] if reply.result else []
-            changed = [each.as_json() for each in changes]
-            print_json(said | {"norms": norms, "proofs": proofs, "changes": changed})
+            print_json(found.as_json())
         else:
-            terminal().print(presentation.console.explanation(reply, changes, describe))
-    exit_with(reply.is_done)
-
-
-def _changes(agent: Agent, decision: Decision | None) -> list[Counterfactual]:
-    from ...inference.explanation import counterfactuals
-
-    nodes = decision.inferences if decision else ()
-    chosen = agent.affordances.settings
-    found = [change for node in nodes for change in counterfactuals(node, chosen)]
-    return sorted(found, key=lambda change: change.size)
+            explained = presentation.console.explanation(found.reply, found.changes, describe)
+            terminal().print(explained)
+    exit_with(found.reply.is_done)
 
 
 @app.command(epilog=example("conflicts --json"))

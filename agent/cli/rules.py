@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated
 
@@ -66,6 +65,7 @@ def trust(
 ) -> None:
     """Set the trust in a speaker, 0 for none; or show the trust in each speaker."""
     from ...ontology.errors import NotFoundError
+    from ..documents import trust_as_json
 
     if suggest:
         if degree is not None:
@@ -84,7 +84,7 @@ def trust(
             name = base.match_speaker(str(speaker))
             shown = {name: base.set_trust(name, degree)}
     if as_json:
-        common.print_json({name: {"lower": t.lower, "upper": t.upper} for name, t in shown.items()})
+        common.print_json(trust_as_json(shown))
         return
     for name, interval in shown.items():
         typer.echo(f"{name} is trusted to {interval.lower:g}.", err=degree is not None)
@@ -116,6 +116,7 @@ def graph(
     """Draw the rules as a graph, coloured by context; --json prints it and draws nothing."""
     from ...kb.formats.graphml import draw_graph, graph_of
     from ...kb.views import parse_moment, view
+    from ..documents import graph_as_json
 
     moment = None if at is None else parse_moment(at)
     with common.open_for_reading(kb) as base:
@@ -123,11 +124,8 @@ def graph(
         rules = source.rules(
             object=name, affordance=affordance, context=context, part=part, speaker=speaker
         )
-    found = graph_of(rules)
     if as_json:
-        nodes = [{"id": node, **data} for node, data in found.nodes(data=True)]
-        edges = [{"from": a, "to": b, **data} for a, b, data in found.edges(data=True)]
-        common.print_json({"nodes": nodes, "edges": edges})
+        common.print_json(graph_as_json(rules))
         return
     if len(rules) > MOST_RULES:
         raise DataError(
@@ -139,7 +137,7 @@ def graph(
     suffix = ".svg" if file == common.STDIN else Path(file).suffix.lower()
     if suffix not in {".svg", ".png"}:
         raise DataError(f'the extension "{suffix}" is no picture; use .svg or .png.', source=file)
-    common.write_bytes(file, draw_graph(found, suffix[1:]))
+    common.write_bytes(file, draw_graph(graph_of(rules), suffix[1:]))
     typer.echo(f"Drew {counted(len(rules), 'rule')} into {file}.", err=True)
 
 
@@ -227,13 +225,10 @@ def _arguments(given: Sequence[str]) -> dict[str, list[str]]:
 
 def _list_queries(*, as_json: bool) -> None:
     from ...kb.sparql.named_queries import named_query, query_names
+    from ..documents import question_as_json
 
     named = [named_query(name) for name in query_names()]
     if as_json:
-        common.print_json([
-            {"name": one.name, "question": one.question,
-             "parameters": [asdict(each) for each in one.parameters.values()]}
-            for one in named
-        ])  # fmt: skip
+        common.print_json([question_as_json(one) for one in named])
         return
     common.terminal().print(presentation.console.questions(named))

@@ -35,13 +35,14 @@ def show(
     """Render a picture of a scene with the robot, and list its objects with their positions."""
     check_simulator()
     from ...sim.media.pictures import OVERVIEW, check_writable
+    from ..documents import things_as_json
     from ..execution.embodiment import Embodiment
 
     check_writable(out)
     embodiment = Embodiment.from_config(config)
     with spinner("Loading the scene"), embodiment.open_body() as body:
         _picture(body, out, OVERVIEW, names=names)
-        things = _things(body)
+        things = things_as_json(body)
     if as_json:
         print_json({"picture": str(out), "things": things})
         return
@@ -91,19 +92,6 @@ def _picture(body: Body, path: Path, camera: Camera, *, names: bool = False) -> 
         places = {name: body.world.top(name) for name in body.world.kinds}
         picture = draw_names(picture, camera, places)
     save_picture(picture, path)
-
-
-def _things(body: Body) -> list[dict[str, Any]]:
-    world = body.world
-    return [
-        {
-            "name": name,
-            "object": kind.name,
-            "at": [round(float(x), 3) + 0.0 for x in world.pose(name)[:3, 3]],
-            "within": world.supports.get(name),
-        }
-        for name, kind in world.kinds.items()
-    ]
 
 
 @app.command(epilog=example("grasp --cloud mug.npz --part handle --table 0"))

@@ -112,6 +112,10 @@ class Conversation:
             self.language = self.language.with_words(names).with_phrases(phrases)
         return is_new
 
+    def expect_news(self) -> None:
+        """Let the next `notice_others` look: the base was changed past this conversation."""
+        self._noticed = -1
+
     # --- What is understood and known ---------------------------------------------------------
 
     def understand(

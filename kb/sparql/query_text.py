@@ -174,11 +174,13 @@ def refuse_external_access(text: str) -> None:
     """Raise a QueryError for a text that would read from the network or from files."""
     # Some engines read escaped characters before anything else.
     for version in {text, _CODE_POINT.sub(_decoded, text)}:
-        said = (token.group().lstrip("<").lower()[:60] for token in tokens(version))
+        is_suspect = any(each in version.lower() for each in VIRTUOSO_FUNCTIONS)
+        found = tokens(version if is_suspect else "")
+        said = (token.group().lstrip("<").lower()[:60] for token in found)
         function = next((one for one in said if one.startswith(VIRTUOSO_FUNCTIONS)), None)
-        if found := next(_forbidden_words(version), function):
+        if word := next(_forbidden_words(version), function):
             raise QueryError(
-                f"{found} is refused: a query reads this knowledge base and nothing else. "
+                f"{word} is refused: a query reads this knowledge base and nothing else. "
                 "Import the data first."
             )
 

@@ -12,6 +12,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from ...ontology.errors import QueryError
+from ...ontology.vocabulary import Iri
 from ..rdf.terms import Term, as_sparql
 from .query_text import keywords, tokens, variables
 
@@ -76,6 +77,31 @@ def parse_update(text: str) -> list[UpdateOperation]:
         _operation(prologue, _graph_operation(text[start:end]) or text[start:end])
         for start, end, prologue in _pieces(text)
     ]
+
+
+def with_dataset(update: str, default: Sequence[str], named: Sequence[str]) -> str:
+    """An update whose groups are evaluated over a default graph and named ones, given as IRIs.
+
+    A QueryError says that it chooses its graphs itself (USING, WITH).
+    """
+    if not {"USING", "WITH"}.isdisjoint(keywords(update)):
+        raise QueryError("The graphs are given twice: in the update (USING, WITH) and beside it.")
+    using = "".join(
+        [f"USING {as_sparql(Iri(one))} " for one in default]
+        + [f"USING NAMED {as_sparql(Iri(one))} " for one in named]
+    )
+    for start, end, _ in reversed([*_pieces(update)]):
+        *before, (head, where) = [*_groups(update[start:end])] or [("", "")]
+        match keywords(head):
+            case ("DELETE", "WHERE"):
+                before = [("DELETE ", where)]
+            case (*_, "WHERE"):
+                pass
+            case _:
+                continue
+        templates = "".join(f"{one}{template}" for one, template in before)
+        update = f"{update[:start]}{templates} {using}WHERE {where}{update[end:]}"
+    return update
 
 
 def _pieces(text: str) -> Iterator[tuple[int, int, str]]:

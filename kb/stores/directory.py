@@ -60,6 +60,8 @@ def remove_leftovers(folder: Path) -> None:
 class Snapshot:
     """A new, empty folder for a snapshot, removed when nobody refers to it any more."""
 
+    number = 0  # of the last utterance in it, where it is known
+
     def __init__(self, folder: Path | None) -> None:
         """Make it inside the folder of a base, or among the temporary files."""
         try:

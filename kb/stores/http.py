@@ -14,11 +14,12 @@ A request that may be repeated is retried after increasing pauses when the conne
 server is busy. Redirects are not followed, so that no other server receives the credentials.
 """
 
+import json
 import os
 import re
 import time
 from collections.abc import Callable, Generator, Mapping, Sequence
-from contextlib import closing
+from contextlib import closing, suppress
 from dataclasses import dataclass, field
 from urllib.parse import unquote, urldefrag, urljoin, urlsplit, urlunsplit
 
@@ -252,6 +253,8 @@ def _reason(error: Exception) -> str:
 
 
 def _first_line(body: bytes) -> str:
+    with suppress(ValueError, KeyError, TypeError):  # a problem document
+        return str(json.loads(body)["detail"])[:MAX_MESSAGE].rstrip(".") + "."
     lines = body[:10_000].decode("utf-8", "replace").strip().splitlines()
     text = next((line.strip() for line in lines if line.strip()), "no message")
     return text[:MAX_MESSAGE].rstrip(".") + "."

@@ -15,10 +15,10 @@ import os
 import shutil
 import threading
 from collections import deque
-from collections.abc import Generator, Iterable, Iterator
+from collections.abc import Generator, Iterable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
-from typing import BinaryIO, cast
+from typing import Any, BinaryIO, TypeAlias, cast
 
 import pyoxigraph as engine
 
@@ -36,6 +36,7 @@ from .query_subprocess import WorkerProcess
 from .rdf_text import from_engine, named_node, quad_from_engine, quad_to_engine, to_engine
 
 _PREFIXES = dict(PREFIXES)
+_Found: TypeAlias = "engine.QuerySolutions | engine.QueryBoolean | engine.QueryTriples"
 # The places in a statement that choose each of the engine's indexes, but for the one by which it
 # goes through all statements.
 _INDEXES = ((0,), (1,), (1, 3), (2,), (2, 3))
@@ -77,17 +78,51 @@ class OxigraphStore:
         if limits is None:
             return self._evaluate(query)
         with timed(__name__, "query with limits %s", query):
-            with self._lock:
-                snapshot = self._snapshot = self._snapshot or self._take_snapshot()
-            return self._worker.request(limits, source=snapshot.path, query=query)
+            snapshot = self.snapshot()
+            return self._worker.request(limits, source=str(snapshot.path), query=query)
+
+    def snapshot(self) -> directory.Snapshot:
+        """What is stored now, for other processes; the same one until something changes."""
+        with self._lock:
+            self._snapshot = self._snapshot or self._take_snapshot()
+            return self._snapshot
+
+    def is_current(self, snapshot: directory.Snapshot) -> bool:
+        """Whether nothing has changed since a snapshot of this store."""
+        return snapshot is self._snapshot
+
+    def document(
+        self,
+        query: str,
+        formats: Sequence[str | None],
+        *,
+        base: str | None = None,
+        dataset: tuple[Sequence[str], Sequence[str]] | None = None,
+        is_union: bool = True,
+    ) -> tuple[str, bytes]:
+        """The result of a query as a document in UTF-8, after its media type.
+
+        `formats` are the media types for rows, for a boolean, and for statements; where one is
+        None, both parts of the answer are empty. `dataset` has the graphs that are its default
+        graph, and the named ones. By default the query says them, or, with `is_union`, all are.
+        """
+        names = zip(("default_graph", "named_graphs"), dataset or (), strict=bool(dataset))
+        with translated_errors(self.location):
+            graphs = {key: list(map(named_node, given)) for key, given in names}
+        is_union = is_union and not graphs
+        with timed(__name__, "query %s", query), translated_errors(self.location, query):
+            found: Any = self._run(query, base_iri=base, is_union=is_union, **graphs)
+            kinds = (engine.QuerySolutions, engine.QueryBoolean, engine.QueryTriples)
+            media_type = formats[kinds.index(type(found))]
+            if media_type is None:
+                return "", b""
+            is_graph = isinstance(found, engine.QueryTriples)
+            known = engine.RdfFormat if is_graph else engine.QueryResultsFormat
+            return media_type, found.serialize(format=known.from_media_type(media_type))
 
     def _evaluate(self, query: str) -> results.QueryResult:
         with timed(__name__, "query %s", query), translated_errors(self.location, query):
-            # As a union, pyoxigraph ignores the graphs that a query itself chooses (FROM).
-            is_union = "from" not in query.lower() or "FROM" not in keywords(query)
-            found = self._engine().query(
-                query, prefixes=_PREFIXES, use_default_graph_as_union=is_union
-            )
+            found = self._run(query)
             if isinstance(found, engine.QueryBoolean):
                 return results.BooleanResult(bool(found))
             if isinstance(found, engine.QueryTriples):
@@ -112,8 +147,11 @@ class OxigraphStore:
             None if graph is None else named_node(graph),
         )
         with translated_errors(self.location):
-            for quad in found:
-                yield quad_from_engine(quad)
+            try:
+                for quad in found:
+                    yield quad_from_engine(quad)
+            finally:  # only this thread may free it, also where not all was read
+                del found
 
     def properties(self, subject: Iri, graph: Iri) -> Properties:
         """The properties of a node."""
@@ -220,15 +258,26 @@ class OxigraphStore:
                 _write_folder(store, target)
 
     def _take_snapshot(self) -> directory.Snapshot:
-        snapshot = directory.Snapshot(self._folder)
-        snapshot.path.rmdir()  # pyoxigraph makes it itself
-        self.save(snapshot.path)
+        if self._folder:
+            snapshot = directory.take_snapshot(self._folder)
+        else:
+            snapshot = directory.Snapshot(None)
+            snapshot.path.rmdir()  # pyoxigraph makes it itself
+            self.save(snapshot.path)
+        snapshot.number = last_utterance(self)
         return snapshot
 
     def _write_tables(self, store: engine.Store) -> None:
         store.flush()
         if self._log:
             self._log.reset(last_utterance(self))
+
+    def _run(self, query: str, *, is_union: bool = True, **options: Any) -> _Found:
+        # As a union, pyoxigraph ignores the graphs that a query itself chooses (FROM).
+        is_union = is_union and ("from" not in query.lower() or "FROM" not in keywords(query))
+        return self._engine().query(
+            query, prefixes=_PREFIXES, use_default_graph_as_union=is_union, **options
+        )
 
     def _engine(self) -> engine.Store:
         if self._inner is None:

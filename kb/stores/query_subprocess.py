@@ -16,7 +16,8 @@ from typing import IO, Any, cast
 from ...ontology.errors import HiltError, QueryError
 from ..sparql.results import QueryLimits
 
-QUERY_WORKER = f"{__package__}.query_worker"
+COMMAND = (sys.executable, "-m", f"{__package__}.query_worker")
+SIZE_BYTES = 8  # of the size before an answer
 
 
 class WorkerProcess:
@@ -55,15 +56,12 @@ class WorkerProcess:
         try:
             pickle.dump(request, to)
             to.flush()
-            return pickle.load(answers)  # noqa: S301 - of a module of Hilt
+            size = int.from_bytes(answers.read(SIZE_BYTES), "big")
+            return pickle.loads(answers.read(size))  # noqa: S301 - of a module of Hilt
         except (EOFError, BrokenPipeError, pickle.UnpicklingError):
             code, was_stopped = process.wait(), time.monotonic() >= end
             self.close()
-            if was_stopped:
-                raise limits.time_error() from None
-            if code == -signal.SIGSEGV:  # pyoxigraph's parser recurses for each bracket
-                raise QueryError("The query is nested too deeply, and was stopped.") from None
-            raise limits.memory_error() from None
+            raise exit_error(code, limits, was_stopped=was_stopped) from None
         except BaseException:
             self.close()
             raise
@@ -76,9 +74,15 @@ class WorkerProcess:
             self.close()
             self._megabytes = limits.megabytes
             self._process = subprocess.Popen(  # noqa: S603 - a module of Hilt
-                [sys.executable, "-m", QUERY_WORKER],
-                stdin=subprocess.PIPE,
-                stdout=subprocess.PIPE,
-                stderr=subprocess.DEVNULL,
+                COMMAND, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL
             )
         return self._process
+
+
+def exit_error(code: int, limits: QueryLimits, *, was_stopped: bool) -> QueryError:
+    """The error of a process that ended with a code before it answered."""
+    if was_stopped:
+        return limits.time_error()
+    if code == -signal.SIGSEGV:  # pyoxigraph's parser recurses for each bracket
+        return QueryError("The query is nested too deeply, and was stopped.")
+    return limits.memory_error()

@@ -2,8 +2,9 @@
 
 It reads pickled requests from stdin: `source` (the folder of a snapshot), `query`, and `megabytes`,
 its memory beyond what it needs to open the source. It answers with the result or the error,
-pickled. The process that asked kills it when it takes too long. A request with an `update` is
-answered with the statements that it leaves in an empty store.
+pickled, after the size of that. The process that asked kills it when it takes too long. A request
+with `document`, arguments of `OxigraphStore.document`, is answered with that document; one with an
+`update` is answered with the statements that it leaves in an empty store.
 """
 
 import contextlib
@@ -15,6 +16,7 @@ from typing import Any
 
 from ...ontology.errors import QueryError, StoreError
 from .oxigraph import OxigraphStore, open_memory, open_snapshot
+from .query_subprocess import SIZE_BYTES
 
 MAX_SHARE = 4  # an answer takes several times its size there; it may have 1/4 of the memory
 
@@ -24,7 +26,9 @@ def serve() -> None:
     with contextlib.suppress(EOFError):
         while True:
             request = pickle.load(sys.stdin.buffer)  # noqa: S301 - of the process that asked
-            sys.stdout.buffer.write(_answer_or_error(request))
+            body = _answer_or_error(request)
+            sys.stdout.buffer.write(len(body).to_bytes(SIZE_BYTES, "big"))
+            sys.stdout.buffer.write(body)
             sys.stdout.buffer.flush()
 
 
@@ -43,15 +47,18 @@ def _limit_memory(megabytes: int) -> None:
 
 
 @lru_cache(maxsize=1)
-def _opened(source: Path, megabytes: int) -> OxigraphStore:
-    store = open_snapshot(source)
+def _opened(source: str, megabytes: int) -> OxigraphStore:
+    store = open_snapshot(Path(source))
     _limit_memory(megabytes)
     return store
 
 
 def _answer(request: dict[str, Any]) -> object:
     if "update" not in request:
-        return _opened(request["source"], request["megabytes"]).run(request["query"])
+        store = _opened(request["source"], request["megabytes"])
+        if "document" in request:
+            return store.document(request["query"], **request["document"])
+        return store.run(request["query"])
     _limit_memory(request["megabytes"])
     store = open_memory()
     store.update(request["update"])

@@ -140,6 +140,20 @@ def read_triples(data: bytes, *, source: str) -> list[Quad]:
         return [quad_from_engine(q) for q in engine.parse(data, format=engine.RdfFormat.N_TRIPLES)]
 
 
+def as_ntriples(data: bytes, *, media_type: str, base: str) -> str:
+    """The statements of an RDF document as N-Triples with blank nodes of its own.
+
+    `base` resolves relative IRIs. DataError if the document is wrong.
+    """
+    chosen = engine.RdfFormat.from_media_type(media_type)
+    try:
+        found = engine.parse(data, format=chosen, base_iri=base, rename_blank_nodes=True)
+        triples = [quad.triple for quad in found]
+    except SyntaxError as error:
+        raise syntax_error(error, media_type, "") from error
+    return cast(bytes, engine.serialize(triples, format=engine.RdfFormat.N_TRIPLES)).decode()
+
+
 def graph_statements(store: Store, graph: Iri, *, is_sorted: bool) -> Iterable[EngineQuad]:
     """The statements of a graph, to be serialized; sorted by subject, the class of each first."""
     if isinstance(store, EmbeddedStore):

@@ -74,10 +74,11 @@ class Bodies:
         for index in range(self._client.call("getNumJoints", number)):
             info = self._client.call("getJointInfo", number, index)
             joints[info[1].decode()] = links[info[12].decode()] = index
-        base_from_com = self._pose(inertial[3], inertial[4])
+        base_from_com = self.world_pose(inertial[3], inertial[4])
         return _BodyRecord(number, links, joints, poses.inverse(base_from_com))
 
-    def _pose(self, position: Sequence[float], quaternion: Sequence[float]) -> Array:
+    def world_pose(self, position: Sequence[float], quaternion: Sequence[float]) -> Array:
+        """Return the pose at a position (3,) [m] with a unit quaternion in the order x, y, z, w."""
         rotation = self._client.call("getMatrixFromQuaternion", quaternion)
         return poses.pose(np.reshape(rotation, (3, 3)), position)
 
@@ -92,7 +93,21 @@ class Bodies:
         if index == BASE:
             return self.centre_of_mass(body) @ self._record(body).com_from_base
         state = self._client.call("getLinkState", number, index, computeForwardKinematics=1)
-        return self._pose(state[4], state[5])
+        return self.world_pose(state[4], state[5])
+
+    def link_poses(self, body: str, links: Sequence[str]) -> Array:
+        """Return x y z [m] and quaternion x y z w of links' URDF frames in the world (n, 7)."""
+        record, found = self._record(body), np.empty((len(links), 7))
+        indices = [record.links[link] for link in links]
+        if moving := [index for index in indices if index != BASE]:
+            states = self._client.call(
+                "getLinkStates", record.number, moving, computeForwardKinematics=1
+            )
+            found[[i != BASE for i in indices]] = [(*state[4], *state[5]) for state in states]
+        if BASE in indices:
+            base = self.pose(body)
+            found[indices.index(BASE)] = (*base[:3, 3], *poses.quaternion(base[:3, :3]))
+        return found
 
     def place(self, body: str, world_from_base: Array) -> None:
         """Move a body to a pose, at rest."""
@@ -158,7 +173,7 @@ class Bodies:
     def centre_of_mass(self, body: str) -> Array:
         """`world_from_com` of a body's base: PyBullet's own frame of it."""
         number = self._record(body).number
-        return self._pose(*self._client.call("getBasePositionAndOrientation", number))
+        return self.world_pose(*self._client.call("getBasePositionAndOrientation", number))
 
     def _record(self, name: str) -> _BodyRecord:
         return _find(name, self._records, "body")

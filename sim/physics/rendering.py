@@ -4,7 +4,8 @@ from collections import Counter
 from collections.abc import Callable, Collection, Generator, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import TypeAlias
+from pathlib import Path
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +29,23 @@ class Lighting:
     shadow: bool = False
 
 
+@dataclass(frozen=True)
+class VisualShape:
+    """A visual shape of a link, as its URDF describes it.
+
+    `size` has the edges of a box, the radius of a sphere, the length and radius of a cylinder or
+    capsule [m], or the scale of a mesh.
+    """
+
+    link: str
+    kind: str  # "sphere", "box", "cylinder", "mesh", "plane" or "capsule"
+    size: tuple[float, float, float]
+    file: Path  # of a mesh
+    link_from_shape: Array  # (4, 4)
+    colour: tuple[float, float, float, float]  # red, green, blue and opacity in [0, 1]
+
+
+_KINDS = {2: "sphere", 3: "box", 4: "cylinder", 5: "mesh", 6: "plane", 7: "capsule"}
 _Shape: TypeAlias = tuple[int, int, int, Sequence[float]]  # body, link, index there, colour
 Rendered: TypeAlias = tuple[
     NDArray[np.uint8], NDArray[np.float32], NDArray[np.int32], Mapping[int, tuple[str, str]]
@@ -114,9 +132,18 @@ class Rendering:
         shapes = self._shapes(body)
         return tuple(dict.fromkeys(self._bodies.links[shape[:2]][1] for shape in shapes))
 
+    def visual_shapes(self, body: str) -> Iterator[VisualShape]:
+        """Iterate over the visual shapes of a body."""
+        for raw in self._visual_data(body):
+            link, at = self._bodies.links[raw[:2]][1], self._bodies.world_pose(raw[5], raw[6])
+            yield VisualShape(link, _KINDS[raw[2]], raw[3], Path(raw[4].decode()), at, raw[7])
+
+    def _visual_data(self, body: str) -> Sequence[Any]:
+        return self._client.call("getVisualShapeData", self._bodies.link_id(body)[0])
+
     def _shapes(self, body: str) -> Iterator[_Shape]:
         count = Counter[int]()
-        for shape in self._client.call("getVisualShapeData", self._bodies.link_id(body)[0]):
+        for shape in self._visual_data(body):
             yield shape[0], shape[1], count[shape[1]], shape[7]
             count[shape[1]] += 1
 

@@ -2,7 +2,7 @@
 
 A `World` loads the room and the objects of a scene into an engine and lets them settle. The robot
 is not part of it: `robot` loads it into the same engine. Everything steps through `World.step`, so
-that a watcher (a recorder) is called at every step.
+that watchers (a recorder, a live view) are called at every step.
 """
 
 from __future__ import annotations
@@ -51,7 +51,9 @@ class World(AbstractContextManager["World"]):
     objects: Mapping[str, ObjectType]
     kinds: Mapping[str, ObjectType]  #: type of each object on the table, by the object's name
     models: Mapping[str, ObjectModel]
-    watcher: Callable[[], None] | None = None
+    watchers: list[Callable[[], None]] = field(  #: are called after every step
+        default_factory=list[Callable[[], None]]
+    )
     #: name of the object that an object stands in; loose ones are not in it
     supports: dict[str, str] = field(default_factory=dict[str, str])
 
@@ -97,13 +99,14 @@ class World(AbstractContextManager["World"]):
         return self.engine.steps * TIME_STEP
 
     def step(self, count: int = 1) -> None:
-        """Simulate `count` steps, and call the watcher after each."""
-        if self.watcher is None:
+        """Simulate `count` steps, and call the watchers after each."""
+        if not self.watchers:
             self.engine.step(count)
             return
         for _ in range(count):
             self.engine.step()
-            self.watcher()
+            for watcher in self.watchers:
+                watcher()
 
     def settle(self) -> bool:
         """Step until all objects are still, at most `SETTLE_LIMIT`; return whether they are."""

@@ -93,7 +93,7 @@ def test_arm_reacts_within_fifty_milliseconds(robot: Agent):
         braked.append(world.time)
         halt()
 
-    world.watcher = watch
+    world.watchers.append(watch)
     robot.body.robot.halt = note
     robot.hear("pass me the knife")
 

@@ -22,6 +22,8 @@ from hilt.kb.sparql.query_text import with_prefixes
 from hilt.kb.stores.http import EndpointConfig, EndpointTransport
 from hilt.kb.stores.remote import RemoteStore
 
+from ..agent.web import running_service
+
 PASSWORD = "correct horse"  # noqa: S105 - of a server that lives for some seconds
 MAX_ROWS = 1_000  # that Virtuoso gives at once here; its default is 10,000
 UP_S, DOWN_S = 60.0, 10.0
@@ -68,6 +70,16 @@ def virtuoso(folder: Path) -> Generator[Endpoint]:
     subprocess.run(change, cwd=folder, check=True, capture_output=True, timeout=UP_S)
     with _running(started, folder, f"http://127.0.0.1:{port}/sparql"):
         yield Endpoint(f"http://127.0.0.1:{port}/sparql", "dba", PASSWORD)
+
+
+@contextmanager
+def hilt(folder: Path) -> Generator[Endpoint]:
+    """`hilt serve --bare`, which serves a plain store."""
+    service = running_service.start(folder, "--bare")
+    try:
+        yield Endpoint(f"{service.url}/sparql#update,store")
+    finally:
+        running_service.end(service)
 
 
 @contextmanager

@@ -1,4 +1,4 @@
-"""Claims that every store keeps: in memory, in a folder, and behind two real endpoints."""
+"""Claims that every store keeps: in memory, in a folder, and behind three real endpoints."""
 
 from __future__ import annotations
 
@@ -39,7 +39,11 @@ from ..test_episodes import EPISODE
 
 S, P = (Iri(f"urn:{name}") for name in "sp")
 G, H = iri("graph", "beliefs"), iri("graph", "history")
-ENDPOINTS = {"oxigraph server": endpoints.oxigraph, "virtuoso": endpoints.virtuoso}
+ENDPOINTS = {
+    "oxigraph server": endpoints.oxigraph,
+    "virtuoso": endpoints.virtuoso,
+    "hilt serve": endpoints.hilt,
+}
 Opener = Callable[[], Store]
 
 

@@ -129,7 +129,7 @@ def test_nothing_is_rendered_when_nobody_records(
 
     world.step(60)
 
-    assert world.watcher is None
+    assert world.watchers == []
 
 
 def test_failed_run_leaves_no_file(world: World, tmp_path: Path):
@@ -138,7 +138,7 @@ def test_failed_run_leaves_no_file(world: World, tmp_path: Path):
         _ = 1 / 0
 
     assert not (tmp_path / "out.gif").exists()
-    assert world.watcher is None
+    assert world.watchers == []
 
 
 def test_unknown_ending_is_refused_at_once(world: World):

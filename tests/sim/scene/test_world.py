@@ -62,7 +62,7 @@ def test_watcher_sees_every_step():
 
     with World.build(parse_scene("objects:mug", seed=0, objects=OBJECTS), OBJECTS) as world:
         start = world.time
-        world.watcher = lambda: seen.append(world.time)
+        world.watchers.append(lambda: seen.append(world.time))
         world.step(3)
 
         assert seen == pytest.approx([start + i * TIME_STEP for i in (1, 2, 3)])
