@@ -22,7 +22,7 @@ from ..execution.outcome import AnswerContent, GoalResult
 from ..execution.request import Request
 from .conversation import Answered, Conversation, UnderstoodTurn, spoken
 from .reply import Reply
-from .translation import SimpleCommand, request_from_command, rule_from_norm
+from .translation import SimpleCommand, chosen_by, request_from_command, rule_from_norm
 
 MOST_LISTED = 8
 
@@ -83,7 +83,7 @@ class NormDialogue:
             self._momentary[rule.id] = (rule, turn.understood)
 
     def _named_acts(self, said: SimpleCommand) -> list[SimpleCommand]:
-        target = said.tool if isinstance(said, meaning.ToolCommand) else said.target
+        target = chosen_by(said)
         if target.object:
             return [said]
         if isinstance(said, meaning.ToolCommand):  # with any tool
