@@ -33,8 +33,7 @@ class GoalManager(ExecutionContext):
         answer = failure or self._answer(request, execution.decision, recipient, unable)
         if tree.objects is not None and answer.ending == "done":
             names = tuple(map(execution.name, map(arguments.get, tree.parameters)))
-            is_done = self.motion is not None
-            answer = outcome_answer.taught_done(request.action, names, is_done=is_done)
+            answer = outcome_answer.taught_done(request.action, names, is_done=bool(self.motion))
         return execution.result(answer)
 
     def empty_hand(self, control: str, named: str | None = None) -> AnswerContent:
