@@ -35,8 +35,8 @@ from .dialogue.hearing import Alternative, reaction, weigh
 from .dialogue.manager import DialogueManager
 from .dialogue.reply import Reply
 from .dialogue.translation import action_words
+from .execution.action_tree_executor import GoalManager
 from .execution.embodiment import Embodiment
-from .execution.goal_manager import GoalManager
 from .execution.norm_guard import NormGuard
 from .execution.outcome import GoalResult, Json, WalkStep
 from .execution.request import Request, review_arguments

@@ -20,7 +20,7 @@ from ...nlu.parsing.understanding import Understanding
 from ...nlu.semantics import meaning
 from ...ontology.actions import Actions
 from ...ontology.errors import UnknownNameError
-from ..execution.goal_manager import GoalManager
+from ..execution.action_tree_executor import GoalManager
 from ..execution.outcome import AnswerContent, GoalResult, Slot, WorldOutcome
 from ..execution.outcome_answer import use_slot
 from ..execution.request import Request

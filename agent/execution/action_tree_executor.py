@@ -27,17 +27,20 @@ from .doubt import Doubt, find_doubt
 from .norm_guard import NormGuard
 from .outcome import AnswerContent, Decision, Failure, GoalResult, WalkStep, WorldOutcome
 from .perception import percept_as_observation
-from .primitives import PrimitiveExecutor, PrimitiveTask
+from .primitives import EMPTYING, PrimitiveExecutor, PrimitiveTask, empty_hand
 from .request import PATIENT, Argument, Arguments, Request, named, review_arguments
 
 Steps = Sequence[TreeStep | Loop]
+_EMPTYING = {"release": "letGo", "putDown": "placeObject", "putBack": "returnObject"}
+"""The primitive of each control that empties the hand."""
+
 GRASP, PICK_UP = "graspObject", "pickUp"
 WORTH_TRYING = ("accepted", "unsure")  # verdicts of candidates that may be tried instead
 
 
 @dataclass
-class ExecutionContext:
-    """What action trees are executed with.
+class GoalManager:
+    """Carries out goals by walking their action trees.
 
     Attributes:
         motion: the motion of the robot; None decides but does not act.
@@ -76,6 +79,50 @@ class ExecutionContext:
         held = self.motion.held if isinstance(self.motion, ReleasingMotion) else None
         return held.object if held else None
 
+    def achieve(self, request: Request) -> GoalResult:
+        """Execute the tree of a goal to its end, or to the first failure that no branch handles.
+
+        UnknownNameError if there is no tree of that name.
+        """
+        tree = self.actions.tree(request.action)
+        arguments = review_arguments(self.actions, tree.name, request)
+        unable = self._missing_abilities(tree.name)
+        execution = TreeExecutor(self, request, is_able=not unable)
+        failure = execution.visit(tree.name, arguments)
+        if failure and failure.cause == outcome_answer.INTERRUPTED:
+            failure = outcome_answer.stopped(self.holding)
+        recipient = str(arguments.get("recipient", ""))
+        answer = failure or self._answer(request, execution.decision, recipient, unable)
+        if tree.objects is not None and answer.ending == "done":
+            names = tuple(map(execution.name, map(arguments.get, tree.parameters)))
+            answer = outcome_answer.taught_done(request.action, names, is_done=bool(self.motion))
+        return execution.result(answer)
+
+    def empty_hand(self, control: str, kind: str | None = None) -> AnswerContent:
+        """Release, put down or put back what the hand holds; `kind` is what it should be."""
+        return empty_hand(self.motion, _EMPTYING[control], kind)
+
+    def _answer(
+        self, request: Request, decision: Decision | None, recipient: str, unable: Sequence[str]
+    ) -> AnswerContent:
+        if request.action in _EMPTYING and self.motion and not unable:
+            return outcome_answer.hand_emptied(_EMPTYING[request.action], request.name("object"))
+        if decision is None or decision.object.best is None:  # nothing was looked for or needed
+            return AnswerContent("okay")
+        if unable:
+            return outcome_answer.unable(request.action, unable[0], decision)
+        if self.motion is None:
+            return outcome_answer.decided(request.action, decision, request.speaker, recipient)
+        return outcome_answer.done(request.action, decision, request.speaker, recipient)
+
+    def _missing_abilities(self, tree: str) -> list[str]:
+        if self.motion is None:
+            return []
+        below = (node for node in self.actions.nodes if node.startswith(f"{tree}/"))
+        needed = {_action(node) for node in below} & self.actions.primitives.keys()
+        own = EMPTYING.keys() if isinstance(self.motion, ReleasingMotion) else set[str]()
+        return sorted(needed - self.motion.abilities - own - {FIND})
+
 
 @dataclass(frozen=True)
 class FoundObject:
@@ -92,7 +139,7 @@ class TreeExecutor:
     Without `is_able` the robot lacks something that the tree needs, and it is only decided.
     """
 
-    def __init__(self, context: ExecutionContext, request: Request, *, is_able: bool) -> None:
+    def __init__(self, context: GoalManager, request: Request, *, is_able: bool) -> None:
         self._context, self._request = context, request
         self._affordances = context.affordances
         self._norms = NormGuard(
