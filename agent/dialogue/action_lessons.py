@@ -55,13 +55,9 @@ class ActionLessons:
         if unknown:
             return self._ask(turn, said, unknown)
         spoken = " ".join(map(conversation.say, self._echo(said)))
-        taught = TaughtAction(
-            Atom("action", said.action),
-            json.dumps(said.as_json()),
-            turn.understood.text,
-            turn.speaker,
-            nodes=tuple(each for each in actions.nodes if each.split("/")[0] == said.action),
-        )
+        nodes = tuple(each for each in actions.nodes if each.split("/")[0] == said.action)
+        name, definition, text = Atom("action", said.action), said.as_json(), turn.understood.text
+        taught = TaughtAction(name, json.dumps(definition), text, turn.speaker, nodes=nodes)
         conversation.believe(turn, (), spoken, turn.understood.new_words, actions=[taught])
         self.read()
         return conversation.reply(turn, spoken)

@@ -31,6 +31,7 @@ from .primitives import EMPTYING, PrimitiveExecutor, PrimitiveTask, empty_hand
 from .request import PATIENT, Argument, Arguments, Request, named, review_arguments
 
 Steps = Sequence[TreeStep | Loop]
+Watcher = Callable[[WalkStep], None]
 _EMPTYING = {"release": "letGo", "putDown": "placeObject", "putBack": "returnObject"}
 """The primitive of each control that empties the hand."""
 
@@ -62,9 +63,7 @@ class GoalManager:
     parts: Mapping[str, Collection[str]] = field(default_factory=dict[str, Collection[str]])
     interruption: Interruption = field(default_factory=Interruption)
     done: list[tuple[str, str]] = field(default_factory=list[tuple[str, str]])
-    watchers: list[Callable[[WalkStep], None]] = field(
-        default_factory=list[Callable[[WalkStep], None]]
-    )
+    watchers: list[Watcher] = field(default_factory=list[Watcher])
 
     def search(self, features: Sequence[str]) -> Sequence[Percept]:
         """Return what the vision finds; the features, what was found, and the time are logged."""
