@@ -28,7 +28,7 @@ from ....kb.rdf.rule_mapping import BELIEFS, DERIVED_FROM, GENERATED_AT
 from ....kb.rule import DEFAULT_SPEAKER, Rule
 from ....sim.scene.scene import Placement, Scene
 from ...config import actions_with, household, open_base
-from ...execution.goal_manager import GoalManager
+from ...execution.action_tree_executor import GoalManager
 from ...execution.perception import PerfectVision
 from ...execution.request import Request
 
