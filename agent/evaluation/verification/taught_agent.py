@@ -1,14 +1,11 @@
 """An agent that was taught one learning scenario: its decisions, and the rules read for each.
 
 It is the goal manager with perfect vision and a knowledge base in memory, without language and
-body, so that thousands of decisions can be made with one knowledge base.
-
-`TracingSource` stands between the knowledge base and the inference: its rules record that they were
-met, and when anything is read of them that another level of confidence, or another statement, would
-change. What identifies the cell of a rule (features, contexts, functor and argument) only tells
-that it is there: this is how the program finds the relevant rules. A run is deterministic: one that
-met the cells L and read the cells R decides alike in all learning scenarios that agree on R and
-have the same number of rules in each cell of L.
+body. The rules of `TracingSource` record that they were met, and when anything is read of them that
+another level of confidence, or another statement, would change. What identifies the cell of a rule
+(features, contexts, functor and argument) only tells that it is there. A run is deterministic: one
+that met the cells L and read the cells R decides alike in all learning scenarios that agree on R
+and have the same number of rules in each cell of L.
 """
 
 from __future__ import annotations
