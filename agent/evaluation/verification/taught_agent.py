@@ -13,6 +13,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import fields
+from functools import cache
 from typing import NamedTuple, TypeAlias
 
 from ....inference.affordance import Affordances, RuleSource
@@ -122,6 +123,13 @@ def belief_graph(base: KnowledgeBase) -> frozenset[GraphStatement]:
     """Return the statements of the graph of beliefs, without the provenance of the rules."""
     quads = base.store.quads(None, None, None, BELIEFS)
     return frozenset(quad[:3] for quad in quads if quad.predicate not in PROVENANCE)
+
+
+@cache
+def graph_after(*rules: Rule) -> frozenset[GraphStatement]:
+    """Return the graph of beliefs of an agent that was taught these rules only."""
+    with TaughtAgent(rules) as taught:
+        return belief_graph(taught.base)
 
 
 def acceptable_candidates(inference: Inference | None) -> tuple[Candidate, ...]:
