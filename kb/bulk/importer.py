@@ -237,12 +237,15 @@ class _Import:
 
     def _write_sources(self, plan: AncillaryWrites, writer: NQuadsWriter) -> Iterator[None]:
         time = to_milliseconds(self.base.clock())
-        for numbers, which in self._without_utterance(plan):
+        left = [one for one, utterance in self.new.items() if utterance not in plan.numbers]
+        for start in range(0, len(left), PER_UTTERANCE):
+            some = left[start : start + PER_UTTERANCE]
+            which = f", rules {start + 1} to {start + len(some)}" if some != left else ""
             plan.last += 1
             plan.numbers[-plan.last] = plan.last  # it is the number of no imported utterance
             plan.add(import_utterance(self.source, plan.last, time, some=which))
-            writer.write_assertions(plan.last, numbers)
-            writer.write_property(numbers, rule_mapping.DERIVED_FROM, utterance_iri(plan.last))
+            writer.write_assertions(plan.last, some)
+            writer.write_property(some, rule_mapping.DERIVED_FROM, utterance_iri(plan.last))
             yield
         for utterance, ids in plan.assertions:
             writer.write_assertions(utterance, map(_number, ids))
@@ -264,13 +267,6 @@ class _Import:
         for number, utterance in self.new.items():
             found[utterance].append(number)
         return found
-
-    def _without_utterance(self, plan: AncillaryWrites) -> Iterator[tuple[list[int], str]]:
-        numbers = [one for one, utterance in self.new.items() if utterance not in plan.numbers]
-        end = 0
-        for some in batched(numbers, PER_UTTERANCE):
-            start, end = end + 1, end + len(some)
-            yield some, f", rules {start} to {end}" if len(numbers) > len(some) else ""
 
 
 def _read_rule(node: Iri, properties: Properties) -> Rule:

@@ -9,10 +9,10 @@ import io
 from collections.abc import Iterable, Iterator
 from itertools import chain
 from pathlib import Path
-from typing import BinaryIO, cast
+from typing import BinaryIO, TypeVar, cast
 
 from ...ontology.vocabulary import split
-from ..bulk.exporter import MAX_SORTED, Progress, ProgressCounter, scan_rules, statements
+from ..bulk.exporter import MAX_SORTED, Progress, scan_rules, statements
 from ..bulk.importer import import_rules, import_statements, merge
 from ..bulk.nquads_reader import StatementGroup, Statements, read_groups, read_quads
 from ..bulk.reconciliation import ImportSummary
@@ -27,6 +27,8 @@ from .registry import FORMATS, RULE_FORMATS, FileFormat, format_of
 from .rule_yaml import read_sheet, write_sheet
 from .value_notation import read_table, write_table
 
+T = TypeVar("T")
+_STEP = 10_000  # statements or rules between two calls of the progress
 MAX_STAGED = MAX_SORTED  # statements; a file of more must be in order
 
 
@@ -64,18 +66,28 @@ def write_base(
     """
     from ..stores.rdf_text import quad_from_engine, write_rdf_to
 
-    counter, only = ProgressCounter(progress), rules_only or not FORMATS[format].whole
+    total = 0
+
+    def counted(things: Iterable[T]) -> Iterator[T]:
+        nonlocal total
+        for thing in things:
+            yield thing
+            total += 1
+            if progress and total % _STEP == 0:
+                progress(total)
+
     with store.writing():  # so that all of it is of one moment
         if format in RULE_FORMATS:
-            _write_rules(counter.counted(scan_rules(store)), stream, format)
-            return counter.total
-        quads = counter.counted(statements(store, rules_only=only))
+            _write_rules(counted(scan_rules(store)), stream, format)
+            return total
+        only = rules_only or not FORMATS[format].whole
+        quads = counted(statements(store, rules_only=only))
         if format == "turtle12":
             lines = write_annotated(map(quad_from_engine, quads))
             stream.writelines(line.encode() for line in lines)
         else:
             write_rdf_to(quads, stream, format=format)
-    return counter.total
+    return total
 
 
 def import_file(

@@ -123,7 +123,10 @@ def _named(quads: Iterable[Quad], graph: Iri) -> Iterator[Quad]:
 
 def _edges(lines: Iterable[str], delimiter: str, graph: Iri) -> Iterator[Quad]:
     for row in csv.reader(lines, delimiter=delimiter, quoting=csv.QUOTE_MINIMAL):
-        relation, start, end = row[1:4] if row and row[0].startswith("/a/") else _order(row)
+        if row and row[0].startswith("/a/"):  # of ConceptNet
+            relation, start, end = row[1:4]
+        else:
+            start, relation, end = ([one.strip() for one in row] + ["", "", ""])[:3]
         if not start or start.lower() in {"start", "subject", "source"}:
             continue
         for text in (start, end):
@@ -131,11 +134,6 @@ def _edges(lines: Iterable[str], delimiter: str, graph: Iri) -> Iterator[Quad]:
         key = re.sub(r"[\W_]+", "", relation.rpartition("/")[2]).lower()
         known = _RELATIONS.get(key.rpartition("#")[2], _node(relation, graph))
         yield Quad(_node(start, graph), known, _node(end, graph), graph)
-
-
-def _order(row: list[str]) -> tuple[str, str, str]:
-    start, relation, end = ([one.strip() for one in row] + ["", "", ""])[:3]
-    return relation, start, end
 
 
 def _node(text: str, graph: Iri) -> Iri:
