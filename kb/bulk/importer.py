@@ -202,7 +202,11 @@ class _Import:
 
     def _new_rules(self, rules: Iterable[Rule]) -> Iterator[Rule]:
         believed = cache(partial(reconciliation.believed_rules, self.base))
-        there = _statuses(self.base.store) if self.base.sequence else dict[int, Term]()
+        known: dict[Term, Term] = {}  # one object for all rules
+        there = {
+            int(split(quad.subject)[1], 16): known.setdefault(quad.object, quad.object)
+            for quad in self.base.store.quads(None, rule_mapping.STATUS, None, BELIEFS)
+        }
         for rule in rules:
             number = _number(rule.id)
             if number in there:
@@ -303,14 +307,6 @@ def _write(store: Store, lines: Iterator[bytes], plan: AncillaryWrites, source: 
     read = read_quads(read_groups(text, format="nquads", source=source, default=BELIEFS))
     insert = [one for one in read if isinstance(one, Quad)]
     store.apply(insert=insert, delete={*plan.delete, *before} - {*plan.insert})
-
-
-def _statuses(store: Store) -> dict[int, Term]:
-    known: dict[Term, Term] = {}  # one object for all rules
-    return {
-        int(split(quad.subject)[1], 16): known.setdefault(quad.object, quad.object)
-        for quad in store.quads(None, rule_mapping.STATUS, None, BELIEFS)
-    }
 
 
 def _number(rule_id: str) -> int:

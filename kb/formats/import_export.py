@@ -107,7 +107,24 @@ def import_file(
     """
     chosen = format_of(str(file), format, "trig")
     with open_input(str(file), chosen, progress) as source:
-        return _import(base, source, chosen, dry_run=dry_run)
+        name = source.name
+        if chosen.name in RULE_FORMATS:
+            return import_rules(base, read_rules(source, chosen), source=name, dry_run=dry_run)
+        items = read_statements(source, chosen)
+        first, size = list[Statements](), 0
+        for item in items:
+            first.append(item)
+            size += len(item.pairs) if isinstance(item, StatementGroup) else 1
+            if size > MAX_STAGED:
+                break
+        if size > MAX_STAGED or (size > MAX_SHACL and _is_in_order(first)):
+            return import_statements(base, chain(first, items), source=name, dry_run=dry_run)
+        staging = _staged(first, name)  # which puts them in order
+        try:
+            raise_findings(findings(staging))
+            return merge(base, staging, source=name, dry_run=dry_run)
+        finally:
+            staging.close()
 
 
 def read_file(file: str | Path, *, format: str | None = None) -> Store:
@@ -137,30 +154,6 @@ def read_statements(source: CheckedStream, chosen: FileFormat) -> Iterator[State
     for item in read_groups(stream, format=name, source=source.name, default=BELIEFS):
         source.report_statement()
         yield item
-
-
-def _import(
-    base: KnowledgeBase, source: CheckedStream, chosen: FileFormat, *, dry_run: bool
-) -> ImportSummary:
-    """Import rules and RDF files as they stream by; put those in order first that need it."""
-    name = source.name
-    if chosen.name in RULE_FORMATS:
-        return import_rules(base, read_rules(source, chosen), source=name, dry_run=dry_run)
-    items = read_statements(source, chosen)
-    first, size = list[Statements](), 0
-    for item in items:
-        first.append(item)
-        size += len(item.pairs) if isinstance(item, StatementGroup) else 1
-        if size > MAX_STAGED:
-            break
-    if size > MAX_STAGED or (size > MAX_SHACL and _is_in_order(first)):
-        return import_statements(base, chain(first, items), source=name, dry_run=dry_run)
-    staging = _staged(first, name)
-    try:
-        raise_findings(findings(staging))
-        return merge(base, staging, source=name, dry_run=dry_run)
-    finally:
-        staging.close()
 
 
 def _is_in_order(items: Iterable[Statements]) -> bool:
