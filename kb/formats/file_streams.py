@@ -151,27 +151,23 @@ def open_output(file: str) -> Generator[BinaryIO]:
         if file == STREAM:
             yield sys.stdout.buffer
             sys.stdout.buffer.flush()
-        else:
-            yield from _replacing(Path(file))
+            return
+        handle, name = tempfile.mkstemp(dir=Path(file).parent, prefix=f".{Path(file).name}.")
+        try:
+            with os.fdopen(handle, "wb") as stream:
+                if file.endswith(PACKED):
+                    # Without name and time, so that the same content is the same file.
+                    with gzip.GzipFile("", "wb", 6, stream, mtime=0) as packed:
+                        yield cast(BinaryIO, packed)
+                else:
+                    yield stream
+            Path(name).chmod(0o644)
+            Path(name).replace(file)
+        except BaseException:
+            Path(name).unlink(missing_ok=True)
+            raise
     except OSError as error:
         if isinstance(error, BrokenPipeError):
             raise
         problem = f"cannot be written: {error.strerror or error}."
         raise DataError(problem, source=file) from error
-
-
-def _replacing(file: Path) -> Iterator[BinaryIO]:
-    handle, name = tempfile.mkstemp(dir=file.parent, prefix=f".{file.name}.")
-    try:
-        with os.fdopen(handle, "wb") as stream:
-            if file.name.endswith(PACKED):
-                # Without name and time, so that the same content is the same file.
-                with gzip.GzipFile("", "wb", 6, stream, mtime=0) as packed:
-                    yield cast(BinaryIO, packed)
-            else:
-                yield stream
-        Path(name).chmod(0o644)
-        Path(name).replace(file)
-    except BaseException:
-        Path(name).unlink(missing_ok=True)
-        raise

@@ -84,7 +84,9 @@ def _conclusion(entry: YamlNode, found: Mapping[str, YamlNode]) -> tuple[str, At
     for functor, key in _ARGUMENTS.items():
         if given == [key]:
             return functor, value_notation.read_atom(name, ARGUMENT_KINDS[functor])
-    return name, value_notation.read_argument(_optional(found, "argument"), name)
+    argument = _optional(found, "argument").strip()
+    kind = ARGUMENT_KINDS.get(name)
+    return name, value_notation.read_atom(argument, kind) if argument else None
 
 
 def _interval(field: YamlNode) -> Interval:
