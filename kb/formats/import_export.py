@@ -18,10 +18,10 @@ from ..bulk.nquads_reader import StatementGroup, Statements, read_groups, read_q
 from ..bulk.reconciliation import ImportSummary
 from ..knowledge_base import KnowledgeBase
 from ..rdf.annotated_turtle import ReifyingTriple, expand_annotations, write_annotated
-from ..rdf.rule_mapping import BELIEFS, RULE_NODE
+from ..rdf.rule_mapping import BELIEFS, RULE_NODE, rule_quads
 from ..rule import Rule
 from ..stores.base import Store
-from ..validation import MAX_SHACL, findings, raise_findings, stage, stage_rules
+from ..validation import MAX_SHACL, findings, raise_findings, stage
 from .file_streams import CheckedStream, open_input, open_output
 from .registry import FORMATS, RULE_FORMATS, FileFormat, format_of
 from .rule_yaml import read_sheet, write_sheet
@@ -132,7 +132,8 @@ def read_file(file: str | Path, *, format: str | None = None) -> Store:
     chosen = format_of(str(file), format, "trig")
     with open_input(str(file), chosen) as source:
         if chosen.name in RULE_FORMATS:
-            return stage_rules(read_rules(source, chosen))
+            quads = (quad for rule in read_rules(source, chosen) for quad in rule_quads(rule))
+            return stage(quads, source=source.name)
         return _staged(read_statements(source, chosen), source.name)
 
 
