@@ -35,8 +35,8 @@ from .dialogue.hearing import Alternative, reaction, weigh
 from .dialogue.manager import DialogueManager
 from .dialogue.reply import Reply
 from .dialogue.translation import action_words
+from .execution.action_tree_executor import GoalManager
 from .execution.embodiment import Embodiment
-from .execution.goal_manager import GoalManager
 from .execution.norm_guard import NormGuard
 from .execution.outcome import GoalResult, Json, WalkStep
 from .execution.request import Request, review_arguments
@@ -56,7 +56,6 @@ class Agent(AbstractContextManager["Agent"]):
 
     Args:
         config: the choices beside the embodiment: induction, settings of the inference, contexts.
-        vision: replaces the simulator's vision.
         motion: the motion that goes with `vision`; without one the agent decides but does not act.
         dialogue: a language part that is asked before Hilt's own.
 
@@ -76,13 +75,10 @@ class Agent(AbstractContextManager["Agent"]):
         motion: Motion | None = None,
         dialogue: protocols.Dialogue | None = None,
     ) -> None:
-        self.base = base
-        self.actions = actions
+        self.base, self.actions, self.embodiment = base, actions, embodiment
         self._vision, self._motion = vision, motion
-        self.embodiment = embodiment
         self.config = config = config or AgentConfig()
-        self.scene = embodiment.scene
-        self.objects = embodiment.household.objects
+        self.scene, self.objects = embodiment.scene, embodiment.household.objects
         self.affordances = self.affordances_from(base, Experience(base, self.robot))
         properties = (kind.properties for kind in self.objects.values())
         self.norms = NormChecker(self.affordances, frozenset().union(*properties))
@@ -95,13 +91,9 @@ class Agent(AbstractContextManager["Agent"]):
         self._repair: SoundRepair | None = None
         self._last_episode: str | None = None
         self._is_repeatable = True  # whether episodes alone changed the world
+        language, state = language.with_words(action_words(actions, language)), self.holding
         conversation = Conversation(
-            base,
-            language.with_words(action_words(actions, language)),
-            self.visible,
-            holding=self.holding,
-            seed=self.scene.seed,
-            other=dialogue,
+            base, language, self.visible, holding=state, seed=self.scene.seed, other=dialogue
         )
         self.dialogue = DialogueManager(
             conversation,
@@ -188,18 +180,15 @@ class Agent(AbstractContextManager["Agent"]):
         with self._hearing:
             self.interruption.clear()
             self._take_trajectory()  # of what was no episode
-            return self._filmed_reply(text, partial(hear, heard=heard, alternatives=alternatives))
-
-    def _filmed_reply(self, text: str, hear: Callable[[], Reply]) -> Reply:
-        if self._film:
-            self._film.begin(text)
-        reply = hear()
-        if reply.understanding.kind == "control":
-            self._is_repeatable = False
-        if self._film:
-            self._film.end(reply.said)
-            reply = reply.with_pictures(str(self._film.path))
-        return reply
+            if self._film:
+                self._film.begin(text)
+            reply = hear(heard=heard, alternatives=alternatives)
+            if reply.understanding.kind == "control":
+                self._is_repeatable = False
+            if self._film:
+                self._film.end(reply.said)
+                reply = reply.with_pictures(str(self._film.path))
+            return reply
 
     def _sounds_like(self, language: Language, text: str, names: Collection[str]) -> Iterable[str]:
         from .speech.phonetic_repair import SoundRepair
@@ -298,19 +287,16 @@ class Agent(AbstractContextManager["Agent"]):
     def goals(self) -> GoalManager:
         """The goal manager, with the vision and the motion of this agent."""
         body = self.body if self.simulate else None
+        parts = {name: kind.parts for name, kind in self.objects.items()}
+        roles = ((name, part) for name, own in parts.items() for part in own.values())
         return GoalManager(
             self.actions,
             self.affordances,
             self._vision or self.embodiment.open_vision(body),
             body or self._motion,
             self.norms,
-            grips={
-                name: part.name
-                for name, kind in self.objects.items()
-                for part in kind.parts.values()
-                if part.role == "grip"
-            },
-            parts={name: frozenset(kind.parts) for name, kind in self.objects.items()},
+            grips={name: part.name for name, part in roles if part.role == "grip"},
+            parts=parts,
             interruption=self.interruption,
             done=self._done,
             watchers=self.watchers,
@@ -319,13 +305,9 @@ class Agent(AbstractContextManager["Agent"]):
     @contextmanager
     def in_scene(self, scene: Scene, *, simulate: bool = False) -> Generator[Agent]:
         """Another agent for the block: with the same knowledge, in a scene of its own."""
-        other = Agent(
-            self.base,
-            self.dialogue.conversation.language,
-            self.actions,
-            replace(self.embodiment, scene=scene, simulate=simulate),
-            replace(self.config, contexts=()),
-        )
+        language, config = self.dialogue.conversation.language, replace(self.config, contexts=())
+        embodiment = replace(self.embodiment, scene=scene, simulate=simulate)
+        other = Agent(self.base, language, self.actions, embodiment, config)
         try:
             yield other
         finally:

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import os
 import re
+import sys
+import webbrowser
 from collections.abc import Callable, Collection, Iterator, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor, wait
 from contextlib import nullcontext
@@ -26,15 +28,14 @@ from prompt_toolkit.shortcuts import CompleteStyle
 from rich.console import Console, Group, RenderableType
 from rich.text import Text
 
+from ..inference.node_rules import FIND
 from ..kb.rule import DEFAULT_SPEAKER, check_speaker
 from ..nlu.generation.templates import proper_name
 from ..ontology.errors import HiltError
 from .agent import Agent
-from .dialogue.reply import Reply
 from .execution.outcome import WalkStep
 from .presentation import console as shown
 from .presentation.plain_text import printable
-from .presentation.progress import doing, view
 
 if TYPE_CHECKING:
     from .speech.listening import Heard
@@ -174,7 +175,7 @@ class Chat:
         if not line.startswith("/"):
             self._converse(line)
         elif name in _COMMANDS:
-            self._do(lambda: self._run(_COMMANDS[name], rest.strip()))
+            self._do(partial(self._run, _COMMANDS[name], rest.strip()))
         else:
             self.out.print(Text(f"There is no {name}. Say /help to see what there is."))
 
@@ -206,10 +207,9 @@ class Chat:
         self._worker.shutdown()
 
     def _run(self, command: SlashCommand, argument: str) -> None:
+        is_lacking = command.needs_robot and not self.agent.simulate
         try:
-            is_lacking = command.needs_robot and not self.agent.simulate
-            found = _NO_ROBOT if is_lacking else command.run(self, argument)
-            if found:
+            if found := _NO_ROBOT if is_lacking else command.run(self, argument):
                 self.out.print(found)
         except HiltError as error:
             self.out.print(Text(str(error)))
@@ -220,16 +220,16 @@ class Chat:
         found = [known(each.text) for each in heard.alternatives] if heard else []
         halt = next((each for each in found if each and each.is_halt), None)
         control = (halt or known(line)) if self._waiting else None
-        if control is None:
-            if self.agent.interruption.is_paused:
-                self.agent.interrupt()  # what is said in a pause ends the command
-            self._do(lambda: self._hear(line, heard))
+        if control:
+            self._is_interrupted = control.control not in {"wait", "continue"}
+            if self._is_interrupted:
+                self._drop_waiting()
+            self._hear(line, heard)
+            self._is_interrupted = False
             return
-        if control.control not in {"wait", "continue"}:
-            self._drop_waiting()
-            self._is_interrupted = True
-        self._hear(line, heard)
-        self._is_interrupted = False
+        if self.agent.interruption.is_paused:
+            self.agent.interrupt()  # what is said in a pause ends the command
+        self._do(partial(self._hear, line, heard))
 
     def _drop_waiting(self) -> None:
         for each in self._waiting:
@@ -251,12 +251,19 @@ class Chat:
 
     def _hear(self, line: str, heard: Heard | None = None) -> None:
         film, self.film = self.film, None
+        likely = [(each.text, each.score) for each in heard.alternatives] if heard else []
+        say = partial(self.agent.hear, line, speaker=self.speaker, alternatives=likely)
+        watchers = [self._report] if self.is_interactive and self.agent.simulate else []
+        self.agent.watchers += watchers
         try:
             with self.agent.filmed(film) if film else nullcontext():
-                reply = self._watched(line, heard)
+                reply = say(heard=heard.heard if heard else 1.0)
         except HiltError as error:  # a text that cannot be stored, a film that cannot be written
             self.out.print(Text(str(error)))
             return
+        finally:
+            for each in watchers:
+                self.agent.watchers.remove(each)
         # What was interrupted is said in the answer to the control.
         if not (reply.is_interrupted and self._is_interrupted):
             spoken = Text.assemble(("Hilt: ", "bold green"), printable(reply.said))
@@ -269,17 +276,6 @@ class Chat:
                 self._worker.submit(speaking) if self.is_interactive else speaking()
         if film:
             self.show_file("film", film)
-
-    def _watched(self, line: str, heard: Heard | None) -> Reply:
-        likely = [(each.text, each.score) for each in heard.alternatives] if heard else []
-        certainty = heard.heard if heard else 1.0
-        is_shown = self.is_interactive and self.agent.simulate
-        watchers = self.agent.watchers
-        watchers += [self._report] * is_shown
-        try:
-            return self.agent.hear(line, speaker=self.speaker, heard=certainty, alternatives=likely)
-        finally:
-            watchers[:] = [each for each in watchers if each != self._report]
 
     def _report(self, step: WalkStep) -> None:
         if step.inference.best and not step.action:
@@ -335,10 +331,10 @@ def _why(chat: Chat, _: str) -> RenderableType:
 
 
 def _trust(chat: Chat, argument: str) -> RenderableType:
-    conversation, known = chat.agent.dialogue.conversation, chat.agent.base.trust_by_speaker()
-    given = _TRUST.fullmatch(argument)
+    conversation, given = chat.agent.dialogue.conversation, _TRUST.fullmatch(argument)
     if given is None:
-        return Text("\n".join(f"{name}: {trust}" for name, trust in known.items()))
+        known = chat.agent.base.trust_by_speaker().items()
+        return Text("\n".join(f"{name}: {trust}" for name, trust in known))
     speaker = conversation.people.speaker(chat.speaker)
     answered = conversation.vouch(speaker, given[1], *map(float, given[2].split()))
     return Text(conversation.say(answered))
@@ -356,19 +352,18 @@ def _set_speaker(chat: Chat, name: str) -> RenderableType:
 
 
 def _picture(chat: Chat, name: str) -> RenderableType:
-    path = Path(name) if name else _new_file("picture", ".png")
-    chat.show_file("picture", chat.agent.body.picture(path))
+    chat.show_file("picture", chat.agent.body.picture(_file(name, "picture-{}.png")))
     return ""
 
 
 def _film(chat: Chat, name: str) -> RenderableType:
-    chat.film = Path(name) if name else _new_file("film", ".gif")
+    chat.film = _file(name, "film-{}.gif")
     return Text("I will film what I do next.")
 
 
-def _new_file(stem: str, suffix: str) -> Path:
-    names = (MEDIA / f"{stem}-{number}{suffix}" for number in count(1))
-    return next(path for path in names if not path.exists())
+def _file(name: str, pattern: str) -> Path:
+    new = (MEDIA / pattern.format(number) for number in count(1))
+    return Path(name) if name else next(path for path in new if not path.exists())
 
 
 _COMMANDS: Mapping[str, SlashCommand] = {
@@ -383,3 +378,38 @@ _COMMANDS: Mapping[str, SlashCommand] = {
     ),
     "/help": SlashCommand(_help, "", "show this"),
 }
+
+_DOING: Mapping[str, str] = {  # primitive -> what is done
+    "graspObject": "grasping the {}",
+    "moveTo": "lifting the {}",
+    "handOver": "handing over the {}",
+    "pointAt": "pointing at the {}",
+    "moveAbove": "moving the {} above it",
+    "raise": "raising the {}",
+    "lower": "striking with the {}",
+    "placeObject": "putting down the {}",
+    "returnObject": "putting back the {}",
+    "letGo": "letting go of the {}",
+}
+_ALWAYS = ("darwin", "win32")  # where there is a desktop
+_DISPLAYS = ("DISPLAY", "WAYLAND_DISPLAY")
+
+
+def doing(step: WalkStep, found: str) -> str:
+    """Return what is done at a step with the object that was found; empty for a step of steps."""
+    action, constraint = step.node.rpartition("/")[2], step.constraint
+    if action == FIND:
+        first = next(iter(step.inference.candidates), None)
+        if first and first.argument and first.argument.kind == "affordance":
+            return f"looking for something used for {first.argument.name}"
+        return f"looking for {f'the {first.object}' if first else 'it'}"
+    if action not in _DOING:
+        return ""
+    part = f" by the {constraint.part}" if constraint and constraint.part else ""
+    return _DOING[action].format(found or "object") + part
+
+
+def view(path: Path) -> None:
+    """Open a file in the viewer of the desktop; nothing happens where there is none."""
+    if sys.platform in _ALWAYS or any(map(os.environ.get, _DISPLAYS)):
+        webbrowser.open(path.absolute().as_uri())

@@ -61,8 +61,7 @@ class AgentConfig:
     """What an agent starts with: its scene, its robot, its language and its inference.
 
     The help of each option says what it is. The seed is at least 0; `settings` may also be a value;
-    `overrides` replace single settings of it; files are YAML. DataError if a value is of the wrong
-    type, or out of its range.
+    `overrides` replace single settings of it; files are YAML. DataError if a context is wrong.
     """
 
     scene: str = _option(
@@ -108,11 +107,6 @@ class AgentConfig:
     )
 
     def __post_init__(self) -> None:
-        for option in OPTIONS.values():
-            value = getattr(self, option.name)
-            if not _fits(value, option):
-                problem = f"expected {_EXPECTED[option.kind]}, found {value!r}."
-                raise DataError(problem, source=f"AgentConfig.{option.name}")
         self.context_intervals()
 
     @classmethod
@@ -161,20 +155,6 @@ def _read_once(load: Callable[[], T]) -> T:
     return load()
 
 
-@cache
-def _own_language() -> Language:
-    return _read_language(household(), None)
-
-
-def _read_language(kinds: Household, lexicon: Path | None) -> Language:
-    from ..nlu.language import Language
-    from ..nlu.lexicon.vocabulary import household_vocabulary
-
-    vocabulary = household_vocabulary(kinds.objects)
-    with timed(__name__, "load the language"):
-        return Language.load(vocabulary=vocabulary, extra_lexicon=lexicon)
-
-
 def household(path: Path | None = None) -> Household:
     """Return the object types of Hilt, and of a file; DataError says where the file is wrong."""
     from ..ontology.objects import load_household
@@ -185,7 +165,16 @@ def household(path: Path | None = None) -> Household:
 def load_language(kinds: Household, lexicon: Path | None = None) -> Language:
     """Return the language for these types and a lexicon file; DataError says where it is wrong."""
     is_own = lexicon is None and kinds is household()
-    return _own_language() if is_own else _read_language(kinds, lexicon)
+    return _read_once(_read_language) if is_own else _read_language(kinds, lexicon)
+
+
+def _read_language(kinds: Household | None = None, lexicon: Path | None = None) -> Language:
+    from ..nlu.language import Language
+    from ..nlu.lexicon.vocabulary import household_vocabulary
+
+    vocabulary = household_vocabulary((kinds or household()).objects)
+    with timed(__name__, "load the language"):
+        return Language.load(vocabulary=vocabulary, extra_lexicon=lexicon)
 
 
 def actions_with(path: Path | None) -> Actions:
@@ -224,27 +213,6 @@ def open_base(
         known = kinds or household()
         base.load_domain(known.objects, actions or actions_with(None), known.classes, known.people)
     return base
-
-
-_EXPECTED = {
-    str: "a text",
-    int: "a whole number of at least 0",
-    bool: "True or False",
-    Path: "a path",
-    tuple: "a tuple of texts",
-}
-
-
-def _fits(value: object, option: ConfigOption) -> bool:
-    if option.kind is int:
-        return isinstance(value, int) and not isinstance(value, bool) and value >= 0
-    if option.kind is tuple:
-        return isinstance(value, tuple) and all(isinstance(each, str) for each in value)
-    if option.name == "settings" and not isinstance(value, Path | None):
-        from ..inference.settings import Settings
-
-        return isinstance(value, Settings)
-    return isinstance(value, option.kind) or (value is None and option.default is None)
 
 
 def read_value(value: YamlNode, option: ConfigOption, folder: Path) -> Any:

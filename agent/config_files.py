@@ -8,9 +8,9 @@ an environment variable, as HILT_ROBOT.
 
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..ontology.yaml_reader import YamlNode
 from .config import OPTIONS, ConfigOption, read_nodes, read_value
@@ -24,8 +24,7 @@ KEYS: Mapping[str, ConfigOption] = {
 }
 
 
-@dataclass(frozen=True)
-class Configured:
+class Configured(NamedTuple):
     """The value of an option, and where it comes from."""
 
     value: Any

@@ -6,27 +6,36 @@ what each object affords: AND over the antecedents, modus ponens with the rule's
 equal conclusions, and lambda against the threshold of the context (section 2).
 
 Rules with the same antecedent are fused before modus ponens: the antecedent is one piece of
-evidence and would otherwise be counted once for each rule. With perfect detection both orders give
-the same result. `NodeRules` selects the rules of one node for one goal; more specific rules
-override general ones (`node_rules`).
+evidence and would otherwise be counted once for each rule. `NodeRules` selects the rules of one
+node for one goal; more specific rules override general ones (`node_rules`).
 """
 
+from __future__ import annotations
+
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from itertools import chain
 from typing import Protocol
 
-from ..kb.interval import CERTAIN, VACUOUS
+from ..kb.interval import CERTAIN, EPSILON, VACUOUS, Interval
 from ..kb.rule import GRASP_OBJECT, KIND_OF, Atom, Rule
-from .decision import DecisionRule, ObjectRules
 from .experience import NO_TRIALS, Experience, OutcomeCounts
-from .node_rules import FIND, ImpliedAtoms, NodeRules, acting_for, features_of, implied_atoms
-from .proof import Proof, derive
+from .interval_operators import Operators, certainty
+from .node_rules import FIND, NodeRules, ObjectRules, acting_for, features_of
+from .proof import LEAVES, Proof, derive
 from .settings import Settings
-from .taxonomy import FLAT, Taxonomy
-from .types import Candidate, Goal, Inference, Observation
+from .taxonomy import FLAT, ImpliedAtoms, Taxonomy
+from .types import Candidate, Goal, Inference, Observation, Verdict
 
 PERCEIVED = ("object", "part", "property")  # kinds of atoms that vision reports
+_REASONS: Mapping[Verdict, str] = {
+    "accepted": "{0} is sure enough: lambda {1:.4g} is above {2:.4g}",
+    "denied": "{0} speaks against it",
+    "unsure": "{0} is not sure enough: lambda {1:.4g} is not above {2:.4g}",
+    "unknown": "nothing that was told says so",
+    "absent": "it is not in view",
+}
 
 
 class RuleSource(Protocol):
@@ -71,8 +80,7 @@ class Affordances:
 
     def features(self, node: str, goal: Goal) -> tuple[Atom, ...]:
         """Return the features that vision has to look for at a node ("pass/findObject"), sorted."""
-        here = self._node_context(node, goal)
-        atoms = {*here.named_features, *here.relevant_features}
+        atoms = self._node_context(node, goal).features
         return tuple(sorted(kind for atom in atoms for kind in self._taxonomy.below(atom)))
 
     def infer(self, node: str, goal: Goal, observations: Sequence[Observation]) -> Inference:
@@ -84,7 +92,8 @@ class Affordances:
         are not defined for the given rules.
         """
         here = self._node_context(node, goal)
-        decision = DecisionRule(node, here.threshold(self.settings), self.settings.operators)
+        threshold = self.settings.threshold_of((each.name for each in here.contexts), here.given)
+        decision = DecisionRule(node, threshold, self.settings.operators)
         if here.action != FIND:
             groups = (self._argument_candidates(here, seen, decision) for seen in observations)
             return decision.ranked(list(chain.from_iterable(groups)))
@@ -122,7 +131,7 @@ class Affordances:
         self, here: NodeRules, seen: Observation, decision: DecisionRule
     ) -> Candidate:
         target = here.goal.target
-        shown = implied_atoms(seen.atoms, self._taxonomy)
+        shown = self._taxonomy.implied(seen.atoms)
         steps = [_evidence(atom, here, seen, shown) for atom in here.named_features]
         argument, applied = None, ObjectRules()
         for conclusion, is_negated in target.wanted:
@@ -138,20 +147,18 @@ class Affordances:
     def _argument_candidates(
         self, here: NodeRules, seen: Observation, decision: DecisionRule
     ) -> Iterator[Candidate]:
-        shown = implied_atoms(seen.atoms, self._taxonomy)
-        for applied in here.binding(seen, shown).by_argument():
-            proof = self._conclude(applied.rules, here, seen, shown)
-            argument = applied.rules[0].argument
-            counts = NO_TRIALS
+        shown = self._taxonomy.implied(seen.atoms)
+        for argument, applied in here.binding(seen, shown).by_argument().items():
+            steps = [self._conclude(applied.rules, here, seen, shown)]
+            known = NO_TRIALS
             if here.action == GRASP_OBJECT and argument is not None:
-                counts = self.outcomes(seen.object, argument.name, acting_for(here.node))
-            known = counts if counts.outcomes else None
-            yield decision.candidate(seen, argument, [proof], applied, experience=known)
+                known = self.outcomes(seen.object, argument.name, acting_for(here.node))
+            yield decision.candidate(seen, argument, steps, applied, experience=known)
 
     def _absent_candidates(
         self, here: NodeRules, observations: Sequence[Observation], decision: DecisionRule
     ) -> Iterator[Candidate]:
-        shown = [implied_atoms(seen.atoms, self._taxonomy) for seen in observations]
+        shown = [self._taxonomy.implied(seen.atoms) for seen in observations]
         for conclusion, is_negated in here.goal.target.wanted:
             groups: dict[str, list[Rule]] = defaultdict(list)
             wanted = conclusion.argument
@@ -171,30 +178,93 @@ class Affordances:
     ) -> Proof:
         if not rules:
             return Proof("unknown", VACUOUS, f"nothing was told of {seen.name}")
-        operators = self.settings.operators
-        concluded: list[Proof] = []
-        for group in self._fusion_groups(rules):
-            antecedent = sorted(_evidence_atoms(group[0]))
-            known = [_evidence(atom, here, seen, shown) for atom in antecedent]
-            premise = derive("and", known, operators)
+        operators, by_rule = self.settings.operators, self.settings.stage == "conclusions"
+        groups: dict[tuple[str, frozenset[Atom]], list[Rule]] = defaultdict(list)
+        for rule in sorted(rules, key=lambda rule: (rule.utterance or 0, rule.id)):
+            # Without the material: rules for another one never get here.
+            atoms = (a for a in features_of(rule) | rule.contexts if a.kind != "material")
+            groups[rule.id if by_rule else "", frozenset(atoms)].append(rule)
+        concluded: list[tuple[int, Proof]] = []
+        for (_, antecedent), group in groups.items():
+            known = [_evidence(atom, here, seen, shown) for atom in sorted(antecedent)]
             told = [Proof("told", each.support, rule=each) for each in group]
-            rule = derive("fuse", told, operators)
-            concluded.append(derive("modus ponens", (premise, rule), operators))
-        return derive("fuse", concluded, operators)
-
-    def _fusion_groups(self, rules: Sequence[Rule]) -> Iterable[Sequence[Rule]]:
-        in_time = sorted(rules, key=lambda rule: (rule.utterance or 0, rule.id))
-        if self.settings.stage == "conclusions":
-            return [[rule] for rule in in_time]
-        groups: dict[frozenset[Atom], list[Rule]] = defaultdict(list)
-        for rule in in_time:
-            groups[_evidence_atoms(rule)].append(rule)
-        return sorted(groups.values(), key=lambda group: group[-1].utterance or 0)
+            steps = (derive("and", known, operators), derive("fuse", told, operators))
+            proof = derive("modus ponens", steps, operators)
+            concluded.append((group[-1].utterance or 0, proof))
+        concluded.sort(key=lambda one: one[0])
+        return derive("fuse", [proof for _, proof in concluded], operators)
 
 
-def _evidence_atoms(rule: Rule) -> frozenset[Atom]:
-    """Return the antecedent without the material: rules for another material never get here."""
-    return frozenset(a for a in features_of(rule) | rule.contexts if a.kind != "material")
+@dataclass(frozen=True)
+class DecisionRule:
+    """Accepts and ranks the candidates of the node at a path, whose threshold is Λ."""
+
+    node: str
+    threshold: float
+    operators: Operators
+
+    def candidate(
+        self,
+        seen: Observation,
+        argument: Atom | None,
+        steps: Sequence[Proof],
+        applied: ObjectRules,
+        *,
+        is_absent: bool = False,
+        experience: OutcomeCounts = NO_TRIALS,
+    ) -> Candidate:
+        """Return a candidate: the conjunction of steps, discounted by experience, and a verdict."""
+        inherited, overruled = applied.distance, applied.overruled
+        proof = derive("and", steps, self.operators)
+        known = experience if experience.outcomes else None
+        if known:
+            before = Proof("experienced", known.interval, str(known))
+            proof = derive("discount", (proof, before), self.operators)
+        proof = replace(proof, overruled=overruled)
+        if argument is not None and proof.step not in LEAVES:
+            # Affordances and parts imply their functor: usedFor, graspObject.
+            is_plain = argument.kind in {"affordance", "part"}
+            functors = {rule.functor for rule in applied.rules}
+            of = argument if is_plain or len(functors) != 1 else f"{functors.pop()}({argument})"
+            proof = replace(proof, label=f"{seen.name} affords {of}")
+        sure, verdict = certainty(proof.interval), self._verdict(proof.interval)
+        if is_absent or any(step.step == "unknown" for step in steps):
+            verdict = "absent" if is_absent else "unknown"
+        reason = _REASONS[verdict].format(proof.interval, sure, self.threshold)
+        if inherited:
+            reason += f"; inherited, {inherited} step{'s' if inherited > 1 else ''} up"
+        if overruled:
+            reason += "; more specific than " + ", ".join(map(repr, overruled))
+        found = (seen.name, seen.object, argument, proof, sure, verdict, reason)
+        return Candidate(*found, inherited, overruled, known)
+
+    def _verdict(self, interval: Interval) -> Verdict:
+        if self.operators.accepts(interval, self.threshold):
+            return "accepted"
+        return "denied" if self.operators.denies(interval, self.threshold) else "unsure"
+
+    def best_index(self, intervals: Sequence[Interval]) -> int | None:
+        """Return the index of the first of the best accepted intervals; None if there are none."""
+        accepts = self.operators.accepts
+        sure = [i for i, each in enumerate(intervals) if accepts(each, self.threshold)]
+        if not sure:
+            return None
+        best = max(self.operators.rank(intervals[i]) for i in sure)
+        return next(i for i in sure if self.operators.rank(intervals[i]) > best - EPSILON)
+
+    def ranked(self, found: Sequence[Candidate], absent: Sequence[Candidate] = ()) -> Inference:
+        """Return all candidates as an inference, best first; equals keep their order."""
+        rank = self.operators.rank
+        ordered = sorted(found, key=lambda each: (not each.accepted, -rank(each.interval)))
+        ties: tuple[Candidate, ...] = ()
+        if ordered and ordered[0].accepted:
+            best = rank(ordered[0].interval)
+            # In scene order: rounding errors must not decide between equal candidates.
+            sure = (each for each in found if each.accepted)
+            tied = [each for each in sure if rank(each.interval) > best - EPSILON]
+            ordered = [tied[0], *(each for each in ordered if each is not tied[0])]
+            ties = tuple(tied) if len(tied) > 1 else ()
+        return Inference(self.node, self.threshold, tuple(ordered), ties, tuple(absent))
 
 
 def _evidence(atom: Atom, here: NodeRules, seen: Observation, shown: ImpliedAtoms) -> Proof:

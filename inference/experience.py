@@ -17,17 +17,17 @@ Mercier, Quost and Denœux 2008). The two contradict each other by the mass a·(
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections import Counter, defaultdict
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
+from itertools import product
 from math import exp, lgamma, log, log1p
 
 from ..kb.episodes import HELD
 from ..kb.interval import Interval
 from ..kb.knowledge_base import KnowledgeBase
 from ..kb.rdf.record_mapping import local_name
-from ..kb.rdf.terms import Term
 from ..kb.rule import Rule
 from ..kb.sparql.named_queries import named_query
 from ..ontology.vocabulary import Iri
@@ -44,13 +44,10 @@ def credible_interval(held: int, trials: int) -> Interval:
 
 
 def _lower_bound(held: int, trials: int) -> float:
-    """Return the share at which so many successes or more are as rare as the tail allows."""
-    tail = (1 - CREDIBILITY) / 2
-    if held == 0:
-        return 0.0
-    low, high = 0.0, held / trials
+    low, high = 0.0, held / trials if held else 0.0
     while low < (middle := (low + high) / 2) < high:
-        low, high = (middle, high) if _upper_tail(held, trials, middle) < tail else (low, middle)
+        is_rarer = _upper_tail(held, trials, middle) < (1 - CREDIBILITY) / 2
+        low, high = (middle, high) if is_rarer else (low, middle)
     return low
 
 
@@ -131,8 +128,8 @@ class GraspRecord:
 
     def as_json(self) -> Json:
         """Return the JSON object that `hilt experience --json` prints."""
-        names = ("object", "part", "context", "robot")
-        return {name: getattr(self, name) for name in names} | self.counts.as_json()
+        names = {name: value for name, value in vars(self).items() if name != "counts"}
+        return names | self.counts.as_json()
 
 
 def read_records(base: KnowledgeBase, **wanted: str) -> list[GraspRecord]:
@@ -140,20 +137,14 @@ def read_records(base: KnowledgeBase, **wanted: str) -> list[GraspRecord]:
     query = named_query("experience")
     found: dict[tuple[str, str, str, str], dict[str, int]] = {}
     for row in base.select(query.text, query.bindings(wanted)):
-        name, part, context, robot, outcome, times = map(_plain, row)
+        said = (local_name(one) if isinstance(one, Iri) else str(one) for one in row)
+        name, part, context, robot, outcome, times = said
         found.setdefault((name, part, context, robot), {})[outcome] = int(times)
     return [GraspRecord(*key, OutcomeCounts.of(counts)) for key, counts in found.items()]
 
 
-def _plain(value: Term | None) -> str:
-    return local_name(value) if isinstance(value, Iri) else str(value)
-
-
 class Experience:
-    """The experience of one robot, read from a base when it is asked for and the base has changed.
-
-    With `before`, it is that of the time before the utterance with this number.
-    """
+    """The experience of one robot, as a base has it now, or had it `before` an utterance."""
 
     def __init__(self, base: KnowledgeBase, robot: str, *, before: int | None = None) -> None:
         self.base = base
@@ -178,10 +169,7 @@ NO_TRIALS = OutcomeCounts()
 
 @dataclass(frozen=True)
 class TeacherRecord:
-    """What the record says about the rules of a speaker: how the grasps turned out as they say.
-
-    The present trust is in [0, 1]; `counts` are of grasps by the parts that the rules name.
-    """
+    """The trust in a speaker, in [0, 1], and how grasps turned out as the speaker's rules say."""
 
     speaker: str
     trust: float
@@ -200,20 +188,22 @@ class TeacherRecord:
 
 
 def teacher_records(
-    rules: Iterable[Rule], trust: Mapping[str, Interval], records: Iterable[GraspRecord]
+    rules: Iterable[Rule], trust: Mapping[str, Interval], records: Sequence[GraspRecord]
 ) -> list[TeacherRecord]:
     """Return the record of each speaker with a rule about a grasp, by name."""
+    said: dict[str, set[tuple[str | None, ...]]] = defaultdict(set)
+    for rule in rules:
+        if rule.part and rule.asserts:
+            said[rule.speaker].add((rule.object, rule.part, rule.context))
     found: list[TeacherRecord] = []
-    known = list(records)
-    grasping = [rule for rule in rules if rule.part and rule.asserts]
-    for name in sorted({rule.speaker for rule in grasping}):
-        own = [rule for rule in grasping if rule.speaker == name]
-        followed = [each.counts for each in known if any(_says(rule, each) for rule in own)]
+    for name, grasps in sorted(said.items()):
+        followed = (
+            each.counts
+            for each in records
+            if not grasps.isdisjoint(
+                product((each.object, None), [each.part], (each.context, None))
+            )
+        )
         believed = trust[name].lower if name in trust else 0.0
         found.append(TeacherRecord(name, believed, sum(followed, NO_TRIALS)))
     return found
-
-
-def _says(rule: Rule, record: GraspRecord) -> bool:
-    is_meant = rule.object in {None, record.object} and rule.context in {None, record.context}
-    return is_meant and rule.part == record.part

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 from ..kb.interval import CERTAIN, Interval
-from .decision import DecisionRule
+from .affordance import DecisionRule
 from .proof import Json, Proof
 from .settings import Settings
 from .types import Candidate, Inference, Verdict
@@ -66,10 +66,8 @@ def counterfactuals(inference: Inference, settings: Settings) -> list[Counterfac
     and the upper one with it where they meet; or raise the upper bound first, then the lower one.
     There are two likewise by which it can decrease. With the default operators, whether a candidate
     is chosen is a linear condition on the bounds of each leaf, so the smallest change
-    |Δlower| + |Δupper| lies on one of these four paths.
-
-    `settings` are those of the decision. For each leaf of its proofs there is at most one change in
-    each direction.
+    |Δlower| + |Δupper| lies on one of these four paths: at most one in each direction for each leaf
+    of the proofs. `settings` are those of the decision.
     """
     search = _CounterfactualSearch(inference, settings)
     leaves = dict.fromkeys(leaf for each in search.candidates for leaf in each.proof.leaves)
@@ -88,7 +86,11 @@ class _CounterfactualSearch:
 
     def smallest_changes(self, leaf: Proof) -> Iterator[Counterfactual]:
         about = [i for i, leaves in enumerate(self.leaves) if leaf in leaves]
-        for paths in _paths(leaf.interval):
+        now, false = leaf.interval, Interval(0.0, 0.0)
+        low, high = now.lower, now.upper
+        increasing = (now, Interval(high, high), CERTAIN), (now, Interval(low, 1.0), CERTAIN)
+        decreasing = (now, Interval(low, low), false), (now, Interval(0.0, high), false)
+        for paths in (increasing, decreasing):
             changes = [each for path in paths if (each := self._turning_point(leaf, path, about))]
             yield from sorted(changes, key=lambda change: change.size)[:1]
 
@@ -106,10 +108,8 @@ class _CounterfactualSearch:
         place = bisect_left(range(end), True, start, key=lambda n: is_changed(n / whole))
         instead = _along(path, place / whole)
         index = self._chosen(leaf, instead, about)
-        if index is None:
-            return Counterfactual(leaf, instead, None)
-        chosen = self.candidates[index]
-        return Counterfactual(leaf, instead, chosen.part or chosen.name)
+        chosen = None if index is None else self.candidates[index]
+        return Counterfactual(leaf, instead, chosen and (chosen.part or chosen.name))
 
     def _chosen(self, leaf: Proof, instead: Interval, about: Sequence[int]) -> int | None:
         intervals = list(self.intervals)
@@ -119,18 +119,10 @@ class _CounterfactualSearch:
         return self.decision.best_index(intervals)
 
 
-def _paths(now: Interval) -> tuple[Sequence[Sequence[Interval]], ...]:
-    low, high, false = now.lower, now.upper, Interval(0.0, 0.0)
-    increasing = (now, Interval(high, high), CERTAIN), (now, Interval(low, 1.0), CERTAIN)
-    decreasing = (now, Interval(low, low), false), (now, Interval(0.0, high), false)
-    return increasing, decreasing
-
-
 def _along(path: Sequence[Interval], share: float) -> Interval:
-    lengths = [_distance(*pair) for pair in pairwise(path)]
-    left = share * sum(lengths)
-    for (start, end), length in zip(pairwise(path), lengths, strict=True):
-        if left < length:
+    left = share * sum(_distance(*pair) for pair in pairwise(path))
+    for start, end in pairwise(path):
+        if left < (length := _distance(start, end)):
             part = left / length
             lower = start.lower + part * (end.lower - start.lower)
             upper = start.upper + part * (end.upper - start.upper)

@@ -87,11 +87,14 @@ def induce(
     found: dict[tuple[object, ...], InducedRule] = {}
     for rule in taught:
         needed = needed_features(rule, taught, objects) if rule.affordance else frozenset[str]()
+        others = frozenset(atom for atom in rule.contexts if atom.kind != "material")
         for name, kind in objects.items():
             induced = _transferred(rule, name, objects, traits, needed)
-            if induced is None or not known.isdisjoint(_topics(induced.rule)):
+            if induced is None or any(_covers(each, induced.rule, kind) for each in general):
                 continue
-            if any(_covers(each, induced.rule, kind) for each in general):
+            # On a topic on which something was taught, also for any material, nothing is induced.
+            for_any = replace(induced.rule, contexts=others)
+            if not known.isdisjoint((_topic(induced.rule), _topic(for_any))):
                 continue
             key = (*_topic(induced.rule), induced.rule.argument)
             best = found.get(key)
@@ -190,10 +193,11 @@ def _transferred(
             return None
         alike = max(alike, LEAST_SIMILARITY)  # what matters for the use is the same
     if rule.part:
-        found = _corresponding_part(rule.part, objects[rule.object], objects[name])
-        if found is None:
+        source, target = objects[rule.object].parts, objects[name].parts
+        part = _matching(source, target).get(rule.part)
+        if part is None:
             return None
-        part, alike_part, shared_part = found
+        alike_part, shared_part = similarity(*map(_part_traits, (source[rule.part], target[part])))
         argument = Atom("part", part)
         alike, shared = (alike + alike_part) / 2, tuple(dict.fromkeys((*shared, *shared_part)))
     if alike < LEAST_SIMILARITY:
@@ -210,29 +214,18 @@ def _transferred(
     return InducedRule(induced, rule, alike, shared, tuple(sorted(needed)))
 
 
-def _corresponding_part(
-    name: str, source: ObjectType, target: ObjectType
-) -> tuple[str, float, tuple[str, ...]] | None:
+def _matching(source: Mapping[str, PartType], target: Mapping[str, PartType]) -> dict[str, str]:
+    """Return the part of one object for each of another, so that they are most alike in all."""
     import networkx as nx  # imported here: it takes half a second to load
 
     pairs: nx.Graph[tuple[str, str]] = nx.Graph()
-    for one, other in product(source.parts.values(), target.parts.values()):
-        alike, _ = similarity(_part_traits(one), _part_traits(other))
-        pairs.add_edge(("one", one.name), ("other", other.name), weight=alike)
-    matching = [dict(pair) for pair in nx.max_weight_matching(pairs, maxcardinality=True)]
-    best = next((pair["other"] for pair in matching if pair["one"] == name), None)
-    if best is None:
-        return None
-    found = _part_traits(source.parts[name]), _part_traits(target.parts[best])
-    return best, *similarity(*found)
+    for one, other in product(source, target):
+        alike, _ = similarity(_part_traits(source[one]), _part_traits(target[other]))
+        pairs.add_edge(("one", one), ("other", other), weight=alike)
+    matching = (dict(pair) for pair in nx.max_weight_matching(pairs, maxcardinality=True))
+    return {pair["one"]: pair["other"] for pair in matching}
 
 
 def _topic(rule: Rule) -> tuple[object, ...]:
-    """Return the topic of a rule: nothing is induced on a topic with a taught rule."""
     topic = (rule.object, rule.contexts, rule.functor)
     return topic if rule.part else (*topic, rule.argument)
-
-
-def _topics(rule: Rule) -> set[tuple[object, ...]]:
-    general = frozenset(atom for atom in rule.contexts if atom.kind != "material")
-    return {_topic(rule), _topic(replace(rule, contexts=general))}

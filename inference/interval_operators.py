@@ -19,11 +19,7 @@ from ..kb.interval import EPSILON, VACUOUS, Interval
 from ..ontology import evidence_operators
 from ..ontology.errors import ConflictError, UnknownNameError
 
-Conjunction = Callable[[Sequence[Interval]], Interval]
-ModusPonens = Callable[[Interval, Interval], Interval]
-Fusion = Callable[[Sequence[Interval]], Interval]
-Ranking = Callable[[Interval], float]
-Acceptance = Callable[[Interval, float], bool]
+Combination = Callable[[Sequence[Interval]], Interval]
 
 
 def _bounded(lower: float, upper: float) -> Interval:
@@ -49,11 +45,6 @@ def conjunction_frechet(intervals: Sequence[Interval]) -> Interval:
     """AND when nothing is known of the dependence: [max(0, Σa - (n-1)), min b] (Fréchet)."""
     total = sum(sorted(i.lower for i in intervals)) - (len(intervals) - 1)
     return _bounded(total, min((i.upper for i in intervals), default=1.0))
-
-
-def conjunction_min(intervals: Sequence[Interval]) -> Interval:
-    """AND when one proposition implies the other: [min a, min b]."""
-    return _each_bound(partial(min, default=1.0), intervals)
 
 
 def modus_ponens(antecedent: Interval, rule: Interval) -> Interval:
@@ -115,19 +106,14 @@ def fuse_mean(intervals: Sequence[Interval]) -> Interval:
     return _each_bound(lambda bounds: sum(sorted(bounds)) / count, intervals) if count else VACUOUS
 
 
-def fuse_latest(intervals: Sequence[Interval]) -> Interval:
-    """The last interval, which is the one taught last; [0, 1] when there is none."""
-    return intervals[-1] if intervals else VACUOUS
-
-
 def relative_plausibility(interval: Interval) -> float:
     """PlP = b / (1 + b - a) in [0, 1], the plausibility transform (Cobb & Shenoy 2006)."""
-    return evidence_operators.relative_plausibility((interval.lower, interval.upper))
+    return evidence_operators.relative_plausibility(_pair(interval))
 
 
 def certainty(interval: Interval) -> float:
     """Return the confidence measure lambda of Núñez et al. (2013)."""
-    return evidence_operators.certainty((interval.lower, interval.upper))
+    return evidence_operators.certainty(_pair(interval))
 
 
 def is_affirmed(interval: Interval, threshold: float) -> bool:
@@ -135,35 +121,34 @@ def is_affirmed(interval: Interval, threshold: float) -> bool:
     return interval.lower + interval.upper > 1 + EPSILON and certainty(interval) > threshold
 
 
-def is_certain(interval: Interval, threshold: float) -> bool:
-    """Whether lambda alone exceeds the threshold, literally as in the paper."""
-    return certainty(interval) > threshold
-
-
-CONJUNCTIONS: Mapping[str, Conjunction] = {
+CONJUNCTIONS: Mapping[str, Combination] = {
     "product": conjunction,
     "frechet": conjunction_frechet,
-    "min": conjunction_min,
+    # When one proposition implies the other: [min a, min b].
+    "min": partial(_each_bound, partial(min, default=1.0)),
 }
-MODUS_PONENS: Mapping[str, ModusPonens] = {
+MODUS_PONENS: Mapping[str, Callable[[Interval, Interval], Interval]] = {
     "conditional": modus_ponens,
     "published": modus_ponens_published,
     "material": modus_ponens_material,
 }
-FUSIONS: Mapping[str, Fusion] = {
+FUSIONS: Mapping[str, Combination] = {
     "yager": fuse_yager,
     "dempster": fuse_dempster,
     "cautious": fuse_cautious,
     "mean": fuse_mean,
-    "latest": fuse_latest,
+    "latest": lambda intervals: intervals[-1] if intervals else VACUOUS,  # the one taught last
 }
-RANKINGS: Mapping[str, Ranking] = {
+RANKINGS: Mapping[str, Callable[[Interval], float]] = {
     "plausibility": relative_plausibility,
     "belief": lambda interval: interval.lower,
     "pignistic": lambda interval: (interval.lower + interval.upper) / 2,
     "lambda": certainty,
 }
-ACCEPTANCES: Mapping[str, Acceptance] = {"directed": is_affirmed, "lambda": is_certain}
+ACCEPTANCES: Mapping[str, Callable[[Interval, float], bool]] = {
+    "directed": is_affirmed,
+    "lambda": lambda interval, threshold: certainty(interval) > threshold,  # as in the paper
+}
 _TABLES: Mapping[str, Mapping[str, object]] = {
     "conjunction": CONJUNCTIONS, "modus_ponens": MODUS_PONENS, "fusion": FUSIONS,
     "ranking": RANKINGS, "acceptance": ACCEPTANCES,

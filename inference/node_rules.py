@@ -26,16 +26,16 @@ own. But it does so only if the premises that it adds are more plausible than no
 blunt knives says nothing of a knife that does not look blunt. An overridden rule overrides none.
 """
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from functools import cached_property
-from itertools import chain
+from __future__ import annotations
 
-from ..kb.interval import EPSILON, Interval
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+
+from ..kb.interval import EPSILON
 from ..kb.rule import GRASP_OBJECT, USED_FOR, Atom, Rule
 from ..ontology.actions import Actions
-from .decision import ObjectRules
-from .settings import Settings
-from .taxonomy import Taxonomy
+from .taxonomy import ImpliedAtoms, Taxonomy
 from .types import Conclusion, Goal, Observation
 
 FIND = "findObject"  # the action that selects an object; its rules conclude usedFor(affordance)
@@ -43,7 +43,38 @@ GRASP = "grasp"  # the action of which every grasp is one: "never grab a knife b
 
 Premise = tuple[str, Atom]  # "feature", "context" or "argument", and the atom
 Premises = frozenset[Premise]
-ImpliedAtoms = Mapping[Atom, tuple[int, Atom]]  # atom -> steps up from the given atom, given atom
+
+
+@dataclass(frozen=True)
+class ObjectRules:
+    """The most specific rules that apply to an object.
+
+    `overrides` are pairs of one of these and a rule that it overrides; `distances` maps the
+    features of a rule to their distance in the is-a hierarchy.
+    """
+
+    rules: tuple[Rule, ...] = ()
+    overrides: tuple[tuple[Rule, Rule], ...] = ()
+    distances: Mapping[frozenset[Atom], int] = field(default_factory=dict[frozenset[Atom], int])
+
+    @property
+    def distance(self) -> int:
+        """The distance of the nearest rule: 0 for a rule about exactly this kind."""
+        return min((self.distances.get(rule.features, 0) for rule in self.rules), default=0)
+
+    @property
+    def overruled(self) -> tuple[Rule, ...]:
+        """The rules that more specific ones override."""
+        return tuple(dict.fromkeys(general for _, general in self.overrides))
+
+    def by_argument(self) -> dict[Atom | None, ObjectRules]:
+        """Return the rules about each argument."""
+        found: dict[Atom | None, ObjectRules] = {}
+        for argument in dict.fromkeys(rule.argument for rule in self.rules):
+            rules = tuple(rule for rule in self.rules if rule.argument == argument)
+            pairs = tuple(pair for pair in self.overrides if pair[0].argument == argument)
+            found[argument] = ObjectRules(rules, pairs, self.distances)
+        return found
 
 
 class Specificity:
@@ -96,23 +127,19 @@ class Specificity:
         return self._is_more_specific(*premises)
 
     def _premises(self, rule: Rule, *, is_asked: bool) -> Premises:
-        found = {("feature", atom) for atom in rule.features}
-        for atom in rule.contexts:
-            if self._has_material or atom.kind != "material":
-                found.add(("context", atom))
-        if is_asked and rule.argument:
-            found.add(("argument", rule.argument))
-        return frozenset(found)
+        contexts = (a for a in rule.contexts if self._has_material or a.kind != "material")
+        premises = {("feature", atom) for atom in rule.features} | {
+            ("context", a) for a in contexts
+        }
+        return frozenset(premises | {("argument", a) for a in (rule.argument,) if is_asked and a})
 
     def _is_more_specific(self, one: Premises, other: Premises) -> bool:
-        return one > other or (self._entails_all(one, other) and not self._entails_all(other, one))
+        return one > other or (self._entails(one, other) and not self._entails(other, one))
 
-    def _entails_all(self, one: Premises, other: Premises) -> bool:
-        return all(any(self._entails(a, b) for a in one) for b in other)
+    def _entails(self, one: Premises, other: Premises) -> bool:
+        return all(any(a == b or self._is_below(a, b) for a in one) for b in other)
 
-    def _entails(self, one: Premise, other: Premise) -> bool:
-        if one == other:
-            return True
+    def _is_below(self, one: Premise, other: Premise) -> bool:
         (role, atom), (other_role, above) = one, other
         if role != other_role or atom.kind != above.kind:
             return False
@@ -132,10 +159,7 @@ class Specificity:
 
 
 class NodeRules:
-    """The rules that apply at one node for one goal; shared by all objects observed there.
-
-    `rules_at` returns the rules stored under a key.
-    """
+    """The rules that apply at one node for one goal, of those that `rules_at` has under a key."""
 
     def __init__(
         self, node: str, goal: Goal, rules_at: Callable[[str], Sequence[Rule]], taxonomy: Taxonomy
@@ -151,12 +175,9 @@ class NodeRules:
 
     @cached_property
     def contexts(self) -> tuple[Atom, ...]:
-        """The actions above the node, nearest first, each with its more general actions.
-
-        The last one is grasping, where an object is grasped, whatever for.
-        """
+        """The actions above the node, nearest first, each with its more general actions."""
         names = Actions.contexts(self.node)
-        itself = (GRASP,) if self.action == GRASP_OBJECT else ()
+        itself = (GRASP,) if self.action == GRASP_OBJECT else ()  # whatever for
         acting = (Atom("action", name) for name in (*names, *itself))
         kinds = (above for atom in acting for above, _ in self.taxonomy.above(atom))
         return tuple(dict.fromkeys(kinds))
@@ -164,7 +185,7 @@ class NodeRules:
     @cached_property
     def given(self) -> ImpliedAtoms:
         """The other contexts of the goal, with their more general kinds."""
-        return implied_atoms(self.goal.contexts, self.taxonomy)
+        return self.taxonomy.implied(self.goal.contexts)
 
     @cached_property
     def named_features(self) -> tuple[Atom, ...]:
@@ -179,7 +200,7 @@ class NodeRules:
     def keys(self) -> tuple[str, ...]:
         """The keys of the rules of this node, nearest context first."""
         if self.action != FIND:
-            return self._keys(self.action)
+            return self.keys_of(Conclusion(self.action))
         wanted = (self.keys_of(conclusion) for conclusion, _ in self.goal.target.wanted)
         return tuple(key for keys in wanted for key in keys)
 
@@ -187,38 +208,35 @@ class NodeRules:
         """Return the keys of the rules that can conclude what is wanted."""
         if wanted.functor == USED_FOR and wanted.argument:
             return (f"{FIND}.{wanted.argument.name}",)
-        return self._keys(wanted.functor)
-
-    def threshold(self, settings: Settings) -> float:
-        """Return the threshold Λ at this node."""
-        return settings.threshold_of((context.name for context in self.contexts), self.given)
+        return (*(f"{each.name}.{wanted.functor}" for each in self.contexts), wanted.functor)
 
     @property
-    def relevant_features(self) -> Iterable[Atom]:
-        """The features of the rules of this node; the found object itself if a rule has none."""
+    def features(self) -> frozenset[Atom]:
+        """Those of the command and of the rules here; if one has none, the found object itself."""
         named = self.goal.target.object
-        for rule in chain.from_iterable(map(self.rules, self.keys)):
-            features = features_of(rule)
-            if not features and named and self.action != FIND:
-                yield Atom("object", named)
-            yield from features
+        found = [features_of(rule) for key in self.keys for rule in self.rules(key)]
+        itself = {Atom("object", named)} if named and self.action != FIND and not all(found) else ()
+        return frozenset(self.named_features).union(itself, *found)
 
     def rules(self, key: str) -> Sequence[Rule]:
         """Return the rules of a key whose contexts hold and (past the find node) object fits."""
         if key not in self._selected:
-            rules = [rule for rule in self._rules_at(key) if self._holds(rule)]
+            rules = [rule for rule in self._rules_at(key) if rule.applies_to(self._material)]
             name = self.goal.target.object
             if name is not None and self.action != FIND:
-                wanted = self.taxonomy.names_above("object", name)
-                rules = [rule for rule in rules if rule.object is None or rule.object in wanted]
-            self._selected[key] = rules
+                wanted = {None, *self.taxonomy.names_above("object", name)}
+                rules = [rule for rule in rules if rule.object in wanted]
+            holds = self._held.issuperset
+            self._selected[key] = [
+                rule for rule in rules if holds(a for a in rule.contexts if a.kind != "material")
+            ]
         return self._selected[key]
 
     def concluding(self, wanted: Conclusion, seen: Observation, shown: ImpliedAtoms) -> ObjectRules:
         """Return the most specific rules that conclude what is wanted of an object."""
         rules = [rule for key in self.keys_of(wanted) for rule in self.rules(key)]
         if wanted.argument is not None:
-            asked = implied_atoms([wanted.argument], self.taxonomy)
+            asked = self.taxonomy.implied([wanted.argument])
             rules = [rule for rule in rules if rule.argument is None or rule.argument in asked]
         return self._most_specific(rules, seen, shown, is_asked=True)
 
@@ -230,58 +248,29 @@ class NodeRules:
     def _most_specific(
         self, rules: Sequence[Rule], seen: Observation, shown: ImpliedAtoms, *, is_asked: bool
     ) -> ObjectRules:
-        fitting = [rule for rule in rules if features_of(rule) <= shown.keys()]
-        # What asserts and denies nothing only says on what a use rests (`induction`).
-        fitting = [rule for rule in fitting if not rule.interval.is_vacuous]
+        shows = shown.keys()
+        # What asserts and denies nothing only says on what a use rests (`induction`). The interval
+        # is read last: the decision must not depend on those of rules about other objects.
+        fitting = [r for r in rules if features_of(r) <= shows and not r.interval.is_vacuous]
 
-        def is_affirmed(one: Premises, other: Premises) -> bool:
-            evidence = self._evidence(one, seen, shown)
-            for origin in self._evidence(other, seen, shown):
-                evidence.pop(origin, None)
-            return all(each.lower + each.upper > 1 + EPSILON for each in evidence.values())
+        def is_affirmed(*premises: Premises) -> bool:
+            known, evidence = {**self.given, **shown}, {**self.goal.contexts, **seen.atoms}
+            one, other = ({known[a][1] for _, a in each if a in known} for each in premises)
+            return all(evidence[a].lower + evidence[a].upper > 1 + EPSILON for a in one - other)
 
         overriding = self._order.overriding_rules(fitting, is_affirmed, is_asked=is_asked)
         pairs = list(zip(fitting, overriding, strict=True))
         return ObjectRules(
             tuple(rule for rule, by in pairs if not by),
             tuple((one, rule) for rule, by in pairs for one in by),
-            {rule.features: _distance(rule, shown) for rule in fitting},
+            # That of the features in the is-a hierarchy.
+            {r.features: max((shown[f][0] for f in r.features), default=0) for r in fitting},
         )
-
-    def _evidence(
-        self, premises: Premises, seen: Observation, shown: ImpliedAtoms
-    ) -> dict[Atom, Interval]:
-        found: dict[Atom, Interval] = {}
-        for _, atom in premises:
-            if atom in shown:
-                origin = shown[atom][1]
-                found[origin] = seen.atoms[origin]
-            elif atom in self.given:
-                origin = self.given[atom][1]
-                found[origin] = self.goal.contexts[origin]
-        return found
-
-    def _holds(self, rule: Rule) -> bool:
-        contexts = (atom for atom in rule.contexts if atom.kind != "material")
-        return rule.applies_to(self._material) and self._held.issuperset(contexts)
-
-    def _keys(self, functor: str) -> tuple[str, ...]:
-        return (*(f"{context.name}.{functor}" for context in self.contexts), functor)
 
 
 def acting_for(node: str) -> str:
     """Return the action that a node is part of: "pass" for "pass/graspObject"."""
     return next(iter(Actions.contexts(node)), node)
-
-
-def implied_atoms(atoms: Iterable[Atom], taxonomy: Taxonomy) -> ImpliedAtoms:
-    """Return the atoms and all kinds above them, with distance and the atom they follow from."""
-    found: dict[Atom, tuple[int, Atom]] = {}
-    for atom in atoms:
-        for above, distance in taxonomy.above(atom):
-            if above not in found or distance < found[above][0]:
-                found[above] = (distance, atom)
-    return found
 
 
 def features_of(rule: Rule) -> frozenset[Atom]:
@@ -290,7 +279,3 @@ def features_of(rule: Rule) -> frozenset[Atom]:
     if argument is None or argument.kind != "part" or rule.object is not None:
         return rule.features
     return rule.features | {argument}
-
-
-def _distance(rule: Rule, shown: ImpliedAtoms) -> int:
-    return max((shown[feature][0] for feature in rule.features), default=0)

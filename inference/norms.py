@@ -13,11 +13,10 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
-from ..kb.interval import CERTAIN, EPSILON, Interval
+from ..kb.interval import CERTAIN, EPSILON, VACUOUS, Interval
 from ..kb.rule import FORBIDDEN, NORMS, OBLIGED, PERMITTED, Atom, Rule
 from .affordance import Affordances
-from .interval_operators import Operators
-from .node_rules import ImpliedAtoms, Specificity, implied_atoms
+from .node_rules import Specificity
 from .proof import Json, Proof, derive
 from .taxonomy import Taxonomy
 
@@ -113,7 +112,10 @@ class NormChecker:
         if not standing:
             return NormVerdict(conflicts=conflicts)
         strongest = max(standing, key=lambda rule: (not judged.unseen(rule), _rank(rule)))
-        proof = judged.proof(strongest, self.affordances.settings.operators)
+        operators = self.affordances.settings.operators
+        premise = derive("and", judged.evidence(strongest), operators)
+        told = Proof("told", strongest.support, rule=strongest)
+        proof = derive("modus ponens", (premise, told), operators)
         return NormVerdict(strongest, proof, judged.unseen(strongest), conflicts)
 
     def obliged_parts(self, act: Act) -> list[str]:
@@ -146,31 +148,26 @@ class _JudgedAct:
         return [rule for rule in self.norms if self._applies(rule)]
 
     @cached_property
-    def _evidence(self) -> Mapping[Atom, Interval]:
-        seen = [Atom("property", name) for name in self.act.properties]
-        if self.act.object:
-            seen.append(Atom("object", self.act.object))
-        return {**self.act.contexts, **dict.fromkeys(seen, CERTAIN)}
-
-    @cached_property
-    def _shown(self) -> ImpliedAtoms:
-        return implied_atoms(self._evidence, self.taxonomy)
+    def _shown(self) -> Mapping[Atom, Interval]:
+        act = self.act
+        seen = [Atom("property", name) for name in act.properties]
+        seen += [Atom("object", act.object)] if act.object else []
+        evidence = {**act.contexts, **dict.fromkeys(seen, CERTAIN)}
+        implied = self.taxonomy.implied(evidence)
+        return {atom: evidence[origin] for atom, (_, origin) in implied.items()}
 
     def _applies(self, rule: Rule) -> bool:
         if Atom("action", rule.context or "") not in self.actions or not _is_likely(rule.support):
             return False
         unseen = self.unseen(rule)
         needed = [atom for atom in self._premises(rule) if atom.name not in unseen]
-        if not all(atom in self._shown and _is_likely(self._of(atom)) for atom in needed):
+        if not all(_is_likely(self._shown.get(atom, VACUOUS)) for atom in needed):
             return False
         return rule.part is None or rule.functor == OBLIGED or self._is_part(rule.part)
 
     def _premises(self, rule: Rule) -> list[Atom]:
         others = (atom for atom in rule.contexts if atom.kind not in {"action", "object"})
         return sorted((*rule.features, *others))
-
-    def _of(self, atom: Atom) -> Interval:
-        return self._evidence[self._shown[atom][1]]
 
     def _is_part(self, wanted: str) -> bool:
         return wanted in self.taxonomy.names_above("part", self.act.part)
@@ -211,17 +208,15 @@ class _JudgedAct:
         for one, other in pairs:
             if order.is_more_specific(one, other):
                 return NormConflict(one, other, "more specific")
-        for one, other in pairs:
-            if one.trust > other.trust:
-                return NormConflict(one, other, "told by somebody who is trusted more")
-        return NormConflict(*max(pairs, key=lambda pair: _rank(pair[0])), "later")
+        one, other = max(pairs, key=lambda pair: _rank(pair[0]))
+        is_trusted = one.trust > other.trust
+        reason = "told by somebody who is trusted more" if is_trusted else "later"
+        return NormConflict(one, other, reason)
 
-    def proof(self, rule: Rule, operators: Operators) -> Proof:
-        shown = (atom for atom in self._premises(rule) if atom in self._shown)
-        known = [Proof("given", self._of(atom), str(atom)) for atom in shown]
-        known = known or [Proof("given", CERTAIN, f"action:{rule.context}")]
-        premise = derive("and", known, operators)
-        return derive("modus ponens", (premise, Proof("told", rule.support, rule=rule)), operators)
+    def evidence(self, rule: Rule) -> list[Proof]:
+        known = [atom for atom in self._premises(rule) if atom in self._shown]
+        shown = [Proof("given", self._shown[atom], str(atom)) for atom in known]
+        return shown or [Proof("given", CERTAIN, f"action:{rule.context}")]
 
 
 def _is_likely(interval: Interval) -> bool:

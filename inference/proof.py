@@ -57,10 +57,7 @@ class Proof:
     def evaluate(
         self, operators: Operators, instead: Mapping[Proof, Interval] | None = None
     ) -> Interval:
-        """Evaluate the proof again, with other intervals `instead` of those of some leaves.
-
-        ConflictError if an operator is not defined for its inputs.
-        """
+        """Evaluate it again, `instead` with other intervals of leaves; errors as of operators."""
         if self.step in LEAVES:
             return (instead or {}).get(self, self.interval)
         inputs = [each.evaluate(operators, instead) for each in self.inputs]

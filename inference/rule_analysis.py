@@ -94,13 +94,9 @@ def find_hypotheses(
         )
         for group in groups.values()
     )
-    likely = [each for each in found if relative_plausibility(each.interval) > 0.5]
-
-    def order(each: Hypothesis) -> tuple[float, str]:
-        name = " ".join(sorted(map(str, each.features | each.contexts)))
-        return -relative_plausibility(each.interval), name
-
-    return sorted(likely, key=order)
+    by_name = sorted(found, key=lambda each: sorted(map(str, each.features | each.contexts)))
+    by_name.sort(key=lambda each: -relative_plausibility(each.interval))
+    return [each for each in by_name if relative_plausibility(each.interval) > 0.5]
 
 
 @dataclass(frozen=True)

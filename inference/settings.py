@@ -6,10 +6,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, fields, replace
-from functools import reduce
 from pathlib import Path
 
 from ..kb.rule import Atom
@@ -23,8 +22,6 @@ DETECTIONS = ("open", "point")
 OPERATORS = tuple(each.name for each in fields(Operators))
 THRESHOLD, CONTRADICTION = NUMBERS = "threshold", "contradiction"
 TEXTS = ("stage", "detection")
-
-Choice = tuple[str, YamlNode]  # the name of a setting, as on the command line, and its value
 
 
 @dataclass(frozen=True)
@@ -55,8 +52,16 @@ class Settings:
     @classmethod
     def load(cls, path: Path = SETTINGS_FILE) -> Settings:
         """Return the settings of a file; a DataError says where what was expected."""
-        top = read_yaml(path).entries(optional=[*OPERATORS, *TEXTS, *NUMBERS])
-        return reduce(_with_choice, _choices(top), cls())
+        settings = cls()
+        choices = read_yaml(path).entries(optional=[*OPERATORS, *TEXTS, *NUMBERS])
+        if THRESHOLD in choices:
+            keys = choices[THRESHOLD].entries(required={"default"}, optional={"contexts"})
+            contexts = keys["contexts"].entries() if "contexts" in keys else {}
+            choices = {**choices, THRESHOLD: keys["default"]}
+            choices |= {f"{THRESHOLD}.{name}": each for name, each in contexts.items()}
+        for name, value in choices.items():
+            settings = settings._with(name, value)
+        return settings
 
     def with_choices(self, choices: Iterable[str]) -> Settings:
         """Return a copy with some settings replaced; DataError if one is malformed or unknown.
@@ -64,7 +69,16 @@ class Settings:
         >>> Settings().with_choices(["fusion=dempster", "threshold.pass=0.9"]).thresholds
         {'pass': 0.9}
         """
-        return reduce(_with_choice, map(_parsed, choices), self)
+        settings = self
+        for choice in choices:
+            name, equals, text = choice.partition("=")
+            if not equals:
+                raise DataError('expected NAME=VALUE, as "fusion=dempster".', source=choice)
+            value: object = text.strip()
+            with suppress(ValueError):
+                value = float(text)
+            settings = settings._with(name.strip(), YamlNode(value, choice, 0, 0))
+        return settings
 
     def threshold_of(self, actions: Iterable[str], others: Iterable[Atom] = ()) -> float:
         """Return Λ: that of the first (nearest) action that has one, raised by places and roles."""
@@ -72,45 +86,21 @@ class Settings:
         asked = (self.thresholds[str(a)] for a in others if str(a) in self.thresholds)
         return max((next(own, self.threshold), *asked))
 
-
-def _choices(top: Mapping[str, YamlNode]) -> Iterator[Choice]:
-    for name, value in top.items():
-        if name != THRESHOLD:
-            yield name, value
-            continue
-        keys = value.entries(required={"default"}, optional={"contexts"})
-        yield THRESHOLD, keys["default"]
-        for context, each in keys["contexts"].entries().items() if "contexts" in keys else ():
-            yield f"{THRESHOLD}.{context}", each
-
-
-def _parsed(choice: str) -> Choice:
-    name, equals, text = choice.partition("=")
-    if not equals:
-        raise DataError('expected NAME=VALUE, as "fusion=dempster".', source=choice)
-    value: object = text.strip()
-    with suppress(ValueError):
-        value = float(text)
-    return name.strip(), YamlNode(value, choice, 0, 0)
-
-
-def _with_choice(settings: Settings, choice: Choice) -> Settings:
-    name, value = choice
-    first, _, context = name.partition(".")
-    if name in NUMBERS:
-        return replace(settings, **{name: value.number(low=0, high=1)})
-    try:
-        if name in OPERATORS:
-            operators = replace(settings.operators, **{name: value.text()})
-            return replace(settings, operators=operators)
-        if name in TEXTS:
-            return replace(settings, **{name: value.text()})
-        if first != THRESHOLD:
-            known = (*OPERATORS, *TEXTS, *NUMBERS, f"{THRESHOLD}.CONTEXT")
-            raise UnknownNameError("choice", name, known)
-        if ":" in context:
-            Atom.parse(context)
-    except (UnknownNameError, ValidationError) as error:
-        raise value.fail(str(error)) from error
-    thresholds = {**settings.thresholds, context: value.number(low=0, high=1)}
-    return replace(settings, thresholds=thresholds)
+    def _with(self, name: str, value: YamlNode) -> Settings:
+        first, _, context = name.partition(".")
+        if name in NUMBERS:
+            return replace(self, **{name: value.number(low=0, high=1)})
+        try:
+            if name in OPERATORS:
+                return replace(self, operators=replace(self.operators, **{name: value.text()}))
+            if name in TEXTS:
+                return replace(self, **{name: value.text()})
+            if first != THRESHOLD:
+                known = (*OPERATORS, *TEXTS, *NUMBERS, f"{THRESHOLD}.CONTEXT")
+                raise UnknownNameError("choice", name, known)
+            if ":" in context:
+                Atom.parse(context)
+        except (UnknownNameError, ValidationError) as error:
+            raise value.fail(str(error)) from error
+        number = value.number(low=0, high=1)
+        return replace(self, thresholds={**self.thresholds, context: number})

@@ -28,6 +28,7 @@ _FOREIGN = """SELECT ?kind ?same ?above {
     VALUES (?key ?same) { (rdfs:subClassOf false) (owl:sameAs true) (owl:equivalentClass true) }
     GRAPH ?g { ?kind ?key ?above } FILTER(isIRI(?above)) }"""
 GENID = "/.well-known/genid/"
+ImpliedAtoms = Mapping[Atom, tuple[int, Atom]]  # atom -> steps up from the given atom, given atom
 _KINDS = ("object", "part", "property", "action", "place", "role")
 
 
@@ -106,6 +107,15 @@ class Taxonomy:
             self._above[atom] = tuple(_reachable(self._parents, atom).items())
         return self._above[atom]
 
+    def implied(self, atoms: Iterable[Atom]) -> ImpliedAtoms:
+        """Return the atoms and all kinds above them, with distance and the atom they come from."""
+        found: dict[Atom, tuple[int, Atom]] = {}
+        for atom in atoms:
+            for above, distance in self.above(atom):
+                if above not in found or distance < found[above][0]:
+                    found[above] = (distance, atom)
+        return found
+
     def below(self, atom: Atom) -> tuple[Atom, ...]:
         """Return the atom and its subclasses, nearest first."""
         return tuple(_reachable(self._children, atom))
@@ -134,18 +144,16 @@ def _foreign_pairs(base: KnowledgeBase, name: str) -> Iterator[tuple[Atom, Atom]
         if isinstance(label, str) or (isinstance(label, Literal) and label.language[:2] == "en"):
             names[cast(Iri, node)].add(_words(label if isinstance(label, str) else label.lexical))
     for kind, is_same, above in base.select(_FOREIGN, graph):
-        ends = [_names(cast(Iri, node), names) for node in (kind, above)]
-        for lower, upper in product(*ends):
+        ends = [cast(Iri, kind), cast(Iri, above)]
+        words = ({*names[end], _words(unquote(re.split(r"[/#]", end)[-1]))} for end in ends)
+        atoms = [
+            [Atom("object", name) for name in sorted(some) if 0 < len(name) <= MAX_NAME]
+            for some in words
+        ]
+        for lower, upper in product(*atoms) if not any(GENID in end for end in ends) else ():
             yield lower, upper
             if is_same:
                 yield upper, lower
-
-
-def _names(node: Iri, labels: Mapping[Iri, set[str]]) -> list[Atom]:
-    if GENID in node:
-        return []
-    words = {*labels.get(node, ()), _words(unquote(re.split(r"[/#]", node)[-1]))}
-    return [Atom("object", name) for name in sorted(words) if 0 < len(name) <= MAX_NAME]
 
 
 def _words(text: str) -> str:

@@ -64,10 +64,7 @@ class Goal:
 
 @dataclass(frozen=True)
 class Observation:
-    """An object reported by vision, with its detected class.
-
-    Its name ("mug_2") is unique in the scene; `atoms` are the features that were looked for.
-    """
+    """An object seen: its name ("mug_2"), unique in the scene, class, and features looked for."""
 
     name: str
     object: str

@@ -49,10 +49,19 @@ def restore(source: Path, location: str, *, replace: bool = False) -> int:
     number = check(source)
     if location == MEMORY:
         raise StoreError("The memory ends with the program; name a folder or an endpoint.")
-    if location.startswith(ENDPOINT):
-        _restore_endpoint(source, location, replace=replace)
-    else:
+    if not location.startswith(ENDPOINT):
         _restore_folder(source, Path(location).expanduser(), replace=replace)
+        return number
+    from .stores.remote import open_remote  # with a library that folders do not need
+
+    with (
+        closing(open_store(source, read_only=True)) as backup_store,
+        closing(open_remote(location)) as store,
+        store.writing(),
+    ):
+        if not replace and any(store.select("SELECT ?s WHERE { ?s ?p ?o } LIMIT 1")):
+            raise StoreError(_OCCUPIED.format(store.location))
+        store.replace(backup_store.quads())
     return number
 
 
@@ -92,19 +101,6 @@ def _locked(folder: Path) -> Generator[None]:
         except OSError as error:
             raise InUseError(str(folder)) from error
         yield
-
-
-def _restore_endpoint(source: Path, location: str, *, replace: bool) -> None:
-    from .stores.remote import open_remote  # with a library that folders do not need
-
-    with (
-        closing(open_store(source, read_only=True)) as backup_store,
-        closing(open_remote(location)) as store,
-        store.writing(),
-    ):
-        if not replace and any(store.select("SELECT ?s WHERE { ?s ?p ?o } LIMIT 1")):
-            raise StoreError(_OCCUPIED.format(store.location))
-        store.replace(backup_store.quads())
 
 
 @contextmanager

@@ -8,7 +8,6 @@ beside them as one text. Experience is counted from the grasp trials, which are 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from datetime import datetime
-from decimal import Decimal
 from itertools import groupby
 from numbers import Number
 from typing import Annotated, cast
@@ -18,7 +17,7 @@ from .history import ANSWER, SPEAKER, TEXT, rules_property, utterance_property
 from .interval import Interval
 from .rdf import record_mapping, rule_mapping
 from .rdf.record_mapping import FieldProperty, RecordMapping, group_properties, local_name
-from .rdf.rule_mapping import DERIVED, LOWER, TYPE, UPPER, atom_from_iri, atom_iri
+from .rdf.rule_mapping import DERIVED, LOWER, TYPE, UPPER, atom_from_iri, atom_iri, decimal
 from .rdf.terms import Quad, Term
 from .rule import Atom
 from .stores.base import ReadableStore, Store
@@ -29,11 +28,10 @@ STEP, INDEX, TRIAL = term("step"), term("index"), term("trial")
 FORGOTTEN_BY = term("forgottenBy")
 HELD = "held"
 
-
 _OBJECT, _USED = term("chosenObject"), rules_property(external("prov:used"))
 _FEATURES = FieldProperty(rule_mapping.FEATURE, Iri, atom_iri, atom_from_iri, ())
 _OUTCOME = FieldProperty(term("outcome"), str)
-_LIFTED = FieldProperty(term("lifted"), Number, lambda h: Decimal(str(round(h, 6))), float, None)
+_LIFTED = FieldProperty(term("lifted"), Number, decimal, float, None)
 _HANDED_OVER = FieldProperty(term("handedOver"), bool, default=None)
 _RECORDED = FieldProperty(rule_mapping.GENERATED_AT, datetime, default=None)
 
@@ -107,29 +105,22 @@ class Episode:
 
 def episode_quads(episode: Episode) -> Iterator[Quad]:
     """The statements about a recorded episode, its steps and its grasp trials, and what follows."""
-    stored = list(_stored_quads(episode))
-    yield from stored
-    for node, some in groupby(sorted(stored), key=lambda quad: quad.subject):
-        yield from observation_quads(node, [(quad.predicate, quad.object) for quad in some])
-
-
-def _stored_quads(episode: Episode) -> Iterator[Quad]:
     node = iri("episode", episode.id)
-    yield from _EPISODES.quads(node, episode)
+    stored = [*_EPISODES.quads(node, episode)]
     for index, step in enumerate(episode.steps):
-        step_node = iri("step", f"{episode.id}.{index}")
-        yield Quad(node, STEP, step_node, EPISODES)
-        yield Quad(step_node, INDEX, index, EPISODES)
-        yield from _STEPS.quads(step_node, step)
+        place = iri("step", f"{episode.id}.{index}")
+        stored += (Quad(node, STEP, place, EPISODES), Quad(place, INDEX, index, EPISODES))
+        stored += _STEPS.quads(place, step)
         if step.interval is not None:
-            bounds = step.interval.rounded()
-            yield Quad(step_node, LOWER, Decimal(str(bounds.lower)), EPISODES)
-            yield Quad(step_node, UPPER, Decimal(str(bounds.upper)), EPISODES)
+            bounds = ((LOWER, step.interval.lower), (UPPER, step.interval.upper))
+            stored += (Quad(place, key, decimal(bound), EPISODES) for key, bound in bounds)
     for index, trial in enumerate(episode.trials):
-        trial_node = iri("trial", f"{episode.id}.{index}")
-        yield Quad(node, TRIAL, trial_node, EPISODES)
-        yield Quad(trial_node, INDEX, index, EPISODES)
-        yield from _TRIALS.quads(trial_node, trial)
+        place = iri("trial", f"{episode.id}.{index}")
+        stored += (Quad(node, TRIAL, place, EPISODES), Quad(place, INDEX, index, EPISODES))
+        stored += _TRIALS.quads(place, trial)
+    yield from stored
+    for about, some in groupby(sorted(stored), key=lambda quad: quad.subject):
+        yield from observation_quads(about, [(quad.predicate, quad.object) for quad in some])
 
 
 def observation_quads(node: Iri, properties: Iterable[tuple[Iri, Term]]) -> Iterator[Quad]:
@@ -148,9 +139,8 @@ def observation_quads(node: Iri, properties: Iterable[tuple[Iri, Term]]) -> Iter
 def read_episodes(store: Store) -> Iterator[Episode]:
     """All episodes of a store, the oldest first."""
     found = {quad.subject for quad in store.quads(None, TYPE, _EPISODES.type, EPISODES)}
-    yield from sorted(
-        (read_episode(store, node) for node in found), key=lambda one: (one.utterance or 0, one.id)
-    )
+    episodes = (read_episode(store, node) for node in found)
+    yield from sorted(episodes, key=lambda one: (one.utterance or 0, one.id))
 
 
 def trial_nodes(store: Store, of: str | None, part: str | None) -> Iterator[Iri]:
@@ -166,20 +156,17 @@ def trial_nodes(store: Store, of: str | None, part: str | None) -> Iterator[Iri]
 def read_episode(store: ReadableStore, node: Iri) -> Episode:
     """The episode of a node; ValidationError or KeyError if something of it is missing."""
     found = group_properties(store.properties(node, EPISODES))
-    steps = tuple(map(_read_step, _in_order(store, found[STEP])))
     trials = tuple(map(_TRIALS.read, _in_order(store, found[TRIAL])))
-    return _EPISODES.read(found, steps=steps, trials=trials, id=local_name(node))
+    steps = list[EpisodeStep]()
+    for step in _in_order(store, found[STEP]):
+        bounds = [cast(float, step[key][0]) for key in (LOWER, UPPER) if step[key]]
+        steps.append(_STEPS.read(step, interval=Interval(*bounds) if bounds else None))
+    return _EPISODES.read(found, steps=tuple(steps), trials=trials, id=local_name(node))
 
 
 def _in_order(store: ReadableStore, nodes: Iterable[Term]) -> list[record_mapping.PropertyValues]:
     found = [group_properties(store.properties(cast(Iri, node), EPISODES)) for node in nodes]
     return sorted(found, key=lambda each: cast(int, each[INDEX][0]))
-
-
-def _read_step(found: record_mapping.PropertyValues) -> EpisodeStep:
-    bounds = [cast(float, found[key][0]) for key in (LOWER, UPPER) if found[key]]
-    interval = Interval(*bounds) if bounds else None
-    return _STEPS.read(found, interval=interval)
 
 
 _OBSERVED = {

@@ -18,7 +18,7 @@ from ..ontology.errors import ValidationError
 from ..ontology.vocabulary import Iri, external, iri, term
 from .interval import Interval
 from .rdf.record_mapping import REQUIRED, FieldProperty, RecordMapping, group_properties, local_name
-from .rdf.rule_mapping import ATTRIBUTED_TO, DERIVED, GENERATED_AT, TYPE, rule_id, rule_iri
+from .rdf.rule_mapping import ATTRIBUTED_TO, DERIVED, GENERATED_AT, TYPE, decimal, rule_id, rule_iri
 from .rdf.terms import Quad, Term, lexical
 from .rule import MAX_NAME, check_speaker
 
@@ -35,7 +35,6 @@ _STARTED = external("prov:startedAtTime")
 _TRUST = re.compile(r"trust\(([^,()]+),([0-9.e-]+),([0-9.e-]+)\)")  # as `set_trust` writes it
 ASSERTS, RETRACTS, SUPERSEDES = (term(n) for n in ("asserts", "retracts", "supersedes"))
 SPEAKER = FieldProperty(ATTRIBUTED_TO, Iri, partial(iri, "speaker"), local_name)
-_HEARD = FieldProperty(HEARD, Decimal, lambda heard: Decimal(str(round(heard, 6))), float, 1.0)
 
 
 def rules_property(predicate: Iri) -> FieldProperty:
@@ -70,12 +69,18 @@ class Utterance:
     retracts: Annotated[tuple[str, ...], rules_property(RETRACTS)] = ()
     supersedes: Annotated[tuple[str, ...], rules_property(SUPERSEDES)] = ()
     #: confidence of the speech recognition, in [0, 1]; 1 where it was typed
-    heard: Annotated[float, _HEARD] = 1.0
+    heard: Annotated[float, FieldProperty(HEARD, Decimal, decimal, float, 1.0)] = 1.0
 
     def __post_init__(self) -> None:
         check_speaker(self.speaker)
         for text in (self.text, self.predicate, self.kind, self.answer):
-            _check_text(text)
+            try:
+                lexical(text)
+            except ValueError as error:
+                raise ValidationError([f"The text is no Unicode: {text[:60]!r}."]) from error
+            if len(text) > MAX_TEXT:
+                problem = f"The text has {len(text)} characters; at most {MAX_TEXT} are kept."
+                raise ValidationError([problem])
         if self.time.tzinfo is None:
             raise ValidationError([f"The time {self.time} has no time zone."])
 
@@ -122,16 +127,14 @@ def utterance_quads(utterance: Utterance) -> Iterator[Quad]:
 
 def parse_trust(utterance: Utterance) -> tuple[str, Interval] | None:
     """The speaker and the trust that an utterance set; None when it set none."""
-    found = _TRUST.fullmatch(utterance.predicate)
-    if utterance.kind != "trust" or found is None:
-        return None
-    return found[1], Interval(float(found[2]), float(found[3]))
+    found = _TRUST.fullmatch(utterance.predicate) if utterance.kind == "trust" else None
+    return (found[1], Interval(float(found[2]), float(found[3]))) if found else None
 
 
 def trust_bounds(node: Iri, trust: Interval, graph: Iri) -> Iterator[Quad]:
     """The statements of the bounds of a trust."""
-    yield Quad(node, TRUST_LOWER, Decimal(str(trust.lower)), graph)
-    yield Quad(node, TRUST_UPPER, Decimal(str(trust.upper)), graph)
+    yield Quad(node, TRUST_LOWER, decimal(trust.lower), graph)
+    yield Quad(node, TRUST_UPPER, decimal(trust.upper), graph)
 
 
 def read_utterance(properties: Iterable[tuple[Iri, Term]]) -> Utterance:
@@ -140,13 +143,3 @@ def read_utterance(properties: Iterable[tuple[Iri, Term]]) -> Utterance:
 
 
 _UTTERANCES = RecordMapping(Utterance, "An utterance", term("Utterance"), HISTORY)
-
-
-def _check_text(text: str) -> None:
-    try:
-        lexical(text)
-    except ValueError as error:
-        raise ValidationError([f"The text is no Unicode: {text[:60]!r}."]) from error
-    if len(text) > MAX_TEXT:
-        problem = f"The text has {len(text)} characters; at most {MAX_TEXT} are kept."
-        raise ValidationError([problem])

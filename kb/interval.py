@@ -56,10 +56,7 @@ class Interval:
         return Interval(1.0 - self.upper, 1.0 - self.lower)
 
     def discounted(self, trust: float) -> Interval:
-        """This interval when its source is reliable only with probability `trust`, in [0, 1].
-
-        Shafer's discounting: the mass taken away goes to ignorance.
-        """
+        """Shafer's discounting, for a source reliable with probability `trust` in [0, 1]."""
         if not 0.0 <= trust <= 1.0:
             raise IntervalError(trust, 1)
         if trust == 1.0:
@@ -67,10 +64,7 @@ class Interval:
         return Interval(trust * self.lower, 1.0 - trust * (1.0 - self.upper))
 
     def conflict(self, other: Interval) -> float:
-        """The mass K in [0, 1] with which this interval and another one contradict each other.
-
-        It is what Dempster's rule assigns to the empty set: K = a1·(1-b2) + (1-b1)·a2.
-        """
+        """The mass in [0, 1] of the contradiction to another one, K = a1·(1-b2) + (1-b1)·a2."""
         return self.lower * (1.0 - other.upper) + (1.0 - self.upper) * other.lower
 
     def rounded(self) -> Interval:

@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from datetime import datetime
 from decimal import Decimal
-from typing import TypeAlias, cast
+from typing import Any, TypeAlias, cast
 
 from ..ontology import vocabulary
 from ..ontology.errors import ValidationError
@@ -27,7 +27,7 @@ from .learned import ACTIONS, LEXICON, PHRASES, TAUGHT_ACTIONS, TOLD, WORDS, Lea
 from .rdf import rule_mapping
 from .rdf.domain import DOMAIN, DOMAIN_HASH, content_hash
 from .rdf.record_mapping import group_properties
-from .rdf.rule_mapping import BELIEFS, DERIVED, DERIVED_FROM, LABEL, STATUS, TYPE
+from .rdf.rule_mapping import ACTIVE, BELIEFS, DERIVED, DERIVED_FROM, LABEL, STATUS, TYPE
 from .rdf.terms import BASE_GRAPH, BASE_NODE, Properties, Quad, Term, is_blank, lexical
 from .rule import check_speaker
 from .stores.base import ReadableStore, Store, described_nodes
@@ -114,7 +114,9 @@ class Invariants:
             if is_name(quad) and graph == BELIEFS and not self._whole:
                 continue  # files of format 1 have names there
             known = expected.get(quad)
-            if not _has_same_type(known.object, quad.object) if known else not _stands_alone(quad):
+            types = {type(one.object) for one in (quad, known or quad)}
+            is_lawful = len(types) == 1 or types == {int, Decimal}
+            if not is_lawful or not (known or _stands_alone(quad)):
                 yield _finding(quad, "belongs to nothing known.")
         if self._whole:
             own = {quad for quad in expected if quad.graph == graph}
@@ -133,11 +135,10 @@ class Invariants:
     def _dangling(self, statements: Iterable[Quad]) -> Iterator[ValidationFinding]:
         for quad in statements:
             value = quad.object
-            kind = split(value)[0] if isinstance(value, Iri) and value.startswith(_MAY_LACK) else ""
-            if kind in _REFERRED:
+            if isinstance(value, Iri) and value.startswith(_MAY_LACK):
                 is_source = quad.predicate == DERIVED_FROM and quad.graph == BELIEFS
                 wanted = (history.ASSERTS, quad.subject) if is_source else (TYPE, None)
-                if not any(self._store.quads(cast(Iri, value), *wanted, _REFERRED[kind])):
+                if not any(self._store.quads(value, *wanted, _REFERRED[split(value)[0]])):
                     yield _finding(quad, "does not assert it." if is_source else "is not there.")
 
 
@@ -186,15 +187,15 @@ def _utterance(_: ReadableStore, node: Iri, properties: Properties) -> Iterator[
 def _speaker(_: ReadableStore, node: Iri, properties: Properties) -> Iterable[Quad]:
     name, found = split(node)[1], group_properties(properties)
     check_speaker(name)
-    bounds = [bound for key in history.TRUST for bound in found[key]]
-    if not bounds:
+    lower, upper = (cast("list[float]", found[key]) for key in history.TRUST)
+    if not lower + upper:
         return speaker_quads(name, BELIEFS)
-    if [len(found[key]) for key in history.TRUST] != [1, 1]:
+    if len(lower) != 1 or len(upper) != 1:
         raise ValidationError(["Trust is one hilt:trustLower and one hilt:trustUpper."])
-    return trust_quads(name, Interval(*cast("list[float]", bounds)).rounded())
+    return trust_quads(name, Interval(*lower, *upper).rounded())
 
 
-def _learned(mapping: LearnedMapping[object]) -> _Reader:
+def _learned(mapping: LearnedMapping[Any]) -> _Reader:
     told = {mapping.fields[name].predicate: mapping.fields[name] for name in TOLD}
 
     def read(_: ReadableStore, node: Iri, properties: Properties) -> Iterator[Quad]:
@@ -202,17 +203,16 @@ def _learned(mapping: LearnedMapping[object]) -> _Reader:
         record = mapping.read(group_properties(dict(properties).items()))
         if mapping.node(record) != node:
             raise ValidationError([f"Its content makes it {shortened(mapping.node(record))}."])
-        statuses = [value for key, value in properties if key == STATUS]
         for quad in mapping.learned_quads(record):
             if quad.predicate != STATUS and quad.subject == node:
                 yield quad
-        for key, value in properties:
+        is_stated = any(key == STATUS for key, _ in properties)
+        for key, value in properties if is_stated else [*properties, ACTIVE]:
             if key in told and isinstance(value, told[key].kind):
                 told[key].decode(value)
                 yield Quad(node, key, value, mapping.graph)
-        for value in statuses or [term("active")]:
-            if value in _STATUSES:
-                yield Quad(node, STATUS, value, mapping.graph)
+            elif key == STATUS and value in _STATUSES:
+                yield Quad(node, key, value, mapping.graph)
 
     return read
 
@@ -233,9 +233,9 @@ _READERS: dict[tuple[Iri, str], _Reader] = {
     (history.HISTORY, "speaker"): lambda _, node, __: speaker_quads(
         split(node)[1], history.HISTORY
     ),
-    (LEXICON, "word"): _learned(cast("LearnedMapping[object]", WORDS)),
-    (LEXICON, "phrase"): _learned(cast("LearnedMapping[object]", PHRASES)),
-    (ACTIONS, "taught"): _learned(cast("LearnedMapping[object]", TAUGHT_ACTIONS)),
+    (LEXICON, "word"): _learned(WORDS),
+    (LEXICON, "phrase"): _learned(PHRASES),
+    (ACTIONS, "taught"): _learned(TAUGHT_ACTIONS),
     **{(EPISODES, kind): _episode for kind in vocabulary.EPISODE_KINDS},
 }
 
@@ -256,9 +256,8 @@ def _base_findings(store: ReadableStore) -> Iterator[ValidationFinding]:
         yield ValidationFinding(name, problem, "hilt:sequence")
     hashes = [quad.object for quad in store.quads(BASE_NODE, DOMAIN_HASH, None, BASE_GRAPH)]
     if hashes and hashes != [content_hash(store.quads(None, None, None, DOMAIN))]:
-        yield ValidationFinding(
-            shortened(DOMAIN), "It is not as Hilt wrote it. Open the base with `hilt chat`."
-        )
+        problem = "It is not as Hilt wrote it. Open the base with `hilt chat`."
+        yield ValidationFinding(shortened(DOMAIN), problem)
     yield from trust_findings(store)
 
 
@@ -281,11 +280,6 @@ def _stands_alone(quad: Quad) -> bool:
 def is_name(quad: Quad) -> bool:
     """Whether a statement says the class or the label of something that rules speak of."""
     return split(quad.subject)[0] in NAMED_KINDS and quad.predicate in {TYPE, LABEL}
-
-
-def _has_same_type(expected: Term, found: Term) -> bool:
-    numbers = {int, Decimal}
-    return type(expected) is type(found) or {type(expected), type(found)} == numbers
 
 
 def _finding(quad: Quad, problem: str) -> ValidationFinding:

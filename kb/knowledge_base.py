@@ -26,6 +26,7 @@ from ..ontology.vocabulary import PREFIXES, Iri, term
 from .episodes import EPISODES, Episode, episode_quads, observation_quads, read_episodes
 from .history import HISTORY, read_utterance, utterance_quads
 from .interval import CERTAIN
+from .rdf.domain import DOMAIN, DOMAIN_HASH, content_hash, domain_quads
 from .rdf.rule_mapping import BELIEFS, DERIVED, TYPE, read_rule, rule_quads
 from .rdf.terms import BASE_GRAPH, BASE_NODE, Properties, Quad, Term, as_sparql
 from .rule import DEFAULT_SPEAKER
@@ -91,15 +92,21 @@ class KnowledgeBase(RuleWriter, AbstractContextManager["KnowledgeBase"]):
         """
         super().__init__(store, clock=clock)
         self._recorded = 0
-        if base_format(store) == FORMAT and is_derived(store):
+        if base_format(store) == FORMAT and any(store.quads(*MARK)):
             return  # without waiting for others who write
         with store.writing():
             found = base_format(store)
             if found is None:
-                self._initialize()
+                if any(store.quads()):
+                    raise StoreError(
+                        f'"{store.location}" holds other data, not a knowledge base of Hilt.'
+                    )
+                is_base = Quad(BASE_NODE, TYPE, term("Base"), BASE_GRAPH)
+                trust = trust_quads(DEFAULT_SPEAKER, CERTAIN)
+                store.apply(insert=[is_base, version_quad(FORMAT), MARK, *trust])
             elif found != FORMAT:
                 migrate(store, found)
-            if not is_derived(store):
+            if not any(store.quads(*MARK)):
                 self.derive()
 
     @classmethod
@@ -171,13 +178,7 @@ class KnowledgeBase(RuleWriter, AbstractContextManager["KnowledgeBase"]):
         classes: Mapping[str, str | None] | None = None,
         people: Mapping[str, str] | None = None,
     ) -> bool:
-        """Write the household domain and return True, unless it is there already.
-
-        `classes` gives the class above each class of objects, or None, and `people` the kind of
-        people above each kind of people.
-        """
-        from .rdf.domain import DOMAIN, DOMAIN_HASH, content_hash, domain_quads
-
+        """Write the domain, with the kinds above `classes` and `people`; False if it is there."""
         new = domain_quads(objects, actions, classes, people)
         mark = Quad(BASE_NODE, DOMAIN_HASH, content_hash(new), BASE_GRAPH)
         before = list(self.store.quads(BASE_NODE, DOMAIN_HASH, None, BASE_GRAPH))
@@ -210,27 +211,23 @@ class KnowledgeBase(RuleWriter, AbstractContextManager["KnowledgeBase"]):
 
     def derive(self) -> None:
         """Make anew what follows from the rules, the history and the episodes."""
-        if self.store.read_only:
+        store = self.store
+        if store.read_only:
             raise StoreError(
-                f'What follows from the rules of "{self.store.location}" is not complete. '
+                f'What follows from the rules of "{store.location}" is not complete. '
                 "Open it once for writing: hilt validate --repair"
             )
-        with self.store.writing():
-            derive(self.store)
-
-    def _initialize(self) -> None:
-        if any(self.store.quads()):
-            raise StoreError(
-                f'"{self.store.location}" holds other data, not a knowledge base of Hilt.'
-            )
-        self.store.apply(
-            insert=[
-                Quad(BASE_NODE, TYPE, term("Base"), BASE_GRAPH),
-                version_quad(FORMAT),
-                MARK,
-                *trust_quads(DEFAULT_SPEAKER, CERTAIN),
-            ]
-        )
+        with store.writing():
+            store.apply(delete=list(store.quads(BASE_NODE, DERIVATION, None, BASE_GRAPH)))
+            store.update(f"CLEAR SILENT GRAPH {as_sparql(DERIVED)}")
+            seen = set[object]()
+            new = batched((q for q in derived_quads(store) if is_first(q, seen, _MAX_SEEN)), _BATCH)
+            if isinstance(store, EmbeddedStore):
+                store.load("".join(map(_line, some)).encode() for some in new)
+            else:
+                for some in new:
+                    store.apply(insert=some)
+            store.apply(insert=[MARK])
 
 
 def _prepared(text: str, bindings: query_text.Bindings | None) -> str:
@@ -271,30 +268,8 @@ def version_quad(number: int) -> Quad:
     return Quad(BASE_NODE, FORMAT_VERSION, number, BASE_GRAPH)
 
 
-def is_derived(store: Store) -> bool:
-    """Whether the derived graph of a base is complete, and of this version."""
-    return any(store.quads(*MARK))
-
-
-def derive(store: Store) -> None:
-    """Make the derived graph of a base anew; the caller holds the write lock."""
-    store.apply(delete=list(store.quads(BASE_NODE, DERIVATION, None, BASE_GRAPH)))
-    store.update(f"CLEAR SILENT GRAPH {as_sparql(DERIVED)}")
-    seen = set[object]()
-    found = batched((q for q in derived_quads(store) if is_first(q, seen, _MAX_SEEN)), _BATCH)
-    if isinstance(store, EmbeddedStore):
-        store.load("".join(map(_line, some)).encode() for some in found)
-    else:
-        for some in found:
-            store.apply(insert=some)
-    store.apply(insert=[MARK])
-
-
 def derived_quads(store: Store, *graphs: Iri) -> Iterator[Quad]:
-    """What follows from graphs of a store, all by default; nothing follows from what is malformed.
-
-    A statement may come more than once.
-    """
+    """What follows from graphs of a store, by default all, where well formed; some of it twice."""
     for graph in graphs or _SOURCES:
         kind, read = _SOURCES[graph]
         for node, properties in described_nodes(store, graph):

@@ -34,11 +34,6 @@ _DENOTES = FieldProperty(term("denotes"), Iri, atom_iri, atom_from_iri)
 _PATTERN, _MEANING = (FieldProperty(term(name), str) for name in ("pattern", "meaning"))
 
 
-def told_as_json(record: object) -> dict[str, object]:
-    """The fields that all that was told has, in the JSON of every command."""
-    return {name: getattr(record, name) for name in TOLD}
-
-
 @dataclass(frozen=True)
 class LearnedMapping(RecordMapping[Record]):
     """How records are stored that utterances taught and that may be retracted.
@@ -58,10 +53,6 @@ class LearnedMapping(RecordMapping[Record]):
         yield Quad(node, STATUS, term(status), self.graph)
         yield from self.besides(record)
 
-    def stored_quads(self, store: Store, record: Record) -> Iterator[Quad]:
-        """The statements that a store has about the node of a record."""
-        return store.quads(self.node(record), None, None, self.graph)
-
     def active(self, store: Store) -> list[Record]:
         """The records of a store that were not retracted, sorted."""
         wanted = {(TYPE, self.type), ACTIVE}
@@ -73,10 +64,7 @@ class LearnedMapping(RecordMapping[Record]):
 
 @dataclass(frozen=True, order=True)
 class LearnedWord:
-    """A learned word; `atom` is what it denotes: its dictionary form and its kind.
-
-    `utterance` is the number of the one it was learned from; None before it is stored.
-    """
+    """A learned word, what it denotes, and its utterance, which is None before it is stored."""
 
     atom: Annotated[Atom, _DENOTES]
     said: Annotated[str, _SAID]
@@ -85,15 +73,14 @@ class LearnedWord:
 
     def as_json(self) -> dict[str, object]:
         """One entry of `hilt words --json`."""
-        return {"word": self.atom.name, "kind": self.atom.kind, **told_as_json(self)}
+        return {"word": self.atom.name, "kind": self.atom.kind, **_told(self)}
 
 
 @dataclass(frozen=True, order=True)
 class LearnedPhrase:
-    """A learned phrase, and who used it first.
+    """A learned phrase, who used it first, and the utterance that confirmed it, once it is stored.
 
     Pattern and meaning (compact JSON) have slots: "?affordance is what you want a ?object for".
-    `utterance` is the number of the one that confirmed it; None before it is stored.
     """
 
     pattern: Annotated[str, _PATTERN]
@@ -105,15 +92,14 @@ class LearnedPhrase:
     def as_json(self) -> dict[str, object]:
         """One entry of `hilt words --json`."""
         meaning = json.loads(self.meaning)
-        return {"word": self.pattern, "kind": "phrase", **told_as_json(self), "meaning": meaning}
+        return {"word": self.pattern, "kind": "phrase", **_told(self), "meaning": meaning}
 
 
 @dataclass(frozen=True, order=True)
 class TaughtAction:
-    """A taught action, whose name is an atom of the kind "action", and who taught it.
+    """A taught action, who taught it, and the utterance in which, once it is stored.
 
-    The meaning is compact JSON. `utterance` is the number of the one that taught it; None before it
-    is stored. `nodes` are the paths of the nodes of its tree; written only.
+    The meaning is compact JSON. `nodes` are the paths of the nodes of its tree; written only.
     """
 
     action: Annotated[Atom, _DENOTES]
@@ -130,20 +116,17 @@ class TaughtAction:
 
     def as_json(self) -> dict[str, object]:
         """One entry of `hilt actions --json`."""
-        return {**json.loads(self.meaning), **told_as_json(self)}
+        return {**json.loads(self.meaning), **_told(self)}
 
 
-def _word_iri(word: LearnedWord) -> Iri:
-    return iri("word", f"{word.atom.kind}.{word.atom.name}")
+def _told(record: object) -> dict[str, object]:
+    return {name: getattr(record, name) for name in TOLD}
 
 
 def _word_entry(word: LearnedWord) -> Iterator[Quad]:
-    yield Quad(_word_iri(word), TYPE, external("ontolex:LexicalEntry"), LEXICON)
-    yield Quad(_word_iri(word), LABEL, word.atom.name, LEXICON)
-
-
-def _action_nodes(action: TaughtAction) -> Iterator[Quad]:
-    return (Quad(*each, ACTIONS) for path in action.nodes for each in node_statements(path))
+    node = WORDS.node(word)
+    yield Quad(node, TYPE, external("ontolex:LexicalEntry"), LEXICON)
+    yield Quad(node, LABEL, word.atom.name, LEXICON)
 
 
 def _hashed(kind: str, content: str) -> Iri:
@@ -152,7 +135,7 @@ def _hashed(kind: str, content: str) -> Iri:
 
 WORDS = LearnedMapping(
     *(LearnedWord, "A learned word", term("Word"), LEXICON),
-    _word_iri,
+    lambda word: iri("word", f"{word.atom.kind}.{word.atom.name}"),
     lambda word: [word.atom.name],
     _word_entry,
 )
@@ -165,5 +148,5 @@ TAUGHT_ACTIONS = LearnedMapping(
     *(TaughtAction, "A taught action", term("TaughtAction"), ACTIONS),
     lambda action: _hashed("taught", f"{action.name} {action.meaning}"),
     lambda action: [action.name],
-    _action_nodes,
+    lambda action: (Quad(*one, ACTIONS) for path in action.nodes for one in node_statements(path)),
 )

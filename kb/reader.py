@@ -26,6 +26,10 @@ from .sparql.query_text import bind_variables
 from .stores.base import Store, last_utterance
 
 MAX_LISTED = 10  # rules that an error message names
+_KEYS = {
+    **{"object": rule_mapping.FEATURE, "action": rule_mapping.CONTEXT},
+    **{"affordance": rule_mapping.AFFORDANCE, "part": rule_mapping.PART},
+}
 
 NodeProperties: TypeAlias = tuple[Iri, Properties]
 
@@ -68,60 +72,45 @@ class RuleReader:
     ) -> list[Rule]:
         """The rules that match, in the order in which they were last said.
 
-        Rules are about an object, apply to the action `context`, and conclude an affordance or a
-        part. A status of None is any status.
+        They are about an object, for the action `context`, on an affordance or part; None is any.
         """
-        wanted = [  # the most selective property comes first
-            (rule_mapping.FEATURE, _optional_iri("object", object)),
-            (rule_mapping.AFFORDANCE, _optional_iri("affordance", affordance)),
-            (rule_mapping.PART, _optional_iri("part", part)),
-            (rule_mapping.CONTEXT, _optional_iri("action", context)),
-            (rule_mapping.ATTRIBUTED_TO, iri("speaker", speaker) if speaker else None),
-            (rule_mapping.STATUS, term(status) if status else None),
-        ]
-        found = self._with_properties([(key, value) for key, value in wanted if value is not None])
-        return sorted(self.read_rules(found), key=lambda rule: (rule.utterance or 0, rule.id))
+        # The most selective property comes first.
+        atoms = atoms_named(object=object, affordance=affordance, part=part, action=context)
+        wanted = [(_KEYS[atom.kind], rule_mapping.atom_iri(atom)) for atom in atoms]
+        wanted += [(rule_mapping.ATTRIBUTED_TO, iri("speaker", speaker))] if speaker else []
+        wanted += [(rule_mapping.STATUS, term(status))] if status else []
+        return sorted(self.read_rules(self._with_properties(wanted)), key=_last_said)
 
     def count_and_some_rules(
         self, most: int, *, speaker: str | None = None
     ) -> tuple[int, list[Rule]]:
-        """The number of active rules (of a speaker), and at most `most` of them, as `rules` orders.
-
-        Only these are read, so that it is quick on a large base.
-        """
+        """The number of active rules (of a speaker), and at most `most`; only these are read."""
         by = [(rule_mapping.ATTRIBUTED_TO, iri("speaker", speaker))] if speaker else []
         nodes = self.nodes_with([*by, rule_mapping.ACTIVE])
         some = ((node, self.properties(node)) for node in nsmallest(most, nodes))
-        rules = sorted(self.read_rules(some), key=lambda rule: (rule.utterance or 0, rule.id))
-        return len(nodes), rules
+        return len(nodes), sorted(self.read_rules(some), key=_last_said)
 
     def rules_with_premises_of(self, rule: Rule) -> list[Rule]:
-        """The active rules of the same speaker with the same premises, as `rules` orders them.
-
-        The time depends on how many rules have its first feature, not on the size of the base.
-        """
-        if not rule.features:  # of any object: there are few on a node
-            found = [one for one in self.rules_at_nodes([rule.node]) if one.speaker == rule.speaker]
-        else:
+        """The active rules of the same speaker with the same premises, in any order."""
+        if rule.features:  # so that the time does not depend on the size of the base
             atom_iri = rule_mapping.atom_iri
-            wanted = [
-                *((rule_mapping.FEATURE, atom_iri(atom)) for atom in sorted(rule.features)),
-                *((rule_mapping.CONTEXT, atom_iri(atom)) for atom in sorted(rule.contexts)),
-                (rule_mapping.ATTRIBUTED_TO, iri("speaker", rule.speaker)),
-                rule_mapping.ACTIVE,
-            ]
-            found = self.read_rules(self._with_properties(wanted))
-        premises = (rule.features, rule.contexts)
-        same = [one for one in found if (one.features, one.contexts) == premises]
-        return sorted(same, key=lambda one: (one.utterance or 0, one.id))
+            wanted = [(rule_mapping.FEATURE, atom_iri(one)) for one in sorted(rule.features)]
+            wanted += [(rule_mapping.CONTEXT, atom_iri(one)) for one in sorted(rule.contexts)]
+            found = self.read_rules(self._with_properties([*wanted, rule_mapping.ACTIVE]))
+        else:  # of any object: there are few on a node
+            found = self.rules_at_nodes([rule.node])
+        premises = (rule.features, rule.contexts, rule.speaker)
+        return [one for one in found if (one.features, one.contexts, one.speaker) == premises]
 
     def rule(self, rule_id: str) -> Rule:
         """The rule with an id, whatever its status; UnknownNameError if there is none."""
         node = rule_mapping.rule_iri(rule_id)
-        found = self.properties(node)
-        if not found:
-            raise NotFoundError("rule", rule_id, self._some_rule_ids())
-        return self.read_rules([(node, found)])[0]
+        if found := self.properties(node):
+            return self.read_rules([(node, found)])[0]
+        quads = self.store.quads(None, rule_mapping.STATUS, None, BELIEFS)
+        ids = [rule_mapping.rule_id(quad.subject) for quad in islice(quads, MAX_LISTED + 1)]
+        more = ["..."] if len(ids) > MAX_LISTED else []
+        raise NotFoundError("rule", rule_id, [*ids[:MAX_LISTED], *more])
 
     def utterance(self, sequence: int) -> history.Utterance:
         """The utterance with a number; UnknownNameError if there is none."""
@@ -165,10 +154,7 @@ class RuleReader:
         return None if lower is None or upper is None else Interval(lower, upper)
 
     def match_speaker(self, speaker: str) -> str:
-        """The known speaker whose name matches, whatever the case; else the name as given.
-
-        Known are those whom somebody trusted or not, and those whose words were reported.
-        """
+        """The speaker, trusted or not or reported, with this name in any case; else as given."""
         if self.trust(speaker) is not None:
             return speaker
         typed = self.store.quads(None, rule_mapping.TYPE, term("Speaker"), BELIEFS)
@@ -181,10 +167,8 @@ class RuleReader:
 
     def trust_by_speaker(self) -> dict[str, Interval]:
         """The trust in every speaker for whom it was set, sorted by name."""
-        nodes = {
-            quad.subject for quad in self.store.quads(None, history.TRUST_UPPER, None, BELIEFS)
-        }
-        names = sorted(split(node)[1] for node in nodes)
+        quads = self.store.quads(None, history.TRUST_UPPER, None, BELIEFS)
+        names = sorted({split(quad.subject)[1] for quad in quads})
         return {name: trust for name in names if (trust := self.trust(name))}
 
     def properties(self, node: Iri) -> Properties:
@@ -197,14 +181,10 @@ class RuleReader:
         return _gathered(self.store.select(_having_query(wanted)))
 
     def nodes_with(self, wanted: Sequence[tuple[Iri, Iri]]) -> set[Iri]:
-        """The nodes of the rules that have all of these properties; of all rules, if none is given.
-
-        The time depends on how many rules have the first of them.
-        """
+        """The nodes of the rules that have all of these properties, if any, else of all rules."""
         if not self.store.has_cheap_patterns:
             return {cast(Iri, node) for (node,) in self.store.select(_having_query(wanted, ""))}
-        pairs: Sequence[tuple[Iri, Iri | None]] = wanted or [(rule_mapping.STATUS, None)]
-        first, *others = pairs
+        first, *others = wanted or [(rule_mapping.STATUS, None)]
         found = {quad.subject for quad in self.store.quads(None, *first, BELIEFS)}
         for key, value in others:
             found = {node for node in found if any(self.store.quads(node, key, value, BELIEFS))}
@@ -214,26 +194,18 @@ class RuleReader:
         """The rules of nodes with their properties, weighted by the trust in their speakers."""
         rules = [rule_mapping.read_rule(properties) for _, properties in found]
         trust = {speaker: self.trust(speaker) for speaker in {rule.speaker for rule in rules}}
-        weights = {speaker: found.lower if found else 0.0 for speaker, found in trust.items()}
-        return [
-            rule if weights[rule.speaker] == 1.0 else replace(rule, trust=weights[rule.speaker])
-            for rule in rules
-        ]
-
-    def _some_rule_ids(self) -> list[str]:
-        quads = self.store.quads(None, rule_mapping.STATUS, None, BELIEFS)
-        found = [rule_mapping.rule_id(quad.subject) for quad in islice(quads, MAX_LISTED + 1)]
-        return [*found[:MAX_LISTED], "..."] if len(found) > MAX_LISTED else found
+        weights = {name: known.lower if known else 0.0 for name, known in trust.items()}
+        pairs = [(rule, weights[rule.speaker]) for rule in rules]
+        return [rule if weight == 1.0 else replace(rule, trust=weight) for rule, weight in pairs]
 
 
-def atom_named(kind: str, name: str | None) -> Atom | None:
-    """The atom of a name; None for none."""
-    return None if name is None else Atom(kind, name)
+def atoms_named(**names: str | None) -> list[Atom]:
+    """The atoms of kinds with names, in that order; none for None."""
+    return [Atom(kind, name) for kind, name in names.items() if name is not None]
 
 
-def _optional_iri(kind: str, name: str | None) -> Iri | None:
-    atom = atom_named(kind, name)
-    return rule_mapping.atom_iri(atom) if atom else None
+def _last_said(rule: Rule) -> tuple[int, str]:
+    return rule.utterance or 0, rule.id
 
 
 def _having_query(wanted: Sequence[tuple[Iri, Iri]], read: str = "?property ?value") -> str:

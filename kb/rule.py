@@ -123,18 +123,16 @@ class Rule:
             raise ValidationError([f"{expected}; found {self.argument or 'none'}."])
         if sum(atom.kind == "material" for atom in self.contexts) > 1:
             raise ValidationError(["A rule has at most one material; write a rule for each."])
-        if self.kind == "norm":
-            self._check_norm()
         check_speaker(self.speaker)
         object.__setattr__(self, "interval", self.interval.rounded())
-
-    def _check_norm(self) -> None:
+        if self.kind != "norm":
+            return
         if self.context is None:
             raise ValidationError([f"{self.functor} needs the action that it is about as context."])
-        allowed = {"part"} if self.functor == FORBIDDEN else {"part", "action"}
-        found = {self.argument.kind} if self.argument else set[str]()
-        if not found <= allowed or (self.functor == OBLIGED and not found):
-            expected = " or ".join(map(_article, sorted(allowed, reverse=True)))
+        allowed = ("part",) if self.functor == FORBIDDEN else ("part", "action")
+        is_fit = self.argument.kind in allowed if self.argument else self.functor != OBLIGED
+        if not is_fit:
+            expected = " or ".join(map(_article, allowed))
             raise ValidationError([f"{self.functor} takes {expected}, not {self.argument}."])
 
     @property
@@ -160,12 +158,12 @@ class Rule:
     @property
     def affordance(self) -> str | None:
         """The affordance it concludes; None for other rules."""
-        return self._argument("affordance")
+        return self.argument.name if self.argument and self.argument.kind == "affordance" else None
 
     @property
     def part(self) -> str | None:
         """The part it concludes; None for other rules."""
-        return self._argument("part")
+        return self.argument.name if self.argument and self.argument.kind == "part" else None
 
     @property
     def support(self) -> Interval:
@@ -227,14 +225,13 @@ class Rule:
         """The rule in the JSON of every command; "*" is any object."""
         props = sorted(str(atom) for atom in self.features if atom.kind != "object")
         where = sorted(str(a) for a in self.contexts if a.kind not in {"action", "material"})
-        material = {"material": self.material} if self.material else {}
         general = {"functor": self.functor, "argument": str(self.argument or "") or None}
         return {
             "id": self.id,
             "kind": self.kind,
             "object": self.object or "*",
             "affordance": self.affordance,
-            **material,
+            **({"material": self.material} if self.material else {}),
             "context": self.context,
             "part": self.part,
             "lower": self.interval.lower,
@@ -249,9 +246,6 @@ class Rule:
         bounds = f"{interval.lower:.{DIGITS}f} {interval.upper:.{DIGITS}f}"
         content = f"{self.speaker}\n{_atoms_text(features)}\n{self._implied}\n{bounds}"
         return "rule/" + hashlib.sha256(content.encode()).hexdigest()[:16]
-
-    def _argument(self, kind: str) -> str | None:
-        return self.argument.name if self.argument and self.argument.kind == kind else None
 
     def __repr__(self) -> str:
         left = sorted(self.contexts) + sorted(self.features)
@@ -273,8 +267,8 @@ def functional(
 
     `affordance` is a gerund ("cutting"); `material` is what it is used on ("bread"), None for any.
     """
+    contexts = frozenset([Atom("material", material)] if material else [])
     features, argument = _features(name, properties), Atom("affordance", affordance)
-    contexts = _context("material", material)
     return Rule(features, contexts, USED_FOR, argument, interval, speaker)
 
 
@@ -288,7 +282,7 @@ def grasping(
     speaker: str = DEFAULT_SPEAKER,
 ) -> Rule:
     """The rule that an object is grasped by a part, in the context of an action ("pass") or any."""
-    contexts = _context("action", context)
+    contexts = frozenset([Atom("action", context)] if context else [])
     features, argument = _features(name, properties), Atom("part", part)
     return Rule(features, contexts, GRASP_OBJECT, argument, interval, speaker)
 
@@ -333,10 +327,6 @@ def check_speaker(name: str) -> None:
 def _features(name: str, properties: Iterable[str]) -> frozenset[Atom]:
     objects = () if name == "*" else (Atom("object", name),)
     return frozenset((*objects, *(Atom("property", prop) for prop in properties)))
-
-
-def _context(kind: str, name: str | None) -> frozenset[Atom]:
-    return frozenset([Atom(kind, name)]) if name else frozenset()
 
 
 @lru_cache(maxsize=2**18)

@@ -12,11 +12,12 @@ import contextlib
 import tempfile
 import time
 from collections import defaultdict
-from collections.abc import Generator, Iterable, Iterator, Sequence
-from contextlib import closing, contextmanager
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, closing
+from dataclasses import replace
+from itertools import chain
 from pathlib import Path
-from typing import cast
+from typing import NamedTuple, cast
 
 from ..ontology.errors import QueryError, QueryLimitError, ValidationError
 from ..ontology.vocabulary import Iri, is_ontology, shortened, split
@@ -48,6 +49,7 @@ _KEPT_BY_HILT = {
     DERIVED: "What follows from rules is made by Hilt; insert rules, or change their hilt:status.",
     DOMAIN: "The domain comes from the files of objects and actions; change those.",
 }
+_RULE = (BELIEFS, "rule")  # what is written with its utterance
 _MUST_KEEP = "An update must keep every rule; a retracted one has a status."
 _ONLY_STATUS = (
     "Of a rule only the hilt:status changes, from or to hilt:active; another content is another "
@@ -79,7 +81,7 @@ def update(
     refuse_external_access(text)
     with base.store.writing():
         change = find_difference(base.store, text, limits or QueryLimits())
-        if not change:
+        if not any(change):
             return None
         plan = _Plan(base.store, change)
         said = Utterance(
@@ -93,55 +95,35 @@ def update(
         return base.write(said, plan.asserted, insert=plan.insert, delete=plan.delete)
 
 
-@dataclass
-class Difference:
-    """What an update deletes and inserts in the end; false when that is nothing."""
+class Difference(NamedTuple):
+    """What an update deletes and inserts in the end."""
 
-    delete: set[Quad] = field(default_factory=set[Quad])
-    insert: set[Quad] = field(default_factory=set[Quad])
-
-    def __bool__(self) -> bool:
-        return bool(self.delete or self.insert)
-
-    def add(self, delete: set[Quad], insert: set[Quad]) -> None:
-        """Add what comes after, given as statements that are there and ones that are not."""
-        self.insert, self.delete = (
-            (self.insert - delete) | (insert - self.delete),
-            (self.delete - insert) | (delete - self.insert),
-        )
+    delete: set[Quad]
+    insert: set[Quad]
 
 
 def find_difference(store: Store, text: str, limits: QueryLimits) -> Difference:
-    """What an update would change in a store; errors as for `update`.
-
-    Of several operations each sees what those before it have changed, so these run on a copy.
-    """
-    readable, end, found = readable_update(text), time.monotonic() + limits.seconds, Difference()
+    """What an update would change in a store; errors as for `update`."""
+    readable, end = readable_update(text), time.monotonic() + limits.seconds
+    gone, new = set[Quad](), set[Quad]()
     try:
-        with closing(WorkerProcess()) as worker:
+        with ExitStack() as stack:
+            worker, trial = stack.enter_context(closing(WorkerProcess())), store
             worker.request(limits, update=readable)  # an error says where it is in the whole text
             operations = parse_update(text)
-            with _trial(store, len(operations)) as trial:
-                for operation in operations:
-                    left = replace(limits, seconds=max(0.001, end - time.monotonic()))
-                    delete, insert = _effect(trial, worker, operation, left)
-                    found.add(delete, insert)
-                    if trial is not store:
-                        trial.apply(insert=insert, delete=delete)
+            if len(operations) > 1:  # on a copy: each sees what those before it have changed
+                folder = tempfile.TemporaryDirectory(prefix="hilt-", ignore_cleanup_errors=True)
+                store.save(place := Path(stack.enter_context(folder)) / "copy")
+                trial = stack.enter_context(closing(open_store(place)))
+            for operation in operations:
+                left = replace(limits, seconds=max(0.001, end - time.monotonic()))
+                delete, insert = _effect(trial, worker, operation, left)
+                new, gone = (new - delete) | (insert - gone), (gone - insert) | (delete - new)
+                if trial is not store:
+                    trial.apply(insert=insert, delete=delete)
     except QueryLimitError as error:
         raise limits.time_error() if time.monotonic() >= end else error from None
-    return found
-
-
-@contextmanager
-def _trial(store: Store, operations: int) -> Generator[Store]:
-    if operations == 1:
-        yield store
-        return
-    with tempfile.TemporaryDirectory(prefix="hilt-", ignore_cleanup_errors=True) as folder:
-        store.save(place := Path(folder) / "copy")
-        with closing(open_store(place)) as copy:
-            yield copy
+    return Difference(gone, new)
 
 
 def _effect(
@@ -149,11 +131,9 @@ def _effect(
 ) -> tuple[set[Quad], set[Quad]]:
     rows: Sequence[Sequence[Term | None]] = [(None,)]
     if operation.where:
-        found = cast(SelectResult, store.run(operation.query(MAX_CHANGED + 1), limits))
-        rows = found.rows
+        rows = cast(SelectResult, store.run(operation.query(MAX_CHANGED + 1), limits)).rows
         _check_size(len(rows))
-        for row in rows:
-            invariants.refuse_blank_nodes(row)
+        invariants.refuse_blank_nodes(chain.from_iterable(rows))
     delete, insert = (
         set[Quad](worker.request(limits, update=operation.insertion(template, rows)))
         if template and rows
@@ -161,8 +141,14 @@ def _effect(
         for template in (operation.deleted, operation.inserted)
     )
     _check_size(max(len(delete), len(insert)))
-    _check_places(delete | insert)
-    there = {quad for quad in delete | insert if any(store.quads(*quad))}
+    changed = delete | insert
+    for graph in {quad.graph for quad in changed} - invariants.BASE_GRAPHS:
+        if not is_ontology(graph):
+            name = shortened(graph) if graph else "without a name"
+            problem = f"The graph {name} is not one of a base; write GRAPH graph:beliefs {{ ... }}."
+            raise ValidationError([problem])
+    invariants.refuse_blank_nodes(chain.from_iterable(changed))
+    there = {quad for quad in changed if any(store.quads(*quad))}
     return (delete & there) - insert, insert - there
 
 
@@ -174,22 +160,12 @@ def _check_size(changed: int) -> None:
         )
 
 
-def _check_places(quads: Iterable[Quad]) -> None:
-    graphs = {quad.graph for quad in quads if not is_ontology(quad.graph)}
-    for graph in graphs - invariants.BASE_GRAPHS:
-        name = shortened(graph) if graph else "without a name"
-        raise ValidationError(
-            [f"The graph {name} is not one of a base; write GRAPH graph:beliefs {{ ... }}."]
-        )
-    for quad in quads:
-        invariants.refuse_blank_nodes(quad)
-
-
 class _Plan:
     """Rules that an update asserts or ends, and statements besides; ValidationError if unlawful."""
 
     def __init__(self, store: Store, change: Difference) -> None:
-        self.insert, self.delete = list[Quad](), list[Quad]()
+        self.insert = list[Quad]()
+        self.delete = [q for q in change.delete if (q.graph, split(q.subject)[0]) != _RULE]
         self.asserted = list[Rule]()
         self.ended: dict[str, list[str]] = {"retracted": [], "superseded": []}
         self._before, self._after = store, _ChangedStore(store, change)
@@ -200,20 +176,16 @@ class _Plan:
             for _, graph in touched
             if graph in _KEPT_BY_HILT
         )
-        by_laws = list(self._findings(touched))
-        raise_findings(
-            causes(check_shapes(self._after, nodes=[node for node, _ in touched]), by_laws)
-        )
-
-    def _findings(self, touched: Iterable[tuple[Iri, Iri]]) -> Iterator[ValidationFinding]:
-        laws = Invariants(self._after, whole=True)
+        laws, by_laws = Invariants(self._after, whole=True), list[ValidationFinding]()
         for node, graph in touched:
             self._take(node, graph)
-            yield from laws.check(node, graph, self._after.properties(node, graph))
+            by_laws += laws.check(node, graph, self._after.properties(node, graph))
             if split(node)[0] == "rule" and graph == BELIEFS:
-                yield from self._rule_findings(node)
+                by_laws += self._rule_findings(node)
             elif split(node)[0] == "speaker":
-                yield from self._speaker_findings(node, graph)
+                by_laws += self._speaker_findings(node, graph)
+        by_shapes = check_shapes(self._after, nodes=[node for node, _ in touched])
+        raise_findings(causes(by_shapes, by_laws))
 
     def _rule_findings(self, node: Iri) -> Iterator[ValidationFinding]:
         name, before, after = shortened(node), _rule(self._before, node), _rule(self._after, node)
@@ -243,9 +215,8 @@ class _Plan:
         with contextlib.suppress(ValidationError):  # a finding will say it
             known = written(self._after, node, graph, self._after.properties(node, graph))
             inserted[node] = [known.get(quad, quad) for quad in inserted[node]]
-        if (graph, split(node)[0]) != (BELIEFS, "rule"):  # that is written with its utterance
+        if (graph, split(node)[0]) != _RULE:
             self.insert += (quad for quad in inserted[node] if quad.graph == graph)
-            self.delete += (quad for quad in self._after.deleted[node] if quad.graph == graph)
         if graph == EPISODES:
             before, after = (
                 {*observation_quads(node, store.properties(node, graph))}
@@ -260,7 +231,9 @@ class _ChangedStore(ReadableStore):
 
     def __init__(self, store: Store, change: Difference) -> None:
         self._store, self._change = store, change
-        self.inserted, self.deleted = _by_subject(change.insert), _by_subject(change.delete)
+        self.inserted: dict[Iri, list[Quad]] = defaultdict(list)
+        for quad in change.insert:
+            self.inserted[quad.subject].append(quad)
 
     def quads(
         self,
@@ -276,13 +249,6 @@ class _ChangedStore(ReadableStore):
         for quad in (quad for each in subjects for quad in self.inserted[each]):
             if all(part in (None, there) for part, there in zip(wanted, quad, strict=True)):
                 yield quad
-
-
-def _by_subject(quads: Iterable[Quad]) -> dict[Iri, list[Quad]]:
-    found: dict[Iri, list[Quad]] = defaultdict(list)
-    for quad in quads:
-        found[quad.subject].append(quad)
-    return found
 
 
 def _rule(store: ReadableStore, node: Iri) -> Rule | None:

@@ -9,7 +9,8 @@ the invariants too (`hilt.kb.invariants`), and leads with the causes.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import suppress
 from dataclasses import replace
 from itertools import islice
 from typing import Any
@@ -24,8 +25,7 @@ from .learned import ACTIONS, LEXICON
 from .rdf import rule_mapping
 from .rdf.rule_mapping import BELIEFS, DERIVED, TYPE
 from .rdf.terms import BASE_GRAPH, Quad
-from .rule import Rule
-from .stores.base import MEMORY, ReadableStore, Store
+from .stores.base import MEMORY, ReadableStore, Store, batched
 from .stores.opening import open_store
 from .stores.rdf_text import write_rdf
 
@@ -36,16 +36,10 @@ _WRONG_NAME = "A rule is a node rule:ID"  # how that message of shapes.ttl begin
 PORTION = 1000  # nodes that SHACL checks at a time
 Progress = Callable[[int, int], None]  # is told how many are done, and of how many
 
-# Where a node of a class belongs when a format has no graphs.
-_GRAPHS = {
-    "Utterance": HISTORY,
-    "Episode": EPISODES,
-    "Step": EPISODES,
-    "GraspTrial": EPISODES,
-    "Word": LEXICON,
-    "Phrase": LEXICON,
-    "TaughtAction": ACTIONS,
-    "Base": BASE_GRAPH,
+_GRAPHS = {  # where a node of a class belongs when a format has no graphs
+    **{"Utterance": HISTORY, "Base": BASE_GRAPH, "TaughtAction": ACTIONS},
+    **dict.fromkeys(("Episode", "Step", "GraspTrial"), EPISODES),
+    **dict.fromkeys(("Word", "Phrase"), LEXICON),
 }
 
 _SUBJECT = re.compile(r"\s*(<[^<>\s]+>|[\w-]+:[^\s;,<>]+)\s")  # that of a statement, in Turtle
@@ -64,13 +58,6 @@ def stage(quads: Iterable[Quad], *, source: str) -> Store:
     staging.apply(insert=checked())
     _sort(staging)
     _rename(staging)
-    return staging
-
-
-def stage_rules(rules: Iterable[Rule]) -> Store:
-    """Return a store with these rules."""
-    staging = open_store(MEMORY)
-    staging.apply(insert=(quad for rule in rules for quad in rule_mapping.rule_quads(rule)))
     return staging
 
 
@@ -117,14 +104,11 @@ def causes(
     for one in dict.fromkeys(by_laws):
         if one.node not in shaped:
             lawless.setdefault(one.node, []).append(one)
-    of_shapes = (one for several in shaped.values() for one in several.values())
-    return sorted([*of_shapes, *map(_with_count, lawless.values())])
-
-
-def _with_count(found: Sequence[ValidationFinding]) -> ValidationFinding:
-    first, *others = found
-    more = f" ({len(others)} more about it.)" if others else ""
-    return replace(first, problem=first.problem + more)
+    found = [one for several in shaped.values() for one in several.values()]
+    for first, *others in lawless.values():
+        more = f" ({len(others)} more about it.)" if others else ""
+        found.append(replace(first, problem=first.problem + more))
+    return sorted(found)
 
 
 def raise_findings(found: Iterable[ValidationFinding]) -> None:
@@ -137,24 +121,28 @@ def raise_findings(found: Iterable[ValidationFinding]) -> None:
 def check_shapes(
     store: ReadableStore, *, nodes: Iterable[Iri] | None = None
 ) -> Iterator[ValidationFinding]:
-    """What breaks the SHACL shapes, at some nodes or at all.
-
-    A shape looks at one node and what stands at it, so that the nodes are checked in portions.
-    """
+    """What breaks the SHACL shapes, at some nodes or at all."""
     import pyshacl  # slow to import, and only validation needs it
-    from rdflib import Graph
+    from rdflib import RDF, SH, Graph, URIRef
 
     shapes_graph = Graph().parse(SHAPES_FILE, format="turtle")
     own = (quad.subject for quad in store.quads() if not is_ontology(quad.graph))
-    chosen = sorted(set(own if nodes is None else nodes))
-    for start in range(0, len(chosen), PORTION):
-        quads = (quad for node in chosen[start : start + PORTION] for quad in store.quads(node))
+    # In portions: a shape looks at one node and what stands at it.
+    for some in batched(sorted(set(own if nodes is None else nodes)), PORTION):
+        quads = (quad for node in some for quad in store.quads(node))
         graph = Graph(bind_namespaces="none")
         graph.parse(data=write_rdf(quads, format="ntriples"), format="nt")
-        _, report, _ = pyshacl.validate(
+        report: Any = pyshacl.validate(
             graph, shacl_graph=shapes_graph, inplace=True, do_owl_imports=False
-        )
-        yield from _reported(report)
+        )[1]
+        for result in report.subjects(RDF.type, SH.ValidationResult):
+            message, found = report.value(result, SH.resultMessage), report.value(result, SH.value)
+            brief = shortened(str(found)) if ":" in str(found)[:8] else f'"{str(found)[:60]}"'
+            text = "" if found is None else f" Found {brief}."
+            path = report.value(result, SH.resultPath)
+            key = shortened(str(path)) if isinstance(path, URIRef) else ""
+            node = shortened(str(report.value(result, SH.focusNode)))
+            yield ValidationFinding(node, f"{message}{text}", key)
 
 
 def locate_findings(found: Iterable[ValidationFinding], text: str) -> list[ValidationFinding]:
@@ -169,20 +157,6 @@ def locate_findings(found: Iterable[ValidationFinding], text: str) -> list[Valid
             name = shortened(start[1][1:-1]) if start[1].startswith("<") else start[1]
             lines.setdefault(name, number)
     return sorted(replace(one, line=lines.get(one.node, 0)) for one in set(found))
-
-
-def _reported(report: Any) -> Iterator[ValidationFinding]:
-    from rdflib import RDF, SH, URIRef
-
-    for result in report.subjects(RDF.type, SH.ValidationResult):
-        message, found = report.value(result, SH.resultMessage), report.value(result, SH.value)
-        brief = shortened(str(found)) if ":" in str(found)[:8] else f'"{str(found)[:60]}"'
-        text = "" if found is None else f" Found {brief}."
-        path = report.value(result, SH.resultPath)
-        key = shortened(str(path)) if isinstance(path, URIRef) else ""
-        yield ValidationFinding(
-            shortened(str(report.value(result, SH.focusNode))), f"{message}{text}", key
-        )
 
 
 def _sort(staging: Store) -> None:
@@ -201,18 +175,15 @@ def _sort(staging: Store) -> None:
 
 
 def _rename(staging: Store) -> None:
-    names: dict[Iri, Iri] = {}
-    classes = rule_mapping.CLASSES.values()
-    typed = (staging.quads(None, TYPE, kind, BELIEFS) for kind in classes)
-    for node in sorted({quad.subject for some in typed for quad in some}):
-        try:
+    names: dict[Any, Any] = {}
+    classes = set(rule_mapping.CLASSES.values())
+    typed = (quad for quad in staging.quads(None, TYPE, None, BELIEFS) if quad.object in classes)
+    for node in {quad.subject for quad in typed}:
+        with suppress(ValidationError):  # validation will say it
             rule = rule_mapping.read_rule(staging.properties(node, BELIEFS))
-        except ValidationError:
-            continue  # validation will say it
-        if rule_mapping.rule_iri(rule.id) != node:
             names[node] = rule_mapping.rule_iri(rule.id)
+    names = {node: name for node, name in names.items() if node != name}
     if names:
-        new_name: dict[object, Any] = {**names}
         old = [q for q in staging.quads() if q.subject in names or q.object in names]
-        new = [Quad(*(new_name.get(part, part) for part in quad)) for quad in old]
+        new = [Quad(*(names.get(part, part) for part in quad)) for quad in old]
         staging.apply(insert=new, delete=old)

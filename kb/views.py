@@ -16,13 +16,12 @@ from .history import HISTORY, IMPORT, KIND, Utterance, parse_trust, read_utteran
 from .interval import CERTAIN, Interval
 from .learned import LearnedWord
 from .rdf import rule_mapping
-from .reader import RuleReader, atom_named
+from .reader import RuleReader, atoms_named
 from .rule import DEFAULT_SPEAKER, Atom, Rule
 from .stores.base import described_nodes
 
 _DATE = re.compile(r"\d{4}-\d{2}-\d{2}")
-_RULE_NAME = re.compile(r"(?:rule[/:])?([0-9a-f]{4,16})")
-_TOO_SHORT = re.compile(r"(?:rule[/:])?[0-9a-f]{0,3}")  # could be the number of an utterance
+_RULE_NAME = re.compile(r"(?:rule[/:])?([0-9a-f]{0,16})")
 
 
 @dataclass(frozen=True)
@@ -42,21 +41,20 @@ class RuleView:
         speaker: str | None = None,
     ) -> list[Rule]:
         """The rules that match; arguments as for `RuleReader.rules`."""
-        argument = atom_named("affordance", affordance) or atom_named("part", part)
-        feature, action = atom_named("object", object), atom_named("action", context)
+        features, contexts = {*atoms_named(object=object)}, {*atoms_named(action=context)}
+        arguments = {*atoms_named(affordance=affordance, part=part)}
         return [
             rule
             for rule in self.all
-            if (feature is None or feature in rule.features)
-            and (action is None or action in rule.contexts)
-            and argument in (None, rule.argument)
+            if features <= rule.features
+            and contexts <= rule.contexts
+            and arguments <= {rule.argument}
             and speaker in (None, rule.speaker)
         ]
 
     def rules_at_nodes(self, nodes: Sequence[str]) -> list[Rule]:
         """The rules at action-tree nodes, as `RuleReader.rules_at_nodes` gives them."""
-        wanted = frozenset(nodes)
-        return sorted((rule for rule in self.all if rule.node in wanted), key=lambda one: one.id)
+        return sorted((rule for rule in self.all if rule.node in nodes), key=lambda one: one.id)
 
 
 @dataclass(frozen=True)
@@ -109,15 +107,11 @@ class BaseDifference:
 
     def as_json(self) -> dict[str, object]:
         """The document of `hilt diff --json`."""
-        found: dict[str, object] = {
-            name: [each.as_json() for each in getattr(self, name)]
-            for name in ("removed", "added", "altered", "words_removed", "words_added")
-        }
-        found["trust"] = [
-            {"speaker": who, "before": _bounds(before), "after": _bounds(after)}
-            for who, before, after in self.trust
-        ]
-        return found
+        names = ("removed", "added", "altered", "words_removed", "words_added")
+        found = {name: [each.as_json() for each in getattr(self, name)] for name in names}
+        bounds = ((who, *map(_bounds, intervals)) for who, *intervals in self.trust)
+        keys = ("speaker", "before", "after")
+        return {**found, "trust": [dict(zip(keys, one, strict=True)) for one in bounds]}
 
 
 def view(
@@ -129,30 +123,33 @@ def view(
     utterances of the speaker `according_to` count; everybody's by default. UnknownNameError if
     there is no such utterance, or no utterance of that speaker.
     """
-    events = _utterances(base)
-    _check(base, events, at, according_to)
-    counted = [one for one in events if at is None or _is_until(one, at)]
+    nodes = described_nodes(base.store, HISTORY)
+    said = (read_utterance(some) for node, some in nodes if split(node)[0] == "utterance")
+    events = sorted(said, key=lambda one: (one.time, one.sequence))
+    counted = events
+    if isinstance(at, int):
+        last = max((one.sequence for one in events), default=0)
+        if not 0 <= at <= last:
+            raise NotFoundError("utterance", str(at), [f"0 to {last}"])
+        counted = [one for one in events if one.sequence <= at]
+    elif at is not None:
+        counted = [one for one in events if one.time <= at]
+    speakers = {one.speaker for one in events}
+    is_known = according_to in {None, *speakers} or base.rules(speaker=according_to, status=None)
+    if according_to and not is_known:
+        raise NotFoundError("speaker", according_to, speakers)
     active, finally_active = _replayed(base, counted, according_to), _replayed(base, events, None)
     # A rule that is inactive now although no utterance of this base ended it came with a file or
     # another base, where it was retracted at an unknown time.
     found = [
-        rule
-        for rule in map(base.rule, active)
+        replace(rule, utterance=one.sequence, time=one.time, status="active", trust=1.0)
+        for rule, one in ((base.rule(name), one) for name, one in active.items())
         if rule.status == "active" or rule.id not in finally_active
     ]
-    names = {rule.speaker for rule in found} if according_to is None else set[str]()
-    trust = _trust(base, names, events, counted)
-    rules = [
-        replace(
-            rule,
-            utterance=active[rule.id].sequence,
-            time=active[rule.id].time,
-            status="active",
-            trust=trust.get(rule.speaker, 1.0),
-        )
-        for rule in found
-    ]
-    return RuleView(tuple(sorted(rules, key=lambda rule: (rule.utterance or 0, rule.id))))
+    if according_to is None:
+        trust = _trust(base, {rule.speaker for rule in found}, events, counted)
+        found = [replace(rule, trust=trust[rule.speaker]) for rule in found]
+    return RuleView(tuple(sorted(found, key=lambda rule: (rule.utterance or 0, rule.id))))
 
 
 def parse_moment(text: str) -> datetime | int:
@@ -197,44 +194,48 @@ def compare_bases(before: RuleReader, after: RuleReader) -> BaseDifference:
     """The difference between what two bases hold now, whatever their histories."""
     left, right = (base.nodes_with([rule_mapping.ACTIVE]) for base in (before, after))
     removed, added = _rules_at(before, left - right), _rules_at(after, right - left)
-    # Rules that the other base has with another status.
-    altered = [AlteredRule(rule, other) for rule in removed for other in _known(after, rule)]
-    altered += [AlteredRule(other, rule) for rule in added for other in _known(before, rule)]
-    altered += _with_other_interval(_without(removed, altered), _without(added, altered))
-    words_removed = _words_only_in(before, after)
-    words_added = _words_only_in(after, before)
-    removed, added = _without(removed, altered), _without(added, altered)
+    # Rules that the other base has with another status, and then those with another interval.
+    was = {rule.id: rule for rule in _rules_at(before, right - left)}
+    now = {rule.id: rule for rule in _rules_at(after, left - right)}
+    altered = [AlteredRule(rule, now[rule.id]) for rule in removed if rule.id in now]
+    altered += [AlteredRule(was[rule.id], rule) for rule in added if rule.id in was]
+    removed = [rule for rule in removed if rule.id not in now]
+    added = [rule for rule in added if rule.id not in was]
+    free = {_content(rule): rule for rule in removed}
+    pairs = [(free.pop(_content(rule), None), rule) for rule in added]
+    altered += [AlteredRule(other, rule) for other, rule in pairs if other]
+    gone = {rule.id for each in altered for rule in (each.before, each.after)}
     names = sorted({*before.speakers(), *after.speakers()})
     trust = ((name, before.trust(name), after.trust(name)) for name in names)
-    other_trust = tuple(one for one in trust if one[1] != one[2])
-    return BaseDifference(removed, added, tuple(altered), other_trust, words_removed, words_added)
+    return BaseDifference(
+        tuple(rule for rule in removed if rule.id not in gone),
+        tuple(rule for rule in added if rule.id not in gone),
+        tuple(altered),
+        tuple(one for one in trust if one[1] != one[2]),
+        _words_only_in(before, after),
+        _words_only_in(after, before),
+    )
 
 
 def find_rule(base: RuleReader, name: str) -> Rule:
-    """The rule that a person names: by its id, or by the first digits of it.
-
-    There may be none (UnknownNameError) or several (ValidationError).
-    """
-    if _TOO_SHORT.fullmatch(name):
-        raise ValidationError([f'"{name}" is too short for a rule: expected 4 digits of its id.'])
+    """The rule with an id, or its first digits; UnknownNameError or ValidationError if not one."""
     digits = _RULE_NAME.fullmatch(name)
-    if digits is None or len(digits[1]) == len("0123456789abcdef"):
-        return base.rule(f"rule/{digits[1]}" if digits else name)
-    start = rule_mapping.rule_iri(f"rule/{digits[1]}")
-    found = [node for node in base.nodes_with([]) if node.startswith(start)]
-    if not found:
-        return base.rule(f"rule/{digits[1]}")  # which says what there is
+    if digits is None:
+        return base.rule(name)  # which says what there is
+    if len(digits[1]) < 4:  # could be the number of an utterance
+        raise ValidationError([f'"{name}" is too short for a rule: expected 4 digits of its id.'])
+    rule_id, found = f"rule/{digits[1]}", list[str]()
+    if len(digits[1]) < len("0123456789abcdef"):
+        found = [
+            one for one in map(rule_mapping.rule_id, base.nodes_with([])) if one.startswith(rule_id)
+        ]
     if len(found) > 1:
-        listed = ", ".join(sorted(map(rule_mapping.rule_id, found)))
-        raise ValidationError([f'"{name}" names several rules: {listed}.'])
-    return base.rule(rule_mapping.rule_id(found[0]))
+        raise ValidationError([f'"{name}" names several rules: {", ".join(sorted(found))}.'])
+    return base.rule(found[0] if found else rule_id)
 
 
 def last_taught_rules(base: RuleReader, speaker: str) -> list[Rule]:
-    """The rules of the last utterance of a speaker that asserted a rule which is still active.
-
-    An UnknownNameError lists other speakers when this one has no active rule.
-    """
+    """The rules that hold of the last utterance of a speaker with one; else UnknownNameError."""
     others = set[str]()
     for number in range(base.sequence, 0, -1):
         kinds = base.store.quads(utterance_iri(number), KIND, None, HISTORY)
@@ -251,29 +252,6 @@ def last_taught_rules(base: RuleReader, speaker: str) -> list[Rule]:
             return found
         others |= {rule.speaker for rule in active}
     raise NotFoundError("sentence with a rule that holds by", speaker, others)
-
-
-def _utterances(base: RuleReader) -> list[Utterance]:
-    nodes = described_nodes(base.store, HISTORY)
-    found = (read_utterance(some) for node, some in nodes if split(node)[0] == "utterance")
-    return sorted(found, key=lambda one: (one.time, one.sequence))
-
-
-def _check(
-    base: RuleReader, events: list[Utterance], at: datetime | int | None, according_to: str | None
-) -> None:
-    last = max((one.sequence for one in events), default=0)
-    if isinstance(at, int) and not 0 <= at <= last:
-        raise NotFoundError("utterance", str(at), [f"0 to {last}"])
-    speakers = {one.speaker for one in events}
-    if according_to is None or according_to in speakers:
-        return
-    if not base.rules(speaker=according_to, status=None):
-        raise NotFoundError("speaker", according_to, speakers)
-
-
-def _is_until(one: Utterance, at: datetime | int) -> bool:
-    return one.sequence <= at if isinstance(at, int) else one.time <= at
 
 
 def _replayed(
@@ -294,37 +272,20 @@ def _trust(
     base: RuleReader, speakers: set[str], events: list[Utterance], counted: list[Utterance]
 ) -> dict[str, float]:
     ever, then = (dict(filter(None, map(parse_trust, some))) for some in (events, counted))
-    found: dict[str, float] = {}
-    for name in speakers:
-        start = CERTAIN if name == DEFAULT_SPEAKER else Interval(0, 0)
-        now = base.trust(name) or Interval(0, 0)
-        found[name] = then.get(name, start if name in ever else now).lower
-    return found
+    # Before somebody set it, the trust in all but one is 0; where nobody did, it is as now.
+    start = {name: CERTAIN if name == DEFAULT_SPEAKER else Interval(0, 0) for name in ever}
+    known = {**base.trust_by_speaker(), **start, **then}
+    return {name: known[name].lower if name in known else 0.0 for name in speakers}
 
 
-def _rules_at(base: RuleReader, nodes: set[Iri]) -> list[Rule]:
-    return sorted(base.read_rules((node, base.properties(node)) for node in nodes), key=_content)
-
-
-def _known(base: RuleReader, rule: Rule) -> list[Rule]:
-    node = rule_mapping.rule_iri(rule.id)
-    return base.read_rules([(node, found)]) if (found := base.properties(node)) else []
-
-
-def _with_other_interval(removed: Iterable[Rule], added: Iterable[Rule]) -> list[AlteredRule]:
-    free = {_content(rule): rule for rule in removed}
-    pairs = [(free.pop(_content(rule), None), rule) for rule in added]
-    return [AlteredRule(before, after) for before, after in pairs if before]
+def _rules_at(base: RuleReader, nodes: Iterable[Iri]) -> list[Rule]:
+    found = ((node, some) for node in nodes if (some := base.properties(node)))
+    return sorted(base.read_rules(found), key=_content)
 
 
 def _content(rule: Rule) -> tuple[str, ...]:
     left = (" ".join(sorted(map(str, atoms))) for atoms in (rule.features, rule.contexts))
     return (*left, rule.functor, str(rule.argument), rule.speaker)
-
-
-def _without(rules: Iterable[Rule], altered: list[AlteredRule]) -> tuple[Rule, ...]:
-    gone = {rule.id for each in altered for rule in (each.before, each.after)}
-    return tuple(rule for rule in rules if rule.id not in gone)
 
 
 def _words_only_in(base: RuleReader, other: RuleReader) -> tuple[LearnedWord, ...]:

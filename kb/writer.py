@@ -38,11 +38,7 @@ class _Change:
 
 
 class RuleWriter(RuleReader):
-    """Writes rules and utterances into `store`, at the times that `clock` gives.
-
-    The clocks of processes that share a store may differ a little; an utterance is never older than
-    the one before it.
-    """
+    """Writes rules and utterances into `store`, at the times that `clock` gives."""
 
     def __init__(self, store: Store, *, clock: Callable[[], datetime] | None = None) -> None:
         super().__init__(store)
@@ -80,8 +76,8 @@ class RuleWriter(RuleReader):
         teller = source or speaker
         asserted = {rule.id: rule for rule in (replace(one, speaker=teller) for one in rules)}
         gone = set(retracts) - set(asserted)
-        utterance = replace(
-            self._said(text, predicate, speaker, kind, time),
+        utterance = Utterance(
+            *(0, text, predicate, speaker, to_milliseconds(time or self.clock()), kind),
             answer=answer,
             asserts=tuple(sorted(asserted)),
             retracts=tuple(sorted(gone)),
@@ -89,9 +85,8 @@ class RuleWriter(RuleReader):
             heard=heard,
         )
         with self.store.writing():
-            change = _Change()
+            change, number = _Change(), self.sequence + 1
             change.insert += speaker_quads(source, BELIEFS) if source else []
-            number = self.sequence + 1
             for word in words:
                 change.insert += learned.WORDS.learned_quads(replace(word, utterance=number))
             for action in actions:
@@ -113,9 +108,8 @@ class RuleWriter(RuleReader):
         heard: float = 1.0,
     ) -> Utterance:
         """Add an utterance that changes no rule, as a command; arguments as for `Utterance`."""
-        said = self._said(text, predicate, speaker, kind)
-        said = replace(said, accepted=accepted, answer=answer, heard=heard)
-        return self.write(said, [], insert=(), delete=())
+        said = (0, text, predicate, speaker, to_milliseconds(self.clock()), kind, accepted, answer)
+        return self.write(Utterance(*said, heard=heard))
 
     def retract(
         self, rule_id: str, text: str, predicate: str, speaker: str, *, answer: str = ""
@@ -128,10 +122,10 @@ class RuleWriter(RuleReader):
     def write(
         self,
         utterance: Utterance,
-        rules: Sequence[Rule],
+        rules: Sequence[Rule] = (),
         *,
-        insert: Iterable[Quad],
-        delete: Iterable[Quad],
+        insert: Iterable[Quad] = (),
+        delete: Iterable[Quad] = (),
     ) -> Utterance:
         """Number an utterance and write it, the rules it asserts or ends, and other statements."""
         with self.store.writing():
@@ -148,21 +142,19 @@ class RuleWriter(RuleReader):
         most = (1.0 if lower else 0.0) if upper is None else upper
         trust = Interval(lower, most).rounded()
         form = f"trust({speaker},{trust.lower},{trust.upper})"
-        utterance = self._said(f"trust {speaker} {trust}", form, by, "trust")
+        said = (0, f"trust {speaker} {trust}", form, by, to_milliseconds(self.clock()), "trust")
         with self.store.writing():
-            before = self.store.quads(iri("speaker", speaker), None, None, BELIEFS)
-            change = _Change()
-            change.replace(before, trust_quads(speaker, trust))
-            self._write(utterance, [], change)
+            before = {*self.store.quads(iri("speaker", speaker), None, None, BELIEFS)}
+            after = {*trust_quads(speaker, trust)}
+            self.write(Utterance(*said), insert=after - before, delete=before - after)
         return trust
 
     def learn_phrase(self, phrase: LearnedPhrase) -> None:
         """Store a phrase that the last utterance confirmed; durable when this returns."""
         with self.store.writing():
-            kept, change = replace(phrase, utterance=self.last_written), _Change()
-            before = learned.PHRASES.stored_quads(self.store, kept)
-            change.replace(before, learned.PHRASES.learned_quads(kept))
-            self.store.apply(insert=change.insert, delete=change.delete)
+            kept = [*learned.PHRASES.learned_quads(replace(phrase, utterance=self.last_written))]
+            before = {*self.store.quads(kept[0].subject, None, None, learned.LEXICON)}
+            self.store.apply(insert=kept, delete=before - {*kept})
 
     def forget_trials(
         self, text: str, speaker: str, *, of: str | None = None, part: str | None = None
@@ -177,8 +169,8 @@ class RuleWriter(RuleReader):
             if not found:
                 raise NotFoundError("experience", " ".join(filter(None, (of, part))) or "any", ())
             by = utterance_iri(self.sequence + 1)
-            change = _Change([Quad(node, FORGOTTEN_BY, by, EPISODES) for node in found])
-            self._write(self._said(text, "", speaker, "correction"), [], change)
+            forgotten = [Quad(node, FORGOTTEN_BY, by, EPISODES) for node in found]
+            self.write(self._correction(text, speaker), insert=forgotten)
         return len(found)
 
     def forget(
@@ -196,7 +188,6 @@ class RuleWriter(RuleReader):
         was learned), or `TAUGHT_ACTIONS`; `text` is the utterance that retracts it, for the
         history. A NotFoundError says that there is none.
         """
-        said = replace(self._said(text, "", speaker, "correction"), answer=answer)
         with self.store.writing():
             known = mapping.active(self.store)
             found = [record for record in known if name in mapping.names(record)]
@@ -206,13 +197,13 @@ class RuleWriter(RuleReader):
             change = _Change()
             for record in found:
                 self._end_learned(change, mapping, record)
-            self._write(said, [], change)
+            self._write(replace(self._correction(text, speaker), answer=answer), [], change)
         return found[-1]
 
     def _end_learned(
         self, change: _Change, mapping: LearnedMapping[Record], record: Record
     ) -> None:
-        before = mapping.stored_quads(self.store, record)
+        before = self.store.quads(mapping.node(record), None, None, mapping.graph)
         change.replace(before, mapping.learned_quads(record, status="retracted"))
 
     @property
@@ -220,15 +211,15 @@ class RuleWriter(RuleReader):
         """The number of the last utterance of this process; of all, if it has written none."""
         return self._own or self.sequence
 
-    def _said(
-        self, text: str, predicate: str, speaker: str, kind: str, time: datetime | None = None
-    ) -> Utterance:
-        when = to_milliseconds(time or self.clock())
-        return Utterance(0, text, predicate, speaker, when, kind)
+    def _correction(self, text: str, speaker: str) -> Utterance:
+        return Utterance(0, text, "", speaker, to_milliseconds(self.clock()), "correction")
 
     def _write(self, utterance: Utterance, rules: Sequence[Rule], change: _Change) -> Utterance:
-        last = self.sequence
-        numbered = replace(utterance, sequence=last + 1, time=self._time_after(last, utterance))
+        last, time = self.sequence, utterance.time
+        if last and self.is_shared:  # by processes whose clocks may differ a little
+            at = self.store.quads(utterance_iri(last), rule_mapping.GENERATED_AT, None, HISTORY)
+            time = max([time, *(cast(datetime, quad.object) for quad in at)])
+        numbered = replace(utterance, sequence=last + 1, time=time)
         change.replace(
             [Quad(BASE_NODE, SEQUENCE, last, BASE_GRAPH)] if last else [],
             [Quad(BASE_NODE, SEQUENCE, last + 1, BASE_GRAPH)],
@@ -236,7 +227,7 @@ class RuleWriter(RuleReader):
         change.insert += utterance_quads(numbered)
         change.insert += speaker_quads(utterance.speaker, HISTORY)
         for rule in rules:
-            asserted = replace(rule, utterance=last + 1, time=numbered.time, status="active")
+            asserted = replace(rule, utterance=last + 1, time=time, status="active")
             before = self.store.quads(rule_mapping.rule_iri(rule.id), None, None, BELIEFS)
             change.replace(before, rule_mapping.rule_quads(asserted))
         self._end(change, numbered.retracts, "retracted", rules)
@@ -244,12 +235,6 @@ class RuleWriter(RuleReader):
         self.store.apply(insert=change.insert, delete=change.delete)
         self._own = last + 1
         return numbered
-
-    def _time_after(self, last: int, utterance: Utterance) -> datetime:
-        if not last or not self.is_shared:
-            return utterance.time
-        times = self.store.quads(utterance_iri(last), rule_mapping.GENERATED_AT, None, HISTORY)
-        return max([utterance.time, *(cast(datetime, quad.object) for quad in times)])
 
     def _end(
         self, change: _Change, rule_ids: Sequence[str], status: Status, new: Sequence[Rule]
@@ -287,11 +272,8 @@ def trust_quads(speaker: str, trust: Interval) -> list[Quad]:
 
 def speaker_quads(speaker: str, graph: Iri) -> list[Quad]:
     """The type and name of a speaker."""
-    node = iri("speaker", speaker)
-    return [
-        Quad(node, rule_mapping.TYPE, term("Speaker"), graph),
-        Quad(node, rule_mapping.LABEL, speaker, graph),
-    ]
+    pairs = ((rule_mapping.TYPE, term("Speaker")), (rule_mapping.LABEL, speaker))
+    return [Quad(iri("speaker", speaker), key, value, graph) for key, value in pairs]
 
 
 def to_milliseconds(time: datetime) -> datetime:

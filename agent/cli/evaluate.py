@@ -13,7 +13,7 @@ from .common import exit_with, print_json, terminal
 from .options import AsJson, Seed, app, example
 
 What = Annotated[
-    str | None,
+    str,
     typer.Argument(
         help="paper, situations, grasps, all-scenarios, random, noise, custom, "
         "facts, or module:Class."
@@ -53,7 +53,7 @@ OPTIONS = ("sim", "scenes", "scenarios", "gap", "poses", "trials", "curves", "fi
 
 @app.command(epilog=example("evaluate paper --report paper.html"))
 def evaluate(  # noqa: PLR0917 - every option is a parameter
-    what: What = None,
+    what: What,
     data: FileArgument = None,
     sim: Sim = False,
     scenes: Scenes = None,
@@ -82,8 +82,6 @@ def evaluate(  # noqa: PLR0917 - every option is a parameter
     own, from FILE. facts: a table of object, use and share, from FILE.
     """
     given = locals()
-    if what is None:
-        raise typer.BadParameter("name an evaluation.")
     if resume and out is None:
         raise typer.BadParameter("--resume needs --out, the folder of the run.")
     from ..evaluation.experiment import make_experiment

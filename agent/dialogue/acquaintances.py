@@ -57,8 +57,7 @@ class Acquaintances:
     @property
     def owner(self) -> str | None:
         """Who was heard first of those who are trusted; None before anybody was."""
-        heard = (said.speaker for said in self._base.history())
-        return next(filter(self.trusts, heard), None)
+        return next(filter(self.trusts, (said.speaker for said in self._base.history())), None)
 
     def may_vouch(self, speaker: str, person: str) -> bool:
         """Return whether a speaker may say how far to trust a person.
@@ -79,8 +78,8 @@ class Acquaintances:
             heard = [each for each, known in self._speakers.items() if known == speaker]
             self._speakers |= dict.fromkeys(heard or [speaker], person)
             self._called.pop(person, None)
-            return AnswerContent("hello", {"speaker": person}, "done")
+            return AnswerContent("hello", {"speaker": person})
         if not self.trusts(speaker):
-            return AnswerContent("hello_stranger", {"speaker": person}, "done")
+            return AnswerContent("hello_stranger", {"speaker": person})
         self._called[speaker] = person
-        return AnswerContent("hello_guest", {"speaker": person, "host": speaker}, "done")
+        return AnswerContent("hello_guest", {"speaker": person, "host": speaker})

@@ -5,7 +5,7 @@ answer to the question how that is done, which is a definition, too.
 """
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 from ...inference.taxonomy import Taxonomy
@@ -33,7 +33,7 @@ class ActionLessons:
 
     def read(self) -> None:
         """Read the taught actions again."""
-        found = {each.name: definition_of(each) for each in self._base.actions()}
+        found = {each.name: _definition_of(each) for each in self._base.actions()}
         definitions = {name: each for name, each in found.items() if name not in self._own.trees}
         uses = self._conversation.language.tool_acts
         trees = {name: tree_from_definition(each, uses) for name, each in definitions.items()}
@@ -55,13 +55,9 @@ class ActionLessons:
         if unknown:
             return self._ask(turn, said, unknown)
         spoken = " ".join(map(conversation.say, self._echo(said)))
-        taught = TaughtAction(
-            Atom("action", said.action),
-            json.dumps(said.as_json()),
-            turn.understood.text,
-            turn.speaker,
-            nodes=tuple(each for each in actions.nodes if each.split("/")[0] == said.action),
-        )
+        nodes = tuple(each for each in actions.nodes if each.split("/")[0] == said.action)
+        name, definition, text = Atom("action", said.action), said.as_json(), turn.understood.text
+        taught = TaughtAction(name, json.dumps(definition), text, turn.speaker, nodes=nodes)
         conversation.believe(turn, (), spoken, turn.understood.new_words, actions=[taught])
         self.read()
         return conversation.reply(turn, spoken)
@@ -105,35 +101,37 @@ class ActionLessons:
         self, turn: UnderstoodTurn, said: meaning.ActionDefinition | None, unknown: meaning.Act
     ) -> Reply:
         conversation = self._conversation
+        if isinstance(unknown, meaning.ToolCommand):
+            names = [unknown.patient]
+        else:
+            is_taught = isinstance(unknown, meaning.ActionCommand)
+            targets = unknown.objects if is_taught else (unknown.target,)
+            names = [each.object or "thing" for each in targets]
         # What one does with any object of the kind: "rinse a mug".
-        act = conversation.language.answers.act_on(unknown.goal, *_names(unknown))
+        act = conversation.language.answers.act_on(unknown.goal, *names)
 
         def told(text: str) -> Reply | None:
-            found = (self._told(each, text, turn, unknown) for each in (text, f"to {act}, {text}"))
-            taught = next(filter(None, found), None)
-            if taught is None or said is None or unknown.goal not in self.actions.trees:
-                return taught
-            after = self.learn(turn, said)
-            return replace(after, said=f"{taught.said} {after.said}")
+            for each in (text, f"to {act}, {text}"):
+                found = conversation.understand(each, turn.speaker, heard=turn.heard)
+                meant = found.meaning
+                if isinstance(meant, meaning.ActionDefinition) and meant.action == unknown.goal:
+                    conversation.open_question = None
+                    lesson = replace(turn, understood=replace(found, text=text))
+                    taught = self.learn(lesson, meant)
+                    if said is None or unknown.goal not in self.actions.trees:
+                        return taught
+                    after = self.learn(turn, said)
+                    return replace(after, said=f"{taught.said} {after.said}")
+            return None
 
         reply = conversation.answered(turn, "how_to_do", "asked", action=act)
         conversation.wait_for(turn, tell=told)
         return reply
 
-    def _told(
-        self, text: str, said: str, turn: UnderstoodTurn, unknown: meaning.Act
-    ) -> Reply | None:
-        understood = self._conversation.understand(text, turn.speaker, heard=turn.heard)
-        meant = understood.meaning
-        if not isinstance(meant, meaning.ActionDefinition) or meant.action != unknown.goal:
-            return None
-        self._conversation.open_question = None
-        return self.learn(replace(turn, understood=replace(understood, text=said)), meant)
-
     def _echo(self, said: meaning.ActionDefinition) -> Iterator[AnswerContent]:
         language = self._conversation.language
         frame = language.answers.act_on(said.action, *said.parameters, links=said.all_links)
-        steps = tuple(language.generate(_about_a_thing(each)) for each in said.steps)
+        steps = tuple(map(language.generate, map(_about_a_thing, said.steps)))
         yield AnswerContent("learned_action", {"action": frame, "steps": steps})
         for each in said.only_if:
             if each.property:
@@ -143,22 +141,11 @@ class ActionLessons:
             yield AnswerContent("learned_reaction")
 
 
-def definition_of(taught: TaughtAction) -> meaning.ActionDefinition:
-    """Return the definition of a taught action of the base."""
+def _definition_of(taught: TaughtAction) -> meaning.ActionDefinition:
     found = meaning_from_json(json.loads(taught.meaning))
     if not isinstance(found, meaning.ActionDefinition):
         raise TypeError(f"The meaning of {taught.name} is no action.")
     return found
-
-
-def _names(act: meaning.Act) -> Sequence[str]:
-    match act:
-        case meaning.ToolCommand():
-            return (act.patient,)
-        case meaning.ActionCommand():
-            return tuple(each.object or "thing" for each in act.objects)
-        case meaning.Command():
-            return (act.target.object or "thing",)
 
 
 def _about_a_thing(act: meaning.Act) -> meaning.Act:

@@ -7,6 +7,7 @@ the speech recogniser, and the trust in the speaker. The first two are in the st
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from itertools import chain
 
 from ...inference.taxonomy import Taxonomy
 from ...kb.interval import VACUOUS
@@ -30,15 +31,12 @@ class BeliefRevision:
 
     def learn_kinds(self, turn: UnderstoodTurn, said: meaning.KindStatement) -> Reply:
         """Believe of which kinds things are, unless they would be kinds of themselves."""
-        taxonomy = Taxonomy.from_base(self._base)
-        words = self._conversation.language.answers
-        known = tuple(
-            words.kind_phrase(replace(each, object=each.kind_of, kind_of=each.object))
-            for each in said.rules
-            if not each.denies and each.object in taxonomy.names_above("object", each.kind_of)
-        )
-        if known:
-            return self._conversation.answered(turn, "kind_circle", "failed", rules=known)
+        above, conversation = Taxonomy.from_base(self._base).names_above, self._conversation
+        told = [each for each in said.rules if not each.denies]
+        circles = (each for each in told if each.object in above("object", each.kind_of))
+        turned = (replace(each, object=each.kind_of, kind_of=each.object) for each in circles)
+        if known := tuple(map(conversation.language.answers.kind_phrase, turned)):
+            return conversation.answered(turn, "kind_circle", "failed", rules=known)
         return self.learn(turn, said)
 
     def learn(self, turn: UnderstoodTurn, said: Lesson) -> Reply:
@@ -50,36 +48,28 @@ class BeliefRevision:
         trust = conversation.people.trust_in(turn.speaker) if source else 1.0
         author, weight = source or turn.speaker, turn.heard * trust
         rules = tuple(rule_from_meaning(each, author, weight) for each in said.rules)
-        before = self._earlier_rules(rules)
-        replaced = _replaced_rules(said, rules, before, conversation.topic)
+        same = {old.id: old for rule in rules for old in base.rules_with_premises_of(rule)}
+        before = sorted(same.values(), key=lambda rule: (rule.utterance or 0, rule.id))
+        revising = (new for new, each in zip(rules, said.rules, strict=True) if each.revises)
+        corrected = (_corrected(new, before, conversation.topic) for new in revising)
+        replaced = list(dict.fromkeys(chain.from_iterable(corrected)))
         is_known = not replaced and {rule.id for rule in rules} <= {rule.id for rule in before}
         key = "known_already" if is_known else self._key(turn, source, is_revised=bool(replaced))
         described = tuple(map(conversation.describe, rules))
         answers = [AnswerContent(key, {"rules": described, "speaker": author})]
         words = (*turn.understood.new_words, *self._new_names(said, turn))
         if words:
-            slots = {"words": tuple(word.word for word in words)}
-            answers.append(AnswerContent("learned_words", slots))
+            new = tuple(word.word for word in words)
+            answers.append(AnswerContent("learned_words", {"words": new}))
         reasons = conversation.language.reasons(turn.understood.text)
         grounds = _reason_rules(rules, reasons)
         if grounds:
             answers.append(AnswerContent("learned_reason", {"reasons": reasons}))
         spoken = " ".join(map(conversation.say, answers))
-        conversation.believe(
-            turn,
-            (*grounds, *rules),
-            spoken,
-            words,
-            supersedes=[rule.id for rule in replaced],
-            kind=turn.understood.kind,
-            source=source,
-        )
+        old, kind = [rule.id for rule in replaced], turn.understood.kind
+        known = (*grounds, *rules)
+        conversation.believe(turn, known, spoken, words, supersedes=old, kind=kind, source=source)
         return conversation.lesson_reply(turn, rules, spoken)
-
-    def _earlier_rules(self, rules: Sequence[Rule]) -> list[Rule]:
-        """Return the rules with the premises of some rules, in the order of teaching."""
-        found = {old.id: old for rule in rules for old in self._base.rules_with_premises_of(rule)}
-        return sorted(found.values(), key=lambda rule: (rule.utterance or 0, rule.id))
 
     def _rules_to_retract(
         self, said: meaning.Retraction, speaker: str, topic: Sequence[Rule]
@@ -152,20 +142,11 @@ class BeliefRevision:
 
     def _retract(self, turn: UnderstoodTurn, rules: Sequence[Rule]) -> Reply:
         conversation = self._conversation
-        phrases = tuple(map(conversation.describe, rules))
+        phrases, ids = tuple(map(conversation.describe, rules)), [rule.id for rule in rules]
         spoken = conversation.say(AnswerContent("forgotten", {"rules": phrases}))
-        retracts = [rule.id for rule in rules]
-        conversation.believe(turn, (), spoken, retracts=retracts, kind="correction")
+        conversation.believe(turn, (), spoken, retracts=ids, kind="correction")
         conversation.topic, conversation.retracted = (), tuple(rules)
         return replace(conversation.reply(turn, spoken), rules=conversation.retracted)
-
-
-def _replaced_rules(
-    said: Lesson, rules: Sequence[Rule], before: Sequence[Rule], topic: Sequence[Rule]
-) -> list[Rule]:
-    """Return the rules that those of a statement correct, among earlier ones and the topic."""
-    corrected = (new for new, each in zip(rules, said.rules, strict=True) if each.revises)
-    return list(dict.fromkeys(old for new in corrected for old in _corrected(new, before, topic)))
 
 
 def _reason_rules(rules: Sequence[Rule], reasons: Sequence[str]) -> list[Rule]:
@@ -173,14 +154,14 @@ def _reason_rules(rules: Sequence[Rule], reasons: Sequence[str]) -> list[Rule]:
 
     It is a rule about anything with these properties that neither asserts nor denies the use.
     """
-    uses = [rule for rule in rules if rule.affordance and rule.asserts]
-    if not reasons or len(rules) != 1 or not uses:
+    if not reasons or len(rules) != 1 or not rules[0].affordance or not rules[0].asserts:
         return []
     features = frozenset(Atom("property", name) for name in reasons)
-    return [replace(uses[0], features=features, interval=VACUOUS)]
+    return [replace(rules[0], features=features, interval=VACUOUS)]
 
 
-def _corrected(new: Rule, before: Sequence[Rule], topic: Sequence[Rule]) -> list[Rule]:
+def _corrected(new: Rule, before: Sequence[Rule], topic: Sequence[Rule]) -> Sequence[Rule]:
+    """Return the rules that a rule corrects, among earlier ones and the topic."""
     same = [old for old in before if _can_replace(old, new) and old.id != new.id]
     last = topic[-1] if topic else None
     if same or last is None or last.speaker != new.speaker or last.functor != new.functor:

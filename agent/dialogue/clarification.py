@@ -37,10 +37,12 @@ class ClarificationDialogue:
         word, is_new = open_question.word, open_question.no
         if word and is_new and conversation.language.insists_on(word, text):
             return is_new()
-        told = open_question.tell(text) if open_question.tell else None
-        if told:
+        if open_question.tell and (told := open_question.tell(text)):
             return told
-        for answered in self._short_answers(text, open_question):
+        choices = open_question.choices
+        number = conversation.language.chosen(text, len(choices)) if choices else None
+        answers = [meaning.Answer(number=number)] if number else conversation.short_answers(text)
+        for answered in answers:
             if answered.is_dismissal:
                 conversation.open_question = None
                 dismissal = Understanding(text, speaker, "self", meaning.Acknowledgement("no"))
@@ -53,24 +55,16 @@ class ClarificationDialogue:
                 return reply
         return None
 
-    def _short_answers(self, text: str, open_question: OpenQuestion) -> list[meaning.Answer]:
-        conversation, choices = self.conversation, open_question.choices
-        number = conversation.language.chosen(text, len(choices)) if choices else None
-        if number:
-            return [meaning.Answer(number=number)]
-        return conversation.short_answers(text)
-
     def ask_back(self, turn: UnderstoodTurn, said: meaning.AskBack) -> Reply:
         """Ask what a turn leaves open, and wait for the answer; return the reply that asks."""
         reply = self.conversation.recorded(turn, said.question, "asked")
+        text, speaker, wait_for = turn.understood.text, turn.speaker, self.conversation.wait_for
         choices = [each for each in said.choices if not isinstance(each, str)]
         if choices:
             heard = tuple(partial(self._take, turn, each) for each in choices)
             only = heard[0] if len(heard) == 1 else partial(self.ask_back, turn, said)
-            self.conversation.wait_for(turn, only, choices=heard)
-            return reply
-        text, speaker, wait_for = turn.understood.text, turn.speaker, self.conversation.wait_for
-        if said.choices == (text,):  # heard with low confidence: a "yes" confirms it
+            wait_for(turn, only, choices=heard)
+        elif said.choices == (text,):  # heard with low confidence: a "yes" confirms it
             wait_for(turn, lambda: self.hear(text, speaker=speaker, keep=turn.keep))
         elif not said.choices:
             wait_for(turn, choose=partial(self._with_referent, turn))
@@ -113,20 +107,20 @@ class ClarificationDialogue:
         return self.hear(text, speaker=turn.speaker, heard=turn.heard)
 
     def _on_word(self, turn: UnderstoodTurn, said: meaning.AskBack) -> OpenQuestion | None:
-        words, speaker = turn.understood.words, turn.speaker
+        text, words, speaker = turn.understood.text, turn.understood.words, turn.speaker
         again = partial(self.hear, speaker=speaker, heard=turn.heard)
         unknown = [word for word in words if word not in self.conversation.language.lexicon]
         match said.choices:
             case (str(choice),) if choice in words:
-                return OpenQuestion(speaker, lambda: again(turn.understood.text, accepted=[choice]))
+                return OpenQuestion(speaker, partial(again, text, accepted=[choice]))
             case (str(choice),) if unknown:
                 meant = " ".join(choice if word == unknown[0] else word for word in words)
-                new = partial(again, turn.understood.text, accepted=unknown[:1])
+                yes, no = partial(again, meant), partial(again, text, accepted=unknown[:1])
                 return OpenQuestion(
                     speaker,
-                    lambda: again(meant),
-                    new,
-                    choose=lambda named: again(meant) if named.name == choice else None,
+                    yes,
+                    no,
+                    choose=lambda named: yes() if named.name == choice else None,
                     word=unknown[0],
                 )
             case _:
@@ -143,15 +137,6 @@ class ClarificationDialogue:
         return conversation.recorded(turn, spoken, "not_understood")
 
 
-@dataclass(frozen=True)
-class _Agreement:
-    """The part that was agreed on, the action it is grasped for, and the outcomes till then."""
-
-    part: str
-    context: str
-    counts: OutcomeCounts
-
-
 class PartAgreements:
     """The parts to grasp by that were agreed on, where experience speaks against what was told.
 
@@ -161,13 +146,18 @@ class PartAgreements:
 
     def __init__(self, affordances: Callable[[], Affordances]) -> None:
         self._affordances = affordances
-        self._agreed: dict[tuple[str, str], _Agreement] = {}  # by goal and kind of object
+        # By goal and kind of object: the part, the action it is for, and the outcomes till then.
+        self._agreed: dict[tuple[str, str], tuple[str, str, OutcomeCounts]] = {}
 
     def applied_to(self, request: Request) -> Request:
         """Return a request with the parts that were agreed on for its goal and that still stand."""
-        wanted = request.action
-        agreed = ((kind, each) for (goal, kind), each in self._agreed.items() if goal == wanted)
-        standing = {kind: each.part for kind, each in agreed if self._stands(kind, each)}
+        standing: dict[str, str] = {}
+        for (goal, kind), (part, context, counts) in self._agreed.items():
+            if goal == request.action:
+                affordances = self._affordances()
+                since = affordances.outcomes(kind, part, context).since(counts).interval
+                if contradiction(CERTAIN, since) <= affordances.settings.contradiction:
+                    standing[kind] = part
         return replace(request, agreed=standing)
 
     def question(
@@ -177,7 +167,7 @@ class PartAgreements:
 
         def take(part: str) -> Reply:
             counts = self._affordances().outcomes(doubt.object, part, doubt.context)
-            self._agreed[request.action, doubt.object] = _Agreement(part, doubt.context, counts)
+            self._agreed[request.action, doubt.object] = (part, doubt.context, counts)
             return carry_out()
 
         return OpenQuestion(
@@ -186,8 +176,3 @@ class PartAgreements:
             no=(lambda: take(doubt.part)) if doubt.instead else None,
             choose=lambda named: take(named.name) if named.name else None,
         )
-
-    def _stands(self, kind: str, agreed: _Agreement) -> bool:
-        since = self._affordances().outcomes(kind, agreed.part, agreed.context).since(agreed.counts)
-        bound = self._affordances().settings.contradiction
-        return contradiction(CERTAIN, since.interval) <= bound

@@ -17,8 +17,8 @@ from ...nlu.lexicon.vocabulary import NewWord
 from ...nlu.offers.meaning_shapes import MeaningShape
 from ...nlu.offers.phrase_memory import PhrasePattern
 from ...nlu.parsing.understanding import Understanding
+from ...nlu.semantics import meaning
 from ...nlu.semantics.discourse import Discourse
-from ...nlu.semantics.meaning import Answer, Meaning
 from ...ontology.logs import timed
 from .. import protocols
 from ..execution.outcome import AnswerContent, Decision, Ending, Slot
@@ -51,20 +51,15 @@ class Conversation:
     """What was said, done and asked so far, and how Hilt says an answer.
 
     Args:
-        visible: returns the names of the objects in view.
-        holding: returns the name of the object in the hand, None when it is empty.
         seed: the seed of everything random, kept with each reply.
         other: a language part that is asked first.
 
     Attributes:
         listener: who spoke last, and is answered.
-        language: grows with every word that is learned.
-        discourse: what a later utterance can refer to.
         topic: the rules that were spoken of last; none after a command that needed none.
         retracted: the rules that were just retracted; none once others were spoken of.
         topic_from: what the topic was spoken of in: a lesson, an answer or a deed.
         unanswered: the answer to the last question if nobody has told what it asks, else empty.
-        last_said: the answer to the last utterance.
         last_done: the reply to the last command.
         control_done: what a control did since the last command, if anything.
         prohibition: the utterance because of which the last command was not carried out, if any.
@@ -83,19 +78,16 @@ class Conversation:
         self.base, self._seed, self._other = base, seed, other
         self.language, self._noticed = language, -1
         self.notice_others()
+        self.people, self.visible, self.holding = Acquaintances(base), visible, holding
         self.discourse = Discourse()
         self.open_question: OpenQuestion | None = None
         self.topic: tuple[Rule, ...] = ()
         self.retracted: tuple[Rule, ...] = ()
         self.topic_from: Literal["lesson", "answer", "deed"] = "answer"
-        self.unanswered = ""
-        self.last_said = ""
+        self.listener = self.unanswered = self.last_said = ""
         self.last_done: Reply | None = None
         self.control_done: AnswerContent | None = None
         self.prohibition: Understanding | None = None
-        self.people = Acquaintances(base)
-        self.listener = ""
-        self.visible, self.holding = visible, holding
 
     def notice_others(self) -> bool:
         """Add the words, phrases and people that other robots at the same base have learned.
@@ -130,7 +122,7 @@ class Conversation:
                 text, speaker=speaker, discourse=self.discourse, accepted=accepted, heard=heard
             )
 
-    def short_answers(self, text: str) -> list[Answer]:
+    def short_answers(self, text: str) -> list[meaning.Answer]:
         """Return the short answers that a text may be to a question of Hilt, likeliest first."""
         return self.language.short_answers(text, self.discourse)
 
@@ -158,17 +150,9 @@ class Conversation:
 
         The rest is as in `KnowledgeBase.believe`.
         """
-        understood = turn.understood
-        self.base.believe(
-            understood.text,
-            understood.content,
-            turn.speaker,
-            rules,
-            words=[translation.word_to_keep(word, turn.speaker) for word in words],
-            answer=spoken,
-            heard=turn.heard,
-            **more,
-        )
+        said = (turn.understood.text, turn.understood.content, turn.speaker)
+        more["words"] = [translation.word_to_keep(word, turn.speaker) for word in words]
+        self.base.believe(*said, rules, answer=spoken, heard=turn.heard, **more)
         self.language = self.language.with_words(words)
 
     def lesson_reply(self, turn: UnderstoodTurn, rules: Iterable[Rule], spoken: str) -> Reply:
@@ -205,7 +189,7 @@ class Conversation:
         """Wait for the speaker's answer to a question; the rest is as in `OpenQuestion`."""
         self.open_question = OpenQuestion(turn.speaker, yes, **answers)
 
-    def learn_phrase(self, turn: UnderstoodTurn, meant: Meaning) -> None:
+    def learn_phrase(self, turn: UnderstoodTurn, meant: meaning.Meaning) -> None:
         """Keep how a turn says what its speaker has confirmed, if that is worth remembering."""
         text, speaker = turn.understood.text, turn.speaker
         phrase = self.language.phrase_of(text, meant)
@@ -220,25 +204,21 @@ class Conversation:
         Nothing changes where there are none, or where the last one cannot be said.
         """
         said = translation.meaning_from_rule(rules[-1]) if rules else None
-        if said or (
-            rules and (rules[-1].kind == "norm" or translation.relation_from_rule(rules[-1]))
-        ):
+        if said or (rules and rules[-1].kind == "norm"):
             self.topic, self.retracted, self.unanswered = rules, (), ""
             self.topic_from = "answer"
-        if said:
+        if isinstance(said, meaning.Rule):
             self.discourse = replace(self.discourse, rule=said)
 
     # --- Answers and replies ------------------------------------------------------------------
 
     def describe(self, rule: Rule) -> str:
         """Return a rule in words: "to pass a knife, often grab it by the blade"."""
-        laid_down, words = translation.norm_from_rule(rule), self.language.answers
-        if laid_down:
-            return words.norm_phrase(laid_down)
-        relation = translation.relation_from_rule(rule)
-        if relation:
-            return words.kind_phrase(relation)
-        said = translation.meaning_from_rule(rule)
+        said, words = translation.meaning_from_rule(rule), self.language.answers
+        if isinstance(said, meaning.Norm):
+            return words.norm_phrase(said)
+        if isinstance(said, meaning.KindRelation):
+            return words.kind_phrase(said)
         return words.rule_phrase(said) if said else repr(rule)
 
     def words_of(self, rule: Rule) -> str:
@@ -248,31 +228,25 @@ class Conversation:
             return self.describe(rule)
         return utterance.text
 
-    def quote(self, rule: Rule) -> str:
-        """Return a rule in words, with who told it if that is not the listener."""
-        return self.language.answers.with_notes(self.describe(rule), "", self._source(rule))
+    def quote(self, rule: Rule, what: str = "") -> str:
+        """Return a rule in words, or else `what` with how often it holds by the rule.
 
-    def note(self, what: str, rule: Rule) -> str:
-        """Return some words with how often they hold by a rule, and who told it."""
-        words = self.language.answers
-        often = words.adverb((rule.interval.lower, rule.interval.upper))
-        return words.with_notes(what, often, self._source(rule))
-
-    def _source(self, rule: Rule) -> str:
-        return rule.speaker if rule.speaker != self.listener else ""
+        Who told the rule is said, if that is not the listener.
+        """
+        words, source = self.language.answers, rule.speaker if rule.speaker != self.listener else ""
+        often = words.adverb((rule.interval.lower, rule.interval.upper)) if what else ""
+        return words.with_notes(what or self.describe(rule), often, source)
 
     def say(self, answered: AnswerContent) -> str:
         """Return an answer in words, with the slots that its template has."""
-        wanted = self.language.answers.slots(answered.key)
-        slots = {name: answered.slots[name] for name in wanted}
+        slots = {each: answered.slots[each] for each in self.language.answers.slots(answered.key)}
         spoken = self.language.say(answered.key, **slots)
         return self._other.say(answered, spoken) if self._other else spoken
 
     def reply(self, turn: UnderstoodTurn, spoken: str, ending: Ending = "done") -> Reply:
         """Return the reply to a turn with an answer in words; the history is not written."""
-        text, seed, heard = turn.understood.text, self._seed, turn.heard
-        said = (text, turn.speaker, turn.understood, spoken)
-        return Reply(*said, ending, seed=seed, heard=heard)
+        said = (turn.understood.text, turn.speaker, turn.understood, spoken)
+        return Reply(*said, ending, seed=self._seed, heard=turn.heard)
 
     def answered(self, turn: UnderstoodTurn, key: str, ending: Ending, **slots: Slot) -> Reply:
         """Write a turn to the history, and return its reply with the answer of this template."""
@@ -290,17 +264,10 @@ class Conversation:
 
     def record(self, reply: Reply, turn: UnderstoodTurn) -> None:
         """Write the reply to a turn to the history, if the turn is to be kept."""
-        if not turn.keep:
-            return
-        self.base.record(
-            reply.text,
-            reply.understanding.content,
-            reply.speaker,
-            reply.understanding.kind,
-            accepted=reply.is_done,
-            answer=reply.said,
-            heard=turn.heard,
-        )
+        if turn.keep:
+            said = (reply.text, turn.understood.content, turn.speaker, turn.understood.kind)
+            done, heard = reply.is_done, turn.heard
+            self.base.record(*said, accepted=done, answer=reply.said, heard=heard)
 
 
 def spoken(key: str, *, done: bool = False, **slots: Slot | None) -> AnswerContent:

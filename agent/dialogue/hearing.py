@@ -25,9 +25,7 @@ from .translation import SimpleCommand
 SURE = 0.9
 """The least certainty of what is believed or done unasked."""
 
-NOTABLE = (
-    0.01  # the least score with which an alternative puts in doubt whether something is denied
-)
+NOTABLE = 0.01  # the least score of an alternative that puts in doubt whether something is denied
 CLEAR = 2  # how many times surer than all else together a "yes" or a number must be
 MAX_CHOICES = 3
 
@@ -102,9 +100,9 @@ class MeaningHeard:
     def is_choice(self) -> bool:
         """Whether it is a "yes", a "no" or a number."""
         said = self.said
-        is_yes = isinstance(said, meaning.Acknowledgement) and said.ack in {"yes", "okay"}
-        is_number = isinstance(said, meaning.Answer) and said.number is not None
-        return is_yes or is_number or self.is_refusal
+        if isinstance(said, meaning.Acknowledgement):
+            return said.ack in {"yes", "okay", "no"}
+        return self.is_refusal or (isinstance(said, meaning.Answer) and said.number is not None)
 
 
 def meanings_heard(
@@ -128,10 +126,11 @@ def meanings_heard(
     def rank(each: MeaningHeard) -> tuple[float, bool, str]:
         return -each.certainty, each.text != text, each.text
 
-    sums = {key: min(1.0, fsum(each.certainty for each in same)) for key, same in groups.items()}
-    return sorted(
-        (replace(min(groups[key], key=rank), certainty=sums[key]) for key in sums), key=rank
-    )
+    found: list[MeaningHeard] = []
+    for same in groups.values():
+        total = min(1.0, fsum(each.certainty for each in same))
+        found.append(replace(min(same, key=rank), certainty=total))
+    return sorted(found, key=rank)
 
 
 def _said(
@@ -167,7 +166,8 @@ class SpokenUtterance:
         if halts:
             stop = meaning.Control("stop")
             return self._carry_out(next((each for each in halts if each.said == stop), halts[0]))
-        return self._answer() or self._carry_out_if_sure() or self._read_back()
+        answer = self._answer(self.pending) if self.pending else None
+        return answer or self._carry_out_if_sure() or self._read_back()
 
     def _carry_out(self, each: MeaningHeard) -> Reply:
         return self.hear(each.text, heard=each.certainty)
@@ -176,11 +176,9 @@ class SpokenUtterance:
     def _understood(self) -> list[MeaningHeard]:
         return [each for each in self.found if each.said is not None]
 
-    def _answer(self) -> Reply | None:
-        (first, *others), pending = self.found, self.pending
+    def _answer(self, pending: OpenQuestion) -> Reply | None:
+        first, *others = self.found
         best = next(iter(self._understood), first)
-        if pending is None:
-            return None
         if best.is_refusal and pending.no is None:
             return self.hear(best.text)
         is_again = len(pending.meanings) > 1 and first.said in pending.meanings
@@ -199,11 +197,11 @@ class SpokenUtterance:
             return None
         if best is self.found[0] and best.understood.kind == "acknowledgement":
             return self.hear(best.text)
-        understood = best.understood
-        if understood.kind in _HARMLESS and best.said == understood.meaning and not best.new_words:
-            speaker, heard = understood.speaker, best.certainty
-            again = self.conversation.understand(best.text, speaker, heard=heard)
-            is_sure = again.meaning == understood.meaning
+        said = best.understood
+        if said.kind in _HARMLESS and best.said == said.meaning and not best.new_words:
+            heard = best.certainty
+            again = self.conversation.understand(best.text, said.speaker, heard=heard)
+            is_sure = again.meaning == said.meaning
         else:
             is_sure = best.certainty >= SURE and not self._is_open(best)
         return self._carry_out(best) if is_sure else None

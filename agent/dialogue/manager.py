@@ -20,8 +20,8 @@ from ...nlu.parsing.understanding import Understanding
 from ...nlu.semantics import meaning
 from ...ontology.actions import Actions
 from ...ontology.errors import UnknownNameError
-from ..execution.goal_manager import GoalManager
-from ..execution.outcome import AnswerContent, GoalResult, WorldOutcome
+from ..execution.action_tree_executor import GoalManager
+from ..execution.outcome import AnswerContent, GoalResult, Slot, WorldOutcome
 from ..execution.outcome_answer import use_slot
 from ..execution.request import Request
 from .action_lessons import ActionLessons
@@ -32,7 +32,7 @@ from .hearing import Alternative, SoundsLike, SpokenUtterance, meanings_heard, w
 from .norm_dialogue import NormDialogue
 from .questions import answer
 from .reply import OpenQuestion, Reply
-from .translation import SimpleCommand, declined, request_from_command, use_of
+from .translation import SimpleCommand, chosen_by, declined, request_from_command, use_of
 
 KINDS = {  # what a command of the CLI listens to -> kinds of meaning
     "tell": ("statement", "correction", "topic"),
@@ -50,7 +50,6 @@ class DialogueManager:
         record_episode: called with every command that was carried out and its reply, and whether
             it is to be kept.
         judge: returns what the norms say of a request.
-        actions: those that the robot comes with.
         sounds_like: finds what may have been said where a hearing is not understood.
 
     Attributes:
@@ -67,20 +66,18 @@ class DialogueManager:
         actions: Actions,
         sounds_like: SoundsLike,
     ) -> None:
-        self.conversation = conversation
+        self.conversation, self._sounds_like = conversation, sounds_like
+        self._goals, self._record_episode = goals, record_episode
         self._beliefs = BeliefRevision(conversation)
         self.lessons = ActionLessons(conversation, actions)
         self._clarification = ClarificationDialogue(conversation, self.hear, self._respond)
-        self._sounds_like = sounds_like
         self._agreements = PartAgreements(lambda: goals().affordances)
+        self._norms = NormDialogue(conversation, judge)
         self.contexts: dict[Atom, Interval] = {}
-        self._goals = goals
-        self._record_episode = record_episode
         self._accepted: frozenset[str] = frozenset()  # words that were said to be new
         self._interrupted: Callable[[], Reply] | None = None  # the command to continue
         self._excluded: frozenset[str] = frozenset()  # chosen before, when another one is wanted
         self._last: tuple[UnderstoodTurn, Request] | None = None  # the last command
-        self._norms = NormDialogue(conversation, judge)
         self._just_stopped: AnswerContent | None = None  # until a control has confirmed it
         # Meaning -> who responds, and the answer where only trusted speakers may say it.
         self._listeners: dict[type, tuple[Callable[[UnderstoodTurn, Any], Reply], str]] = {
@@ -197,10 +194,9 @@ class DialogueManager:
         if turn.understood.unknown:
             return self._ask_what_that_is(turn, use_of(said))
         request = request_from_command(said, turn.speaker, self.conversation.language.tool_acts)
-        target = said.tool if isinstance(said, meaning.ToolCommand) else said.target
         last = self.conversation.last_done
         before = {last.chosen.name} if last and last.chosen else set[str]()
-        self._excluded = self._excluded | before if target.other else frozenset()
+        self._excluded = self._excluded | before if chosen_by(said).other else frozenset()
         return self._start(turn, [replace(request, excluded=self._excluded)])
 
     def _carry_out_plan(
@@ -225,13 +221,12 @@ class DialogueManager:
         return self._carry_out(turn, first, rest)
 
     def _ask_what_that_is(self, turn: UnderstoodTurn, asked: meaning.Question) -> Reply:
-        words, reading = turn.understood.unknown, turn.understood.reading
+        reading = turn.understood.reading
         new_uses = [word.word for word in reading.new_words] if reading else []
+        key, slots = "unknown_thing", dict[str, Slot](words=turn.understood.unknown)
         if asked.affordance and asked.affordance in new_uses:
-            named = use_slot(asked.affordance, asked.material)
-            reply = self.conversation.answered(turn, "unknown_use", "asked", affordance=named)
-        else:
-            reply = self.conversation.answered(turn, "unknown_thing", "asked", words=words)
+            key, slots = "unknown_use", {"affordance": use_slot(asked.affordance, asked.material)}
+        reply = self.conversation.answered(turn, key, "asked", **slots)
         self._clarification.wait_to_learn(turn, asked)
         return reply
 
@@ -349,9 +344,8 @@ class DialogueManager:
             return pending.yes()
         if self._interrupted:
             return self._interrupted()
-        last = self._last
-        if last and last[0].speaker == turn.speaker:
-            self.conversation.wait_for(turn, lambda: self._carry_out(*last))
+        if self._last and self._last[0].speaker == turn.speaker:
+            self.conversation.wait_for(turn, partial(self._carry_out, *self._last))
             return self.conversation.answered(turn, "continue_what", "asked")
         return self.conversation.answered(turn, "nothing_to_continue", "failed")
 
@@ -367,7 +361,11 @@ class DialogueManager:
             conversation.topic, conversation.unanswered = (), conversation.say(found)
             self._clarification.wait_to_learn(turn, said)
         if found.key in {"is_not_used_for", "is_used_otherwise"}:
-            self._ask_whether_it_is(turn, said)
+            use, sure = said.affordance or "", conversation.language.usual
+            rule = meaning.FunctionalRule(said.object or "", use, sure, material=said.material)
+            yes = partial(self._clarification.learn_rule, turn, rule)
+            no = partial(conversation.answered, turn, "dismissed", "done")
+            conversation.wait_for(turn, yes, no=no, needs_yes=True)
         conversation.set_topic(rules)
         named = {rule.object for rule in rules if rule.object}
         if said.object is None and len(named) == 1:  # the answer named it
@@ -377,16 +375,6 @@ class DialogueManager:
             spoken = conversation.say(AnswerContent("as_said", {"said": spoken}))
         return replace(conversation.recorded(turn, spoken, found.ending), rules=rules)
 
-    def _ask_whether_it_is(self, turn: UnderstoodTurn, said: meaning.Question) -> None:
-        use, sure = said.affordance or "", self.conversation.language.usual
-        rule = meaning.FunctionalRule(said.object or "", use, sure, material=said.material)
-        self.conversation.wait_for(
-            turn,
-            lambda: self._clarification.learn_rule(turn, rule),
-            no=lambda: self.conversation.answered(turn, "dismissed", "done"),
-            needs_yes=True,
-        )
-
     def _acknowledge(self, turn: UnderstoodTurn, said: meaning.Acknowledgement) -> Reply:
         conversation, pending = self.conversation, self.conversation.open_question
         if pending and pending.asked != turn.speaker:
@@ -395,12 +383,11 @@ class DialogueManager:
             conversation.open_question = None
         if pending:  # what was asked about can be referred to again
             conversation.discourse = replace(conversation.discourse, has_failed=False)
-        agreed = {"yes"} if pending and pending.needs_yes else {"yes", "okay"}
-        if pending and pending.yes and said.ack in agreed:
-            return pending.yes()
-        if pending and said.ack == "no" and pending.no:
-            return pending.no()
-        if said.ack == "no" and pending is None:
+            agreed = {"yes"} if pending.needs_yes else {"yes", "okay"}
+            follow = pending.yes if said.ack in agreed else pending.no if said.ack == "no" else None
+            if follow:
+                return follow()
+        elif said.ack == "no":
             return conversation.answered(turn, "dismissed", "done")
         if said.name:
             return conversation.spoken(turn, conversation.people.meet(turn.speaker, said.name))

@@ -6,6 +6,7 @@ A prohibition of the moment, "don't pass me the knife", holds for this conversat
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from operator import attrgetter
 from typing import cast
 
 from ...inference.node_rules import GRASP
@@ -22,7 +23,7 @@ from ..execution.outcome import AnswerContent, GoalResult
 from ..execution.request import Request
 from .conversation import Answered, Conversation, UnderstoodTurn, spoken
 from .reply import Reply
-from .translation import SimpleCommand, request_from_command, rule_from_norm
+from .translation import SimpleCommand, chosen_by, request_from_command, rule_from_norm
 
 MOST_LISTED = 8
 
@@ -44,12 +45,13 @@ class NormDialogue:
         for new, old in contrary:
             if new.functor == PERMITTED and not conversation.people.may_end(turn.speaker, old):
                 return conversation.spoken(turn, self._told("not_yours_to_lift", old))
-        opposite = [old.id for new, old in contrary if _premises(new) == _premises(old)]
+        said_of = attrgetter("features", "contexts", "argument")
+        opposite = [old.id for new, old in contrary if said_of(new) == said_of(old)]
         opposite += [old.id for new in rules for old in self._denials_lifted(new, turn.speaker)]
         active = {old.id for new in rules for old in self._base.rules_at_nodes([new.node])}
         key = "known_already" if all(rule.id in active for rule in rules) else "learned"
-        slots = {"rules": tuple(map(conversation.describe, rules)), "speaker": turn.speaker}
-        text = conversation.say(AnswerContent(key, slots))
+        described = tuple(map(conversation.describe, rules))
+        text = conversation.say(spoken(key, rules=described, speaker=turn.speaker))
         conversation.believe(turn, rules, text, turn.understood.new_words, supersedes=opposite)
         for key, (rule, _) in list(self._momentary.items()):
             if any(rule.context == new.context and rule.features == new.features for new in rules):
@@ -58,11 +60,10 @@ class NormDialogue:
 
     def _contrary(self, new: Rule) -> list[Rule]:
         keys = [f"{action}.{functor}" for action in {new.context, GRASP} for functor in NORMS]
-        is_permission = new.functor == PERMITTED
         return [
             old
             for old in self._base.rules_at_nodes(keys)
-            if (old.functor == PERMITTED) is not is_permission
+            if (old.functor == PERMITTED) is not (new.functor == PERMITTED)
             and old.features <= new.features
             and {each for each in old.contexts if each.kind != "action"} <= new.contexts
             and _is_contrary_argument(old, new)
@@ -91,7 +92,7 @@ class NormDialogue:
             self._momentary[rule.id] = (rule, turn.understood)
 
     def _named_acts(self, said: SimpleCommand) -> list[SimpleCommand]:
-        target = said.tool if isinstance(said, meaning.ToolCommand) else said.target
+        target = chosen_by(said)
         if target.object:
             return [said]
         if isinstance(said, meaning.ToolCommand):  # with any tool
@@ -153,10 +154,8 @@ class NormDialogue:
             return self._permission(turn, asked.norm) if asked.norm else None
         rows = self._base.answer("forbidden").rows
         rules = [self._base.rule(rule_id(cast(Iri, row[-1]))) for row in rows][:MOST_LISTED]
-        if not rules and not self._momentary:
-            return spoken("nothing_forbidden", done=True), ()
-        said = tuple(self._conversation.quote(rule) for rule in (*rules, *self.momentary))
-        return spoken("about", done=True, rules=said), tuple(rules)
+        said = tuple(map(self._conversation.quote, (*rules, *self.momentary)))
+        return spoken("about" if said else "nothing_forbidden", done=True, rules=said), tuple(rules)
 
     def _permission(self, turn: UnderstoodTurn, norm: meaning.Norm) -> Answered:
         tools = self._conversation.language.tool_acts
@@ -180,7 +179,3 @@ def _is_contrary_argument(old: Rule, new: Rule) -> bool:
     if duty and duty.part:
         return None not in {old.part, new.part} and old.part != new.part
     return old.argument in {None, new.argument}
-
-
-def _premises(rule: Rule) -> tuple[object, ...]:
-    return rule.features, rule.contexts, rule.argument

@@ -1,6 +1,7 @@
 """Questions answered from the graph, each with the interval and the source it rests on."""
 
 from bisect import bisect
+from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import cast
 
@@ -22,6 +23,7 @@ from ..execution.outcome_answer import use_slot
 from .conversation import Answered, Conversation, spoken
 from .reply import Reply
 from .self_report import SELF_REPORTS
+from .translation import SimpleCommand, chosen_by
 
 _ABOUT_ANY = """SELECT ?rule {
     GRAPH graph:domain { ?part hilt:partOf ?object }
@@ -46,7 +48,7 @@ def _uses_of(question: Question, known: Conversation) -> Answered:
     if any(_properties(rule) for rule in rules):
         return spoken("about", done=True, rules=tuple(map(known.quote, rules))), tuple(rules)
     phrase = known.language.answers.use_phrase
-    uses = tuple(known.note(phrase(rule.affordance or "", rule.material), rule) for rule in rules)
+    uses = tuple(known.quote(rule, phrase(rule.affordance or "", rule.material)) for rule in rules)
     return spoken("uses_of", done=True, object=question.object, uses=uses), tuple(rules)
 
 
@@ -54,8 +56,10 @@ def _objects_for(question: Question, known: Conversation) -> Answered:
     rules = _believed(_functional(question, known))
     if not rules:
         return spoken("nothing_known_for", affordance=_use(question)), ()
-    best = {_named(rule, question, known): rule for rule in reversed(rules)}  # of each the surest
-    names = tuple(known.note(name, best[name]) for name in reversed(best))
+    on, asked = known.language.answers.object_for, {None, question.material}
+    named = ((_kind(r) if r.material in asked else on(_kind(r), r.material or "")) for r in rules)
+    best = dict(reversed([*zip(named, rules, strict=True)]))  # of each the surest
+    names = tuple(known.quote(best[name], name) for name in reversed(best))
     said = spoken("objects_for", done=True, objects=names, affordance=_use(question))
     return said, tuple(rules)
 
@@ -75,7 +79,14 @@ def _best_for(question: Question, known: Conversation) -> Answered:
 
 
 def _how(question: Question, known: Conversation) -> Answered:
-    grasps = _strongest(_grasp_rules(question, known), "part")
+    of_kinds = ([r for r in rules if r.kind == "action"] for rules in _by_kind(question, known))
+    rules = next(filter(None, of_kinds), [])
+    if not rules and question.object and question.context:
+        action, named = Atom("action", question.context), Atom("object", question.object)
+        asked = {"context": [atom_iri(action)], "object": [atom_iri(named)]}
+        found = known.base.select(_ABOUT_ANY, asked)
+        rules = [known.base.rule(rule_id(cast(Iri, row[0]))) for row in found]
+    grasps = _strongest(rules, "part")
     taught = {each.name: each for each in known.base.actions()}.get(question.context or "")
     if taught:
         said = spoken("source", done=True, speaker=taught.speaker, texts=taught.said)
@@ -83,29 +94,15 @@ def _how(question: Question, known: Conversation) -> Answered:
     if not grasps:
         key = "no_how_with" if question.context in known.language.builder.tool_acts else "no_how"
         return spoken(key, goal=question.context or "grasp", object=question.object), ()
-    return _told("how", grasps[0], known), (grasps[0],)
-
-
-def _grasp_rules(question: Question, known: Conversation) -> list[Rule]:
-    for rules in _by_kind(question, known):
-        grasps = [rule for rule in rules if rule.kind == "action"]
-        if grasps:
-            return grasps
-    if question.object is None or question.context is None:
-        return []
-    named = Atom("object", question.object)
-    asked = {"context": [atom_iri(Atom("action", question.context))], "object": [atom_iri(named)]}
-    found = known.base.select(_ABOUT_ANY, asked)
-    return [known.base.rule(rule_id(cast(Iri, row[0]))) for row in found]
+    return _told("how", grasps[0], known)
 
 
 def _by_kind(question: Question, known: Conversation) -> Iterator[Sequence[Rule]]:
     named = Atom("object", question.object) if question.object else None
     kinds = Taxonomy.from_base(known.base).above(named) if named else ()
+    use, context = question.affordance, question.context
     for name in [kind.name for kind, _ in kinds] or [None]:
-        yield known.base.rules(
-            object=name, affordance=question.affordance, context=question.context
-        )
+        yield known.base.rules(object=name, affordance=use, context=context)
 
 
 def _is_used_for(question: Question, known: Conversation) -> Answered:
@@ -122,7 +119,7 @@ def _is_used_for(question: Question, known: Conversation) -> Answered:
         slots = {"rule": known.describe(rules[0]), "speaker": rules[0].speaker}
         return spoken("hardly_sure", done=True, **slots), (rules[0],)
     key = "is_used_for" if rules[0].asserts else "is_denied"
-    return _told(key, rules[0], known), (rules[0],)
+    return _told(key, rules[0], known)
 
 
 def _is_kind_of(question: Question, known: Conversation) -> Answered:
@@ -136,7 +133,7 @@ def _is_kind_of(question: Question, known: Conversation) -> Answered:
     if not between and not told:
         return spoken("is_of_no_kind", object=name, kind=kind), ()
     if not between:
-        return _told("is_denied", told[0], known), (told[0],)
+        return _told("is_denied", told[0], known)
     itself = known.language.answers.kind_phrase(KindRelation(kind, name, (1.0, 1.0)))
     said = tuple(known.quote(rule) for rule in told if rule.asserts) or (itself,)
     return spoken("is_of_kind", done=True, rules=said), tuple(told)
@@ -156,9 +153,9 @@ def _confidence(question: Question, known: Conversation) -> Answered:
         said = tuple(known.describe(rule) for rule in known.retracted)
         return spoken("no_longer_sure", done=True, rules=said), ()
     rules = _meant(question, known)
+    if not rules and known.unanswered and question == Question("confidence"):
+        return spoken("unsure_as_said", said=known.unanswered), ()
     if not rules:
-        if known.unanswered and question == Question("confidence"):
-            return spoken("unsure_as_said", said=known.unanswered), ()
         return spoken("unsure"), ()
     rule = rules[0]
     sure = max(rule.support.lower, 1 - rule.support.upper)
@@ -195,25 +192,22 @@ def _what_if(question: Question, known: Conversation) -> Answered:
 
 
 def _thing(hypothesis: Hypothesis, known: Conversation) -> str:
-    named: dict[str, list[str]] = {"object": [], "property": [], "part": []}
+    named, words = defaultdict[str, list[str]](list), known.language.answers
     for atom in sorted(hypothesis.features | hypothesis.contexts):
-        named.setdefault(atom.kind, []).append(atom.name)
-    words = known.language.answers
-    parts = "".join(f" with {words.noun_phrase(part)}" for part in named["part"])
-    places = "".join(f" in a {place}" for place in named.get("place", ()))
+        named[atom.kind].append(atom.name)
     thing = " ".join([*named["property"], *(named["object"] or ["thing"])])
-    for material in named.get("material", ()):
+    for material in named["material"]:
         thing = words.object_for(thing, material)
-    return thing + parts + places
+    parts = "".join(f" with {words.noun_phrase(part)}" for part in named["part"])
+    return thing + parts + "".join(f" in a {place}" for place in named["place"])
 
 
 def _which_context(question: Question, known: Conversation) -> Answered:
     given = frozenset({Atom("object", question.object or "")})
     wanted = Conclusion(GRASP_OBJECT, Atom("part", question.part or ""))
-    kinds = Taxonomy.from_base(known.base)
+    kinds, asked = Taxonomy.from_base(known.base), question.context
     found = find_hypotheses(known.base.rules(), wanted, given=given, taxonomy=kinds)
-    asked = {question.context, None}
-    fitting = [h for h in found if question.context is None or asked & {r.context for r in h.rules}]
+    fitting = [h for h in found if not asked or {asked, None} & {r.context for r in h.rules}]
     rules = tuple(rule for each in fitting for rule in each.rules)
     if not rules:
         return spoken("not_explained", object=question.object, part=question.part), ()
@@ -246,20 +240,26 @@ def why(question: Question, known: Conversation) -> Answered:
     """Return the sentences that a choice rests on, or the rules that were mentioned last."""
     if known.prohibition and not question.part:
         return _as_said(known.prohibition), ()
-    rules = _reasons(question, known)
-    if not rules and question.part and (question.context or known.last_done is None):
-        rules = _grasps(rule for rule in _meant(question, known) if rule.asserts)
+    rules, last = tuple(_reasons(question, known)), known.last_done
+    if not rules and question.part and (question.context or last is None):
+        rules = tuple(_grasps(rule for rule in _meant(question, known) if rule.asserts))
     if rules:
-        return _because(rules, known)
-    if known.last_done is None:
+        return _because(rules, known), rules
+    if last is None:
         return spoken("nothing_done"), ()
     wrong = _not_so(question, known.decision)
     if wrong:
         return spoken(wrong, object=question.object, part=question.part), ()
     if question.object or question.part or (known.decision and known.decision.object.best):
         # What the command itself names needs no rule.
-        return _as_said(known.last_done), ()
-    return _because_of_decision(known, known.last_done), ()
+        return _as_said(last), ()
+    return _because_of_decision(known, last), ()
+
+
+def _because(rules: Sequence[Rule], known: Conversation) -> AnswerContent:
+    if rules[-1].status == "induced":
+        return spoken("because_alike", done=True, texts=known.words_of(rules[-1]))
+    return spoken("because_told", done=True, **_sources(rules, known))
 
 
 def _because_of_decision(known: Conversation, last: Reply) -> AnswerContent:
@@ -294,7 +294,12 @@ def _as_said(said: Understanding | Reply) -> AnswerContent:
 def _why_not_thing(name: str, last: Reply, known: Conversation) -> Answered:
     best = known.decision and known.decision.object.best
     denials = _denials(known.decision and known.decision.object, name)
-    reason, wanted = _reason(known.decision, name), _wanted_use(last, name)
+    reason, wanted, meant = _reason(known.decision, name), None, last.understanding.meaning
+    if isinstance(meant, SimpleCommand):
+        target = chosen_by(meant)
+        patient = meant.patient if isinstance(meant, ToolCommand) else None
+        use, material = target.used_for, target.material or patient
+        wanted = Question("is_used_for", name, use, material=material) if use else None
     if best and best.object == name:
         said = spoken("is_so", done=True, object=name)
     elif denials:
@@ -306,7 +311,6 @@ def _why_not_thing(name: str, last: Reply, known: Conversation) -> Answered:
     elif wanted and not _functional(wanted, known):
         said = spoken("why_not_told", done=True, object=name, affordance=_use(wanted))
     else:
-        meant = last.understanding.meaning
         named = meant.target.object if isinstance(meant, Command) else None
         key = "why_not_named" if named else "why_not_asked"
         said = spoken(key, done=True, object=name, wanted=named)
@@ -360,21 +364,12 @@ def _reasons(question: Question, known: Conversation) -> Sequence[Rule]:
     return rules if any(rule.part is None for rule in rules) else ()
 
 
-def _because(rules: Sequence[Rule], known: Conversation) -> Answered:
-    if rules[-1].status == "induced":
-        return spoken("because_alike", done=True, texts=known.words_of(rules[-1])), tuple(rules)
-    return spoken("because_told", done=True, **_sources(rules, known)), tuple(rules)
-
-
 def _not_so(question: Question, decision: Decision | None) -> str:
-    if decision is None:
-        return ""
-    best = decision.object.best
+    best = decision and decision.object.best
     if question.object and best and question.object != best.object:
         return "is_not_so"
-    if question.part and question.part != decision.chosen_part:
-        return "is_not_so_part"
-    return ""
+    is_other = decision and question.part not in {None, decision.chosen_part}
+    return "is_not_so_part" if is_other else ""
 
 
 def _reason(decision: Decision | None, name: str | None) -> str | None:
@@ -387,34 +382,16 @@ def _reason(decision: Decision | None, name: str | None) -> str | None:
     return rejection_reason(decision.object, found) if found else None
 
 
-def _wanted_use(last: Reply, name: str) -> Question | None:
-    said = last.understanding.meaning
-    if isinstance(said, ToolCommand):
-        use, material = said.tool.used_for, said.tool.material or said.patient
-    elif isinstance(said, Command):
-        use, material = said.target.used_for, said.target.material
-    else:
-        return None
-    return Question("is_used_for", name, use, material=material) if use else None
-
-
 # --- Helpers -------------------------------------------------------------------------------
 
 
-def _told(key: str, rule: Rule, known: Conversation) -> AnswerContent:
-    return spoken(key, done=True, rule=known.quote(rule))
+def _told(key: str, rule: Rule, known: Conversation) -> Answered:
+    return spoken(key, done=True, rule=known.quote(rule)), (rule,)
 
 
 def _use(question: Question, *materials: str) -> Slot | None:
     use = question.affordance
     return use_slot(use, *(materials or (question.material,))) if use else None
-
-
-def _named(rule: Rule, question: Question, known: Conversation) -> str:
-    name = _kind(rule)
-    if rule.material is None or rule.material == question.material:
-        return name
-    return known.language.answers.object_for(name, rule.material)
 
 
 def _properties(rule: Rule) -> list[str]:

@@ -52,11 +52,10 @@ class Reply:
 
     def with_pictures(self, *files: str) -> Reply:
         """Return this reply with pictures of what was done, if anything was."""
-        result = self.result
-        if result is None or not result.world.executed:
+        if self.result is None or not self.result.world.executed:
             return self
-        world = replace(result.world, pictures=files)
-        return replace(self, result=replace(result, world=world))
+        world = replace(self.result.world, pictures=files)
+        return replace(self, result=replace(self.result, world=world))
 
     def as_tell_json(self) -> Json:
         """As `hilt tell --json` prints it."""
@@ -116,6 +115,7 @@ class OpenQuestion:
         """Return the reply to a short answer; None where it does not fit."""
         if answer.number:
             return self.choices[answer.number - 1]()
-        if answer.choice == "any" and (self.choices or self.yes):
-            return self.choices[0]() if self.choices else self.yes and self.yes()
+        first = self.choices[0] if self.choices else self.yes
+        if answer.choice == "any" and first:
+            return first()
         return self.choose(answer) if answer.name and self.choose else None

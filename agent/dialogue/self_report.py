@@ -5,8 +5,9 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from functools import partial
 
 from ...kb.rule import Atom, Rule
-from ...nlu.semantics.meaning import Command, Question, ToolCommand
+from ...nlu.semantics.meaning import Question
 from .conversation import Answered, Conversation, spoken
+from .translation import SimpleCommand
 
 MOST_LISTED = 5
 """So many rules are told one by one; of more only some objects are named."""
@@ -24,9 +25,8 @@ def _fixed(key: str, _: Question, __: Conversation) -> Answered:
 
 def _capabilities(_: Question, known: Conversation) -> Answered:
     taught = tuple(each.name for each in known.base.actions())
-    if not taught:
-        return spoken("capabilities", done=True), ()
-    return spoken("capabilities_taught", done=True, actions=taught), ()
+    key = "capabilities_taught" if taught else "capabilities"
+    return spoken(key, done=True, actions=taught), ()
 
 
 def _identity(question: Question, known: Conversation) -> Answered:
@@ -39,12 +39,10 @@ def _identity(question: Question, known: Conversation) -> Answered:
 
 
 def _holding(question: Question, known: Conversation) -> Answered:
-    held = known.holding()
+    held, key = known.holding(), "grasped_somewhere"
     if question.object and question.object != held:
-        return spoken("not_held", done=True, object=question.object), ()
-    if held is None:
-        return spoken("holds_nothing", done=True), ()
-    return spoken("grasped_somewhere", done=True, object=held), ()
+        held, key = question.object, "not_held"
+    return spoken(key if held else "holds_nothing", done=True, object=held), ()
 
 
 def _last_done(_: Question, known: Conversation) -> Answered:
@@ -53,15 +51,14 @@ def _last_done(_: Question, known: Conversation) -> Answered:
         return known.control_done, ()
     if last is None or last.result is None:
         return spoken("nothing_done"), ()
-    best = decision.object.best if decision else None
-    if not last.is_done or not last.result.world.executed or best is None or decision is None:
+    if not last.is_done or not last.result.world.executed or not last.chosen or not decision:
         return spoken("did_nothing", done=True, said=last.said), ()
     key = "did_by" if decision.chosen_part else "did"
-    names = {"object": best.object, "part": decision.chosen_part}
+    names = {"object": last.chosen.object, "part": decision.chosen_part}
     if decision.patient:
-        key, names = "done_with_tool", {"tool": best.object, "patient": decision.patient}
+        key, names = "done_with_tool", {"tool": last.chosen.object, "patient": decision.patient}
     meant = last.understanding.meaning
-    goal = meant.goal if isinstance(meant, (Command, ToolCommand)) else "use"
+    goal = meant.goal if isinstance(meant, SimpleCommand) else "use"
     return spoken(key, done=True, goal=goal, **names), decision.rules
 
 
@@ -77,7 +74,7 @@ def _told(question: Question, known: Conversation) -> Answered:
     if not rules:
         return spoken("told_nothing" if speaker else "nothing_known", done=True, **slots), ()
     if count <= MOST_LISTED:
-        said = tuple(known.describe(rule) for rule in rules)
+        said = tuple(map(known.describe, rules))
         return spoken(key, done=True, rules=said, **slots), tuple(rules)
     objects = tuple(dict.fromkeys(rule.object or "thing" for rule in rules))[:MOST_NAMED]
     return spoken(f"{key}_many", done=True, number=str(count), objects=objects, **slots), ()
@@ -85,18 +82,13 @@ def _told(question: Question, known: Conversation) -> Answered:
 
 def _told_at_an_end(question: Question, known: Conversation, *, newest_first: bool) -> Answered:
     speaker = known.base.match_speaker(question.speaker or "")
-    taught = (
-        each
-        for each in known.base.history(newest_first=newest_first)
-        if each.speaker == speaker and each.kind in _TAUGHT and each.accepted and each.asserts
-    )
-    found = next(taught, None)
-    if found is None:
-        return spoken("told_nothing", done=True, speaker=speaker), ()
-    active = [rule for rule in map(known.base.rule, found.asserts) if rule.status == "active"]
-    rules = tuple(rule for rule in active if rule.speaker == speaker)
-    key = "source" if active else "told_but_retracted"
-    return spoken(key, done=True, speaker=speaker, texts=found.text), rules
+    for each in known.base.history(newest_first=newest_first):
+        if each.speaker == speaker and each.kind in _TAUGHT and each.accepted and each.asserts:
+            active = [r for r in map(known.base.rule, each.asserts) if r.status == "active"]
+            rules = tuple(rule for rule in active if rule.speaker == speaker)
+            key = "source" if active else "told_but_retracted"
+            return spoken(key, done=True, speaker=speaker, texts=each.text), rules
+    return spoken("told_nothing", done=True, speaker=speaker), ()
 
 
 def _last_said(_: Question, known: Conversation, *, kinds: Collection[str]) -> Answered:
@@ -111,10 +103,8 @@ def _exceptions(question: Question, known: Conversation) -> Answered:
     others = known.base.rules(object=question.object) if question.object else known.base.rules()
     rules = others if question.object else known.topic or others
     found = tuple(dict.fromkeys(_exceptions_to(rules, others)))
-    if not found:
-        return spoken("no_exceptions", done=True), ()
-    said = tuple(known.describe(rule) for rule in found)
-    return spoken("exceptions", done=True, rules=said), found
+    said = tuple(map(known.describe, found))
+    return spoken("exceptions" if found else "no_exceptions", done=True, rules=said), found
 
 
 def _exceptions_to(rules: Iterable[Rule], others: Iterable[Rule]) -> Iterator[Rule]:

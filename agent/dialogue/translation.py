@@ -47,53 +47,58 @@ def rule_from_answer(
     asked: meaning.Question, named: meaning.Answer, confidence: meaning.Confidence
 ) -> meaning.Rule | None:
     """Return the rule that a short answer teaches; None if it names nothing that is asked for."""
-    name = None if named.name == meaning.ANY_OBJECT else named.name
+    name, sure = None if named.name == meaning.ANY_OBJECT else named.name, confidence
     if name is None or named.is_use != (asked.affordance is None and asked.context is None):
         return None
     if asked.affordance:
-        return meaning.FunctionalRule(
-            name, asked.affordance, confidence, named.props, material=asked.material
-        )
+        on = asked.material
+        return meaning.FunctionalRule(name, asked.affordance, sure, named.props, material=on)
     if asked.object and asked.context:
-        return meaning.ActionRule(asked.object, asked.context, name, confidence)
-    return meaning.FunctionalRule(asked.object, name, confidence) if asked.object else None
+        return meaning.ActionRule(asked.object, asked.context, name, sure)
+    return meaning.FunctionalRule(asked.object, name, sure) if asked.object else None
 
 
-def meaning_from_rule(rule: Rule) -> meaning.Rule | None:
+def meaning_from_rule(rule: Rule) -> meaning.Rule | meaning.KindRelation | meaning.Norm | None:
     """Return the meaning that asserts a rule; None when no sentence can express it."""
-    confidence = (rule.interval.lower, rule.interval.upper)
+    name, sure = rule.object or meaning.ANY_OBJECT, (rule.interval.lower, rule.interval.upper)
+    props = tuple(sorted(atom.name for atom in rule.features if atom.kind == "property"))
+    if rule.kind == "norm":
+        return _norm_from_rule(rule, meaning.ObjectReference(name, props=props), sure)
+    if rule.functor == KIND_OF and rule.argument:
+        return meaning.KindRelation(rule.argument.name, name, sure)
     kinds = sorted(atom.kind for atom in rule.features if atom.kind != "property")
     said = {"functional": "material", "action": "action"}.get(rule.kind)
-    others = [atom for atom in rule.contexts if atom.kind != said]
-    if others or kinds not in ([], ["object"]):
+    if kinds not in ([], ["object"]) or any(atom.kind != said for atom in rule.contexts):
         return None  # these atoms have no words
-    props = tuple(sorted(atom.name for atom in rule.features if atom.kind == "property"))
-    name = rule.object or meaning.ANY_OBJECT
     if rule.kind == "functional" and rule.affordance:
-        return meaning.FunctionalRule(
-            name, rule.affordance, confidence, props, material=rule.material
-        )
+        return meaning.FunctionalRule(name, rule.affordance, sure, props, material=rule.material)
     if rule.kind == "action" and rule.part and rule.context:
-        return meaning.ActionRule(name, rule.context, rule.part, confidence, props)
+        return meaning.ActionRule(name, rule.context, rule.part, sure, props)
     return None
 
 
-def relation_from_rule(rule: Rule) -> meaning.KindRelation | None:
-    """Return the relation of kinds that a rule states; None for any other rule."""
-    if rule.functor != KIND_OF or not rule.object or not rule.argument:
+def _norm_from_rule(
+    rule: Rule, target: meaning.ObjectReference, sure: meaning.Confidence
+) -> meaning.Norm | None:
+    names = {atom.kind: atom.name for atom in rule.contexts}
+    if len(names) != len(rule.contexts):
         return None
-    confidence = (rule.interval.lower, rule.interval.upper)
-    return meaning.KindRelation(rule.argument.name, rule.object, confidence)
+    act: SimpleCommand = meaning.Command(names["action"], target, rule.part, names.get("role"))
+    if rule.material:
+        act = meaning.ToolCommand(names["action"], rule.material, target)
+    before = None
+    if rule.argument and rule.argument.kind == "action":
+        thing = meaning.ObjectReference(names.get("object", target.object), props=())
+        before = meaning.Command(rule.argument.name, thing)
+    return meaning.Norm(rule.functor, act, sure, names.get("place"), before)
 
 
 def rule_from_norm(said: meaning.Norm, speaker: str, heard: float = 1.0) -> Rule:
     """Return the rule that lays down a norm, discounted by the confidence of the recogniser."""
-    act, before = said.act, said.before
-    target = act.tool if isinstance(act, meaning.ToolCommand) else act.target
+    act, before, target, argument = said.act, said.before, chosen_by(said.act), None
     names = {"place": said.place, "object": None}
     if isinstance(act, meaning.ToolCommand):
         names["material"] = None if act.patient == meaning.ANY_OBJECT else act.patient
-        argument = None
     else:
         names["role"] = act.recipient
         argument = Atom("part", act.part) if act.part else None
@@ -111,26 +116,6 @@ def rule_from_norm(said: meaning.Norm, speaker: str, heard: float = 1.0) -> Rule
         properties=target.props,
         speaker=speaker,
     )
-
-
-def norm_from_rule(rule: Rule) -> meaning.Norm | None:
-    """Return the norm that a rule lays down; None when no sentence can express it."""
-    names = {atom.kind: atom.name for atom in rule.contexts}
-    if rule.kind != "norm" or len(names) != len(rule.contexts):
-        return None
-    props = tuple(sorted(atom.name for atom in rule.features if atom.kind == "property"))
-    target = meaning.ObjectReference(rule.object or meaning.ANY_OBJECT, props=props)
-    act: SimpleCommand
-    if rule.material:
-        act = meaning.ToolCommand(names["action"], rule.material, target)
-    else:
-        act = meaning.Command(names["action"], target, rule.part, names.get("role"))
-    before = None
-    if rule.argument and rule.argument.kind == "action":
-        thing = meaning.ObjectReference(names.get("object", target.object), props=())
-        before = meaning.Command(rule.argument.name, thing)
-    confidence = (rule.interval.lower, rule.interval.upper)
-    return meaning.Norm(rule.functor, act, confidence, names.get("place"), before)
 
 
 def request_from_command(
@@ -158,9 +143,14 @@ def request_from_command(
     return Request(command.goal, arguments, speaker, part=command.part)
 
 
+def chosen_by(said: SimpleCommand) -> meaning.ObjectReference:
+    """Return what a command lets Hilt choose: its tool, or else its object."""
+    return said.tool if isinstance(said, meaning.ToolCommand) else said.target
+
+
 def use_of(said: SimpleCommand) -> meaning.Question:
     """Return the question what has the use that a command asks for, if it asks for one."""
-    target = said.tool if isinstance(said, meaning.ToolCommand) else said.target
+    target = chosen_by(said)
     use = target.used_for or target.not_used_for
     return meaning.Question("objects_for", affordance=use, material=target.material)
 

@@ -2,11 +2,8 @@
 
 An experiment is a frozen dataclass of plain JSON options. It lists its cases and runs any one of
 them independently, in any order and in any process: a worker constructs the experiment again from
-its name and options. What is expensive to set up is a `cached_property` of the experiment.
-
-Cases and results are plain JSON, so that they can be sent to other processes and written to files.
-They contain nothing that differs from run to run: a case gives the same bytes with any runner.
-`TimedResult` adds the processor time and the number of attempts.
+its name and options. Cases and results are plain JSON, and contain nothing that differs from run to
+run: a case gives the same bytes with any runner.
 """
 
 from __future__ import annotations

@@ -27,16 +27,21 @@ from .doubt import Doubt, find_doubt
 from .norm_guard import NormGuard
 from .outcome import AnswerContent, Decision, Failure, GoalResult, WalkStep, WorldOutcome
 from .perception import percept_as_observation
-from .primitives import PrimitiveExecutor, PrimitiveTask
+from .primitives import EMPTYING, PrimitiveExecutor, PrimitiveTask, empty_hand
 from .request import PATIENT, Argument, Arguments, Request, named, review_arguments
+
+Steps = Sequence[TreeStep | Loop]
+Watcher = Callable[[WalkStep], None]
+_EMPTYING = {"release": "letGo", "putDown": "placeObject", "putBack": "returnObject"}
+"""The primitive of each control that empties the hand."""
 
 GRASP, PICK_UP = "graspObject", "pickUp"
 WORTH_TRYING = ("accepted", "unsure")  # verdicts of candidates that may be tried instead
 
 
 @dataclass
-class ExecutionContext:
-    """What action trees are executed with."""
+class GoalManager:
+    """Carries out goals by walking their action trees."""
 
     actions: Actions
     affordances: Affordances
@@ -53,9 +58,7 @@ class ExecutionContext:
     done: list[tuple[str, str]] = field(default_factory=list[tuple[str, str]])
     #: called at every node before its action is done, when `WalkStep.action` is still empty, and
     #: again afterwards
-    watchers: list[Callable[[WalkStep], None]] = field(
-        default_factory=list[Callable[[WalkStep], None]]
-    )
+    watchers: list[Watcher] = field(default_factory=list[Watcher])
 
     def search(self, features: Sequence[str]) -> Sequence[Percept]:
         """Return what the vision finds; the features, what was found, and the time are logged."""
@@ -69,6 +72,50 @@ class ExecutionContext:
         """The type of the object in the hand, None when it is empty or there is no hand."""
         held = self.motion.held if isinstance(self.motion, ReleasingMotion) else None
         return held.object if held else None
+
+    def achieve(self, request: Request) -> GoalResult:
+        """Execute the tree of a goal to its end, or to the first failure that no branch handles.
+
+        UnknownNameError if there is no tree of that name.
+        """
+        tree = self.actions.tree(request.action)
+        arguments = review_arguments(self.actions, tree.name, request)
+        unable = self._missing_abilities(tree.name)
+        execution = TreeExecutor(self, request, is_able=not unable)
+        failure = execution.visit(tree.name, arguments)
+        if failure and failure.cause == outcome_answer.INTERRUPTED:
+            failure = outcome_answer.stopped(self.holding)
+        recipient = str(arguments.get("recipient", ""))
+        answer = failure or self._answer(request, execution.decision, recipient, unable)
+        if tree.objects is not None and answer.ending == "done":
+            names = tuple(map(execution.name, map(arguments.get, tree.parameters)))
+            answer = outcome_answer.taught_done(request.action, names, is_done=bool(self.motion))
+        return execution.result(answer)
+
+    def empty_hand(self, control: str, kind: str | None = None) -> AnswerContent:
+        """Release, put down or put back what the hand holds; `kind` is what it should be."""
+        return empty_hand(self.motion, _EMPTYING[control], kind)
+
+    def _answer(
+        self, request: Request, decision: Decision | None, recipient: str, unable: Sequence[str]
+    ) -> AnswerContent:
+        if request.action in _EMPTYING and self.motion and not unable:
+            return outcome_answer.hand_emptied(_EMPTYING[request.action], request.name("object"))
+        if decision is None or decision.object.best is None:  # nothing was looked for or needed
+            return AnswerContent("okay")
+        if unable:
+            return outcome_answer.unable(request.action, unable[0], decision)
+        if self.motion is None:
+            return outcome_answer.decided(request.action, decision, request.speaker, recipient)
+        return outcome_answer.done(request.action, decision, request.speaker, recipient)
+
+    def _missing_abilities(self, tree: str) -> list[str]:
+        if self.motion is None:
+            return []
+        below = (node for node in self.actions.nodes if node.startswith(f"{tree}/"))
+        needed = {_action(node) for node in below} & self.actions.primitives.keys()
+        own = EMPTYING.keys() if isinstance(self.motion, ReleasingMotion) else set[str]()
+        return sorted(needed - self.motion.abilities - own - {FIND})
 
 
 @dataclass(frozen=True)
@@ -86,9 +133,9 @@ class TreeExecutor:
     Without `is_able` the robot lacks something that the tree needs, and it is only decided.
     """
 
-    def __init__(self, context: ExecutionContext, request: Request, *, is_able: bool) -> None:
-        self._context = context
-        self._request = request
+    def __init__(self, context: GoalManager, request: Request, *, is_able: bool) -> None:
+        self._context, self._request = context, request
+        self._affordances = context.affordances
         self._norms = NormGuard(
             context.norms, context.actions, request, context.done, lambda: context.holding
         )
@@ -112,8 +159,7 @@ class TreeExecutor:
         if world.moved:
             self._report_setback(AnswerContent("moved_aside", {"objects": world.moved}))
         done = (tuple(self._steps), world, tuple(self._setbacks), trials, self._doubt)
-        verdicts = tuple(self._norms.verdicts)
-        return GoalResult(answer, self.decision, *done, verdicts)
+        return GoalResult(answer, self.decision, *done, tuple(self._norms.verdicts))
 
     def name(self, argument: Argument | None) -> str:
         """Return the kind of the object that was found for an argument, or that it names."""
@@ -131,39 +177,35 @@ class TreeExecutor:
         refusal = self._norms.enter(node, arguments)
         if refusal:
             return refusal
-        goal = self._goal(arguments)
-        features = self._context.affordances.features(node, goal)
+        action, target, affordances = _action(node), self._target(arguments), self._affordances
+        if target in self._found:
+            target = Target(object=self.name(target), material=target.material)
+        goal = Goal(self._request.action, target, self._request.contexts)
+        features = affordances.features(node, goal)
         percepts = self._search(node, features, arguments)
-        is_point = self._context.affordances.settings.detection == "point"
+        is_point = affordances.settings.detection == "point"
         observations = [percept_as_observation(p, features, point=is_point) for p in percepts]
         try:
-            inference = self._context.affordances.infer(node, goal, observations)
+            inference = affordances.infer(node, goal, observations)
         except ConflictError as error:
             return AnswerContent("contradicted", {"reason": str(error)}, "failed", "conflict")
         index = len(self._steps)
         confidences = {percept.name: percept.confidence for percept in percepts}
-        self._steps.append(WalkStep(node, tuple(map(str, features)), confidences, inference))
-        self._notify(self._steps[index])
+        step = WalkStep(node, tuple(map(str, features)), confidences, inference)
+        self._steps.append(step)
+        self._notify(step)
         failure = self._act(arguments, percepts, inference)
-        is_done = _action(node) == FIND or self._primitives
-        did = "executed" if is_done else "not executed"
-        did = "walked" if _action(node) in self._context.actions.trees else did
-        self._steps[index] = replace(self._steps[index], action=failure.key if failure else did)
+        did = "executed" if action == FIND or self._primitives else "not executed"
+        did = "walked" if action in self._context.actions.trees else did
+        self._steps[index] = replace(step, action=failure.key if failure else did)
         self._notify(self._steps[index])
-        if failure is None and _action(node) != FIND:
-            self._context.done.append((_action(node), self.name(self._target(arguments))))
+        if failure is None and action != FIND:
+            self._context.done.append((action, self.name(self._target(arguments))))
         return failure
 
     def _notify(self, step: WalkStep) -> None:
         for watcher in self._context.watchers:
             watcher(step)
-
-    def _goal(self, arguments: Arguments) -> Goal:
-        target = self._target(arguments)
-        if target in self._found:
-            found = self._found[target].percept.object
-            target = Target(object=found, material=target.material)
-        return Goal(self._request.action, target, self._request.contexts)
 
     def _target(self, arguments: Arguments) -> Target:
         known = (*self._found, *arguments.values())
@@ -225,24 +267,21 @@ class TreeExecutor:
                 return self._do_instead(node, branch.steps, arguments, failure)
             self._report_setback(failure)
             tries[index] -= 1
-            if branch.next:
-                self._reject(arguments[branch.next], failure)
+            found = self._found.pop(arguments[branch.next], None) if branch.next else None
+            if found:
+                why = f"it was tried first, but: {failure.cause.replace('_', ' ')}"
+                self._rejected[found.percept.name] = replace(found.candidate, reason=why)
             failure = self._walk_steps(node, tree.steps, arguments)
         return None
 
     def _do_instead(
-        self,
-        node: str,
-        steps: Sequence[TreeStep | Loop],
-        arguments: Arguments,
-        failure: AnswerContent,
+        self, node: str, steps: Steps, arguments: Arguments, failure: AnswerContent
     ) -> Failure:
         if self._primitives is None or self._walk_steps(node, steps, arguments):
             return failure
         self._report_setback(failure)
-        if "/" in node:
-            return None
-        return AnswerContent("did_instead", {}, "failed", failure.cause)
+        is_step = "/" in node
+        return None if is_step else AnswerContent("did_instead", {}, "failed", failure.cause)
 
     def _report_setback(self, failure: AnswerContent) -> None:
         if failure not in self._setbacks:
@@ -256,23 +295,13 @@ class TreeExecutor:
         for index, branch in enumerate(tree.otherwise):
             is_possible = branch.is_end or bool(branch.steps) or tries[index] > 0
             if branch.next:
-                is_possible = bool(self._others(arguments[branch.next]))
+                found = self._found.get(arguments[branch.next])
+                others = found.inference.candidates if found else ()
+                worth = {each.name for each in others if each.verdict in WORTH_TRYING}
+                is_possible = bool(worth - self._rejected.keys() - {found and found.percept.name})
             if is_possible and branch.handles(failure.cause):
                 return None if branch.is_end else index
         return None
-
-    def _others(self, argument: Argument) -> list[Candidate]:
-        found = self._found.get(argument)
-        if found is None:
-            return []
-        tried = {found.percept.name, *self._rejected}
-        others = [each for each in found.inference.candidates if each.name not in tried]
-        return [each for each in others if each.verdict in WORTH_TRYING]
-
-    def _reject(self, argument: Argument, failure: AnswerContent) -> None:
-        if found := self._found.pop(argument, None):
-            why = f"it was tried first, but: {failure.cause.replace('_', ' ')}"
-            self._rejected[found.percept.name] = replace(found.candidate, reason=why)
 
     def _unmet_condition(self, condition: Precondition, arguments: Arguments) -> Failure:
         argument = _value(condition.parameter, arguments)
@@ -293,9 +322,7 @@ class TreeExecutor:
             is_so = found is not None and self._primitives.holding == found.percept.name
         return outcome_answer.required(condition, name) if is_so is condition.negated else None
 
-    def _walk_steps(
-        self, node: str, steps: Sequence[TreeStep | Loop], arguments: Arguments
-    ) -> Failure:
+    def _walk_steps(self, node: str, steps: Steps, arguments: Arguments) -> Failure:
         for step in steps:
             if isinstance(step, Loop):
                 failure = self._repeat(node, step, arguments)
@@ -335,15 +362,11 @@ class TreeExecutor:
         target = self._target(arguments)
         inference, refusal = self._without_forbidden(target, percepts, inference)
         patient, best = self._patient, inference.best
-        agreed = self._request.agreed.get(best.object) if best else None
+        part = self._part or (self._request.agreed.get(best.object) if best else None)
         if target != patient or self.decision is None:
             # The patient of a tool may be looked for too; the decision is about the tool.
-            self.decision = Decision(
-                inference,
-                named_part=self._part or agreed,
-                patient=named(patient),
-                rejected=tuple(self._rejected.values()),
-            )
+            rejected = tuple(self._rejected.values())
+            self.decision = Decision(inference, None, part, named(patient), rejected)
         if refusal:
             return refusal
         if best is None and self._excluded(arguments):
@@ -375,24 +398,14 @@ class TreeExecutor:
     def _part_to_hold(
         self, target: Target, percept: Percept, inference: Inference
     ) -> tuple[str | None, Failure]:
-        part, failure = self._obliged_part(target, percept, inference), None
-        if part is None:
-            part, failure = self._choose_part(percept, inference)
-        if failure:
-            return part, failure
-        return self._permitted_part(target, percept, part, inference)
-
-    def _obliged_part(self, target: Target, percept: Percept, inference: Inference) -> str | None:
         wanted = self._norms.obliged_parts(inference.node, target, percept)
         part = next((self._own_part(name, percept) for name in wanted), None)
-        if self._part or part is None or self._lacks(percept, part) or self.decision is None:
-            return None
-        self.decision = replace(self.decision, part=inference, allowed_part=part)
-        return part
-
-    def _permitted_part(
-        self, target: Target, percept: Percept, part: str | None, inference: Inference
-    ) -> tuple[str | None, Failure]:
+        if part and self.decision and not self._part and not self._lacks(percept, part):
+            self.decision = replace(self.decision, part=inference, allowed_part=part)
+        else:
+            part, failure = self._choose_part(percept, inference)
+            if failure:
+                return part, failure
         refusal_of = partial(self._norms.of_step, inference.node, target, percept)
         known = self._allowed_parts(percept, inference)
         refusal = refusal_of(part)
@@ -406,11 +419,9 @@ class TreeExecutor:
         return allowed, None if allowed else refusal
 
     def _choose_part(self, percept: Percept, inference: Inference) -> tuple[str | None, Failure]:
-        decision = replace(self.decision, part=inference) if self.decision else None
-        self.decision = decision
+        self.decision = decision = replace(self.decision, part=inference) if self.decision else None
         chosen = decision.chosen_part if decision else None
-        objection = self._objection(percept, inference, chosen)
-        if objection:
+        if objection := self._objection(percept, inference, chosen):
             return None, objection
         if chosen:
             part = self._own_part(chosen, percept)
@@ -438,7 +449,7 @@ class TreeExecutor:
         if self.decision and self.decision.named_part:
             return None
         parts = [*filter(None, [context.grips.get(kind)]), *sorted(context.parts.get(kind, ()))]
-        self._doubt = find_doubt(inference, context.affordances, kind, parts)
+        self._doubt = find_doubt(inference, self._affordances, kind, parts)
         if self._doubt is None:
             return None
         self._report_setback(outcome_answer.doubted(self._doubt, self._request.speaker))
@@ -462,7 +473,7 @@ class TreeExecutor:
 
     def _allowed_parts(self, percept: Percept, inference: Inference) -> list[str]:
         forbidden = {each.argument.name for each in inference.denied if each.argument}
-        kinds = self._context.affordances.taxonomy.names_above
+        kinds = self._affordances.taxonomy.names_above
         known = dict.fromkeys((*percept.parts, *self._context.parts.get(percept.object, ())))
         allowed = [part for part in known if forbidden.isdisjoint(kinds("part", part))]
         grip = self._context.grips.get(percept.object)
@@ -473,19 +484,15 @@ class TreeExecutor:
         return known is not None and part not in known and part not in percept.parts
 
     def _own_part(self, name: str, percept: Percept) -> str:
-        kinds = self._context.affordances.taxonomy.names_above
+        kinds = self._affordances.taxonomy.names_above
         fitting = [part for part in percept.parts if name in kinds("part", part)]
         return name if name in fitting else next(iter(fitting), name)
 
 
 def _value(given: str | DescribedObject, arguments: Arguments) -> Argument:
-    match given:
-        case DescribedObject():
-            return Target(**vars(given))
-        case _ if given.startswith(FIXED):
-            return given.removeprefix(FIXED)
-        case _:
-            return arguments[given]
+    if isinstance(given, DescribedObject):
+        return Target(**vars(given))
+    return given.removeprefix(FIXED) if given.startswith(FIXED) else arguments[given]
 
 
 def _action(node: str) -> str:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from ...inference.affordance import Affordances
 from ...inference.experience import NO_TRIALS, OutcomeCounts
 from ...inference.node_rules import acting_for
-from ...inference.types import Candidate, Inference
+from ...inference.types import Inference
 from ...kb.interval import VACUOUS
 
 DIGITS = 9  # of ranks that are compared
@@ -37,9 +37,10 @@ def find_doubt(
 
     `parts` are the known parts of this kind of object, of which the first are preferred.
     """
-    settings = affordances.settings
-    rank = settings.operators.rank
-    told = _best_told(inference, affordances)
+    settings, operators = affordances.settings, affordances.settings.operators
+    rank, threshold = operators.rank, inference.threshold
+    accepted = [each for each in inference.candidates if operators.accepts(each.told, threshold)]
+    told = max(accepted, key=lambda each: round(rank(each.told), DIGITS), default=None)
     if told is None or told.argument is None or told.experience is None:
         return None
     is_changed = inference.best is None or inference.best.argument != told.argument
@@ -61,9 +62,3 @@ def find_doubt(
     teachers = tuple(dict.fromkeys(rule.speaker for rule in told.rules if rule.asserts))
     tried = affordances.outcomes(kind, instead, context) if instead else NO_TRIALS
     return Doubt(kind, context, name, told.experience, teachers, instead, tried)
-
-
-def _best_told(inference: Inference, affordances: Affordances) -> Candidate | None:
-    operators = affordances.settings.operators
-    told = [c for c in inference.candidates if operators.accepts(c.told, inference.threshold)]
-    return max(told, key=lambda each: round(operators.rank(each.told), DIGITS), default=None)

@@ -94,11 +94,11 @@ class Embodiment:
         UnknownNameError if there is no such plug-in; PluginError if one cannot be used; DataError
         if there is a motion, but no vision that goes with it.
         """
-        if motion and not is_plugin(self.vision):
-            known = ", ".join(plugin_names("hilt.vision")) or "none"
-            problem = f"a motion needs a vision that is a plug-in too. Known: {known}."
-            raise DataError(problem, source="--motion")
         if not is_plugin(self.vision):
+            if motion:
+                known = ", ".join(plugin_names("hilt.vision")) or "none"
+                problem = f"a motion needs a vision that is a plug-in too. Known: {known}."
+                raise DataError(problem, source="--motion")
             return None, None
         sees = call_plugin("hilt.vision", self.vision, self, methods=("search",))
         needs = ("abilities", "grasp", "lift")

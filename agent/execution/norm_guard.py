@@ -23,11 +23,7 @@ _RECIPIENT = "recipient"
 
 
 class NormGuard:
-    """Checks what a command is going to do.
-
-    Args:
-        done: the acts so far, in order: action and type of object; it grows.
-        holding: returns the type of the object in the hand.
+    """Checks what a command is going to do, after the acts so far (action, type of object).
 
     Attributes:
         part: by what the object is held, or is going to be.
@@ -94,16 +90,13 @@ class NormGuard:
     ) -> Act:
         name = percept.object if percept else target.object
         seen = percept.properties if percept else frozenset[str]()
-        contexts = {**self._request.contexts, **dict.fromkeys(self._given(node), CERTAIN)}
+        people = self._recipients.items()
+        roles = [name.lower() for path, name in people if f"{node}/".startswith(f"{path}/")]
+        materials = self._checker.affordances.taxonomy.names_above("object", self._patient)
+        given = [*(Atom("role", each) for each in roles), *(Atom("material", m) for m in materials)]
+        contexts = {**self._request.contexts, **dict.fromkeys(given, CERTAIN)}
         known = (name, seen | target.properties, part or self.part, contexts)
         return Act(actions, *known, tuple(self._done), self._holding())
-
-    def _given(self, node: str) -> Iterator[Atom]:
-        for path, name in self._recipients.items():
-            if node == path or node.startswith(f"{path}/"):
-                yield Atom("role", name.lower())
-        for name in self._checker.affordances.taxonomy.names_above("object", self._patient):
-            yield Atom("material", name)
 
     @property
     def _patient(self) -> str | None:
@@ -134,6 +127,5 @@ class NormGuard:
             return None
         name = self._patient or act.object or "thing"
         slots = {"goal": self._request.action, "object": name, "norm": verdict.forbidding.id}
-        if verdict.unseen:
-            return AnswerContent("norm_unseen", slots, "asked", FORBIDDEN)
-        return AnswerContent("forbidden", slots, "refused", FORBIDDEN)
+        key, ending = ("norm_unseen", "asked") if verdict.unseen else ("forbidden", "refused")
+        return AnswerContent(key, slots, ending, FORBIDDEN)

@@ -54,26 +54,23 @@ class WalkStep:
 
     def as_json(self) -> Json:
         """As `hilt do --json` shows it."""
+        best, constraint = self.constraint, None
+        if best:
+            constraint = {"object": best.object, "part": best.part, **_bounds(best)}
+            if best.argument and not best.part:
+                constraint["argument"] = str(best.argument)
+        seen = self.percepts.items()
         return {
             "node": self.node,
             "features": [feature.partition(":")[2] for feature in self.features],
-            "percepts": [
-                {"name": name, "confidence": round(confidence, 6)}
-                for name, confidence in self.percepts.items()
-            ],
-            "constraint": _constraint(self.constraint) if self.constraint else None,
+            "percepts": [{"name": name, "confidence": round(sure, 6)} for name, sure in seen],
+            "constraint": constraint,
             "action": self.action,
         }
 
 
-def _constraint(best: Candidate) -> Json:
-    return {
-        "object": best.object,
-        "part": best.part,
-        "lower": round(best.interval.lower, 6),
-        "upper": round(best.interval.upper, 6),
-        **({"argument": str(best.argument)} if best.argument and not best.part else {}),
-    }
+def _bounds(of: Candidate) -> Json:
+    return {"lower": round(of.interval.lower, 6), "upper": round(of.interval.upper, 6)}
 
 
 @dataclass(frozen=True)
@@ -111,8 +108,8 @@ class Decision:
 
     def proofs(self) -> tuple[Proof, ...]:
         """The proofs of the object and of the part, or of the likeliest candidates."""
-        shown = [(*each.candidates, *each.absent)[:1] for each in self.inferences]
-        return tuple(candidate.proof for first in shown for candidate in first)
+        first = ((*each.candidates, *each.absent)[:1] for each in self.inferences)
+        return tuple(candidate.proof for shown in first for candidate in shown)
 
     def explained(self) -> Iterator[tuple[str, list[str]]]:
         """Yield a line about every candidate of every node, with the lines of its proof."""
@@ -133,18 +130,15 @@ class Decision:
     def as_json(self) -> Json:
         """The `decision` of `hilt do --json`."""
         best = self.object.best
-        first = best or (self.object.candidates[0] if self.object.candidates else None)
+        first = best or next(iter(self.object.candidates), None)
+        rejected = [_candidate(each) | {"accepted": False} for each in self.rejected]
         result: Json = {
             "object": best.object if best else None,
             "part": self.chosen_part,
-            "lower": round(first.interval.lower, 6) if first else None,
-            "upper": round(first.interval.upper, 6) if first else None,
+            **(_bounds(first) if first else {"lower": None, "upper": None}),
             "lambda": round(first.certainty, 6) if first else None,
             "threshold": self.object.threshold,
-            "candidates": [
-                *(_candidate(each) for each in self.object.candidates),
-                *(_candidate(each) | {"accepted": False} for each in self.rejected),
-            ],
+            "candidates": [*map(_candidate, self.object.candidates), *rejected],
             "ties": [c.object for c in self.object.ties],
             "rules": [rule.id for rule in self.rules],
         }
@@ -155,8 +149,7 @@ def _candidate(candidate: Candidate) -> Json:
     return {
         "object": candidate.object,
         "name": candidate.name,
-        "lower": round(candidate.interval.lower, 6),
-        "upper": round(candidate.interval.upper, 6),
+        **_bounds(candidate),
         "lambda": round(candidate.certainty, 6),
         "accepted": candidate.accepted,
         "verdict": candidate.verdict,

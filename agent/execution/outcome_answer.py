@@ -1,7 +1,5 @@
 """Selection of the answer to a command: its key in `ontology/english/answers.yaml`, and slots."""
 
-from collections.abc import Mapping
-
 from ...inference.induction import INDUCER
 from ...inference.types import Candidate, Inference, Target
 from ...nlu.generation.templates import proper_name
@@ -85,10 +83,8 @@ def not_found(target: Target, inference: Inference) -> AnswerContent:
         return AnswerContent("not_sure_seen", {"object": _description(target)}, "asked", "not_sure")
     if is_guess(first):
         return guessed(target, first)
-    slots = {"object": first.object}
-    if target.affords:
-        return AnswerContent("not_sure_of", slots | {"conclusion": wanted}, "asked", "not_sure")
-    return AnswerContent("not_sure", slots | {"affordance": wanted}, "asked", "not_sure")
+    key, slot = ("not_sure_of", "conclusion") if target.affords else ("not_sure", "affordance")
+    return AnswerContent(key, {"object": first.object, slot: wanted}, "asked", "not_sure")
 
 
 def is_guess(candidate: Candidate) -> bool:
@@ -135,9 +131,8 @@ def motion_failed(report: MotionReport, object_name: str, part: str | None) -> A
         return failed(report.reason.replace("_", " "), object_name, report.reason)
     barred_by = report.barred_by if report.reason == "blocked" else ()
     key = _MOTION[report.reason][0 if part else 1] + ("_by" if barred_by else "")
-    slots = {"object": object_name, "part": part, "objects": barred_by}
-    known = {name: slot for name, slot in slots.items() if slot}
-    return AnswerContent(key, known, "failed", report.reason)
+    slots: dict[str, Slot] = {"object": object_name, "part": part or "", "objects": barred_by}
+    return AnswerContent(key, slots, "failed", report.reason)
 
 
 def failed(why: str, object_name: str, cause: str) -> AnswerContent:
@@ -147,9 +142,8 @@ def failed(why: str, object_name: str, cause: str) -> AnswerContent:
 
 def stopped(holding: str | None) -> AnswerContent:
     """Return the answer to a command that was interrupted, with what is still in the hand."""
-    if holding is None:
-        return AnswerContent("stopped", {}, "failed", INTERRUPTED)
-    return AnswerContent("stopped_holding", {"object": holding}, "failed", INTERRUPTED)
+    slots = {"object": holding} if holding else {}
+    return AnswerContent("stopped_holding" if slots else "stopped", slots, "failed", INTERRUPTED)
 
 
 def hand_emptied(primitive: str, held: str, reason: str = "") -> AnswerContent:
@@ -183,22 +177,19 @@ def unable(action: str, primitive: str, decision: Decision) -> AnswerContent:
 
 
 def _no_candidate(target: Target, inference: Inference) -> AnswerContent:
-    if target.not_used_for:
-        use = use_slot(target.not_used_for, target.material)
-        return _not_found("nothing_not_used_for", affordance=use)
-    wanted = _wanted(target)
-    if wanted is None or target.object:
-        return _not_found("nothing_seen", object=_description(target))
+    wanted, slot = _wanted(target), "conclusion" if target.affords else "affordance"
     key = "nothing_affords" if target.affords else "nothing_used_for"
-    slot = "conclusion" if target.affords else "affordance"
-    for why, candidates in (("absent", inference.absent), ("denied", inference.denied)):
-        objects = tuple(dict.fromkeys(each.object for each in candidates))
-        if objects:
-            return _not_found(f"{key}_{why}", **{slot: wanted, "objects": objects})
-    return _not_found(key, **{slot: wanted})
-
-
-def _not_found(key: str, **slots: Slot) -> AnswerContent:
+    slots: dict[str, Slot] = {slot: wanted or ""}
+    if target.not_used_for:
+        key = "nothing_not_used_for"
+    elif wanted is None or target.object:
+        key, slots = "nothing_seen", dict[str, Slot](object=_description(target))
+    else:
+        for why, candidates in (("absent", inference.absent), ("denied", inference.denied)):
+            objects = tuple(dict.fromkeys(each.object for each in candidates))
+            if objects:
+                key, slots = f"{key}_{why}", slots | {"objects": objects}
+                break
     return AnswerContent(key, slots, "failed", "not_found")
 
 
@@ -214,12 +205,7 @@ def _description(target: Target) -> str:
 
 
 def _chosen(action: str, decision: Decision) -> dict[str, str]:
-    best = decision.object.best
-    slots: Mapping[str, str | None] = {
-        "goal": action,
-        "object": best.object if best else None,
-        "tool": best.object if best else None,
-        "part": decision.chosen_part,
-        "patient": decision.patient,
-    }
+    name = decision.object.best.object if decision.object.best else None
+    part, patient = decision.chosen_part, decision.patient
+    slots = {"goal": action, "object": name, "tool": name, "part": part, "patient": patient}
     return {key: value for key, value in slots.items() if value}

@@ -39,16 +39,11 @@ class PerfectVision:
     """Vision that reports everything in a scene with certainty (paper, section 4.1)."""
 
     def __init__(self, scene: Scene, objects: ObjectTypes) -> None:
-        self._percepts = tuple(
-            Percept(
-                name=placement.name,
-                object=placement.object,
-                confidence=1.0,
-                parts=dict.fromkeys(objects[placement.object].parts, UNMEASURED),
-                properties=objects[placement.object].properties,
-            )
-            for placement in scene.placements
-        )
+        self._percepts: list[Percept] = []
+        for each in scene.placements:
+            kind = objects[each.object]
+            parts, props = dict.fromkeys(kind.parts, UNMEASURED), kind.properties
+            self._percepts.append(Percept(each.name, each.object, 1.0, parts, props))
 
     def search(self, features: Sequence[str]) -> Sequence[Percept]:
         """Return the objects of the scene that show one of the features."""

@@ -25,61 +25,47 @@ _GRASPED = ("touched", "attempts", *_FIRMNESS)
 _OUTCOMES = {"nothing_held": "dropped"} | {
     reason: reason for reason in ("slipped", "dropped", "wrong_part", "missed")
 }
-EMPTYING: Mapping[str, Callable[[ReleasingMotion], MotionReport]] = {
-    "placeObject": lambda motion: motion.put_down(),
-    "returnObject": lambda motion: motion.put_back(),
-    "letGo": lambda motion: motion.release(),
-}
-"""The primitives that empty the hand, with what a motion does for each."""
-
-
-@dataclass
-class _LastGrasp:
-    """The grasp that the hand is at: its trial, earlier attempts, and how it stands."""
-
-    trial: GraspTrial
-    failures: tuple[str, ...] = ()
-    ended: str | None = None
-
-    def trials(self) -> list[GraspTrial]:
-        """The attempts that failed, then the last one if it is known how that ended."""
-        outcomes = [_OUTCOMES[each] for each in self.failures if each in _OUTCOMES]
-        if self.ended and self.ended not in outcomes:
-            outcomes.append(self.ended)
-        return [replace(self.trial, outcome=each) for each in outcomes]
+EMPTYING = {"placeObject": "put_down", "returnObject": "put_back", "letGo": "release"}
+"""The primitives that empty the hand, and the methods of a `ReleasingMotion` for them."""
 
 
 class GraspLog:
     """Collects the trials of grasps: each grasp is begun, and followed until the next."""
 
     def __init__(self) -> None:
-        self._grasps: list[_LastGrasp] = []
+        self._before: tuple[GraspTrial, ...] = ()  # those of earlier grasps
+        self._trial: GraspTrial | None = None  # the grasp that the hand is at
+        self._failures: tuple[str, ...] = ()  # of its attempts
+        self._ended: str | None = None  # how it stands, if that is known
 
     def begin(self, of: str, part: str | None, context: str, report: MotionReport) -> None:
         """Note a grasp of an object; without a part it is by the only one that was touched."""
         touched = report.touched[0] if len(report.touched) == 1 else ""
-        self._grasps.append(_LastGrasp(GraspTrial(of, part or touched, context, HELD)))
+        self._before, self._failures, self._ended = self.trials, (), None
+        self._trial = GraspTrial(of, part or touched, context, HELD)
         self.follow(report)
 
     def follow(self, report: MotionReport, *, is_offered: bool = False) -> None:
         """Note a motion with the object in the hand, which may be offered to somebody."""
-        if not self._grasps:
-            return
-        grasp = self._grasps[-1]
-        grasp.failures = report.failures or grasp.failures
+        self._failures = report.failures or self._failures
         if report.ok:
-            grasp.ended = HELD
+            self._ended = HELD
         elif report.reason in _OUTCOMES:
-            grasp.ended = _OUTCOMES[report.reason]
+            self._ended = _OUTCOMES[report.reason]
         elif report.reason == outcome_answer.INTERRUPTED:
-            grasp.ended = None
+            self._ended = None
         elif is_offered:
-            grasp.ended = "refused"
+            self._ended = "refused"
 
     @property
     def trials(self) -> tuple[GraspTrial, ...]:
-        """All trials so far, in order, of which the part is known."""
-        return tuple(trial for each in self._grasps for trial in each.trials() if trial.part)
+        """All trials so far, in order, of which the part is known; failed attempts, too."""
+        trial, outcomes = self._trial, [_OUTCOMES[e] for e in self._failures if e in _OUTCOMES]
+        if trial is None or not trial.part:
+            return self._before
+        if self._ended and self._ended not in outcomes:
+            outcomes.append(self._ended)
+        return (*self._before, *(replace(trial, outcome=each) for each in outcomes))
 
 
 @dataclass(frozen=True)
@@ -100,18 +86,15 @@ class PrimitiveExecutor:
     """Performs primitives with a motion stack, and keeps what happened.
 
     Attributes:
-        grasps: what the grasps so far came to.
         holding: the name of the object in the hand, if any.
         sensed: the events that the robot has sensed ("driven").
         goal, tool, patient: the goal, and the types of the tool and of its patient, for answers.
     """
 
     def __init__(self, motion: Motion, vision: Vision, goal: str = "use") -> None:
-        self.world = WorldOutcome()
-        self.grasps = GraspLog()
+        self.world, self.grasps, self.goal = WorldOutcome(), GraspLog(), goal
         self.holding: str | None = None
         self.sensed: set[str] = set()
-        self.goal = goal
         self.tool: str | None = None
         self.patient: str | None = None
         self._motion, self._vision = motion, vision
@@ -189,15 +172,12 @@ class PrimitiveExecutor:
         if not isinstance(motion, ExtraPrimitives):
             slots = {"goal": task.action, "object": self.tool or "thing", "ability": task.action}
             return AnswerContent("not_able", slots, "failed", "unable")
-        arguments = {name: self._meant(name, task) for name in task.arguments}
-        return self._moved(motion.perform(task.action, arguments, task.constraint), task)
-
-    def _meant(self, parameter: str, task: PrimitiveTask) -> Percept | str:
-        if parameter in task.found:
-            return task.found[parameter]
-        name = named(task.arguments[parameter]) or "thing"
-        seen = self._vision.search([f"object:{name}"])
-        return seen[0] if seen else name
+        meant: dict[str, Percept | str] = dict(task.found)
+        for parameter, argument in task.arguments.items():
+            if parameter not in meant:
+                name = named(argument) or "thing"
+                meant[parameter] = next(iter(self._vision.search([f"object:{name}"])), name)
+        return self._moved(motion.perform(task.action, meant, task.constraint), task)
 
     def _struck(self, report: MotionReport) -> Failure:
         self.grasps.follow(report)
@@ -237,7 +217,7 @@ def empty_hand(motion: Motion | None, primitive: str, kind: str | None) -> Answe
         return AnswerContent("nothing_held", {}, "failed", "nothing_held")
     if kind not in {None, held.object}:
         return AnswerContent("not_held", {"object": str(kind)}, "failed", "nothing_held")
-    report = EMPTYING[primitive](motion)
+    report: MotionReport = getattr(motion, EMPTYING[primitive])()
     return outcome_answer.hand_emptied(primitive, held.object, "" if report.ok else report.reason)
 
 

@@ -43,24 +43,24 @@ class Request:
 
     def confirmed(self, result: GoalResult) -> Request | None:
         """Return this request for the object or part that Hilt asked about, after a "yes"."""
-        decision = result.decision
-        is_asked = result.answer.ending == "asked"
+        if result.answer.ending != "asked":
+            return None
         norm = result.forbidding and result.forbidding.forbidding
-        if norm and is_asked:
+        if norm:
             return replace(self, unheeded=self.unheeded | {norm.id})
-        if not is_asked or decision is None or not decision.object.candidates:
+        candidates = result.decision.object.candidates if result.decision else ()
+        if not candidates:
             return None
         if "part" in result.answer.slots:
             return replace(self, part=str(result.answer.slots["part"]))
-        return self._about(Target(object=decision.object.candidates[0].object, is_confirmed=True))
+        return self._about(Target(object=candidates[0].object, is_confirmed=True))
 
     def choosing(self, name: str | None, properties: Iterable[str], result: GoalResult) -> Request:
         """Return this request for what was named when Hilt asked about an object or a part.
 
         Without a name it is the object first meant, with these properties.
         """
-        decision = result.decision
-        if name and decision and decision.part:
+        if name and result.decision and result.decision.part:
             return replace(self, part=name)
         if name:
             return self._about(Target(object=name, properties=frozenset(properties)))

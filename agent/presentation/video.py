@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from ...sim.grasping.planner import RankedGrasps
     from ...sim.media.recording import WorldRecorder
     from ...sim.robot.path_planner import Grasp
-    from ..execution.goal_manager import GoalManager
+    from ..execution.action_tree_executor import GoalManager
 
 SHOW_FOUND, SHOW_GRASPS, SHOW_ANSWER = 1.0, 2.0, 1.0  # [s] of the film that rests on them
 LEGEND = "grasps: green possible, red ruled out, thick taken"

@@ -95,17 +95,22 @@ class Listener:
         best = [each[0].text if each else "" for each in found.values()]
         means = {text: meaning_key(each) for text, each in understood.items()} | {"": "nothing"}
         first = {means[text]: text for text in reversed(texts) if means[text]}
-        return [
-            HeardMeaning(
-                text,
-                len(best) > 1 and all(means[each] == meaning for each in best),
-                _votes(meaning, [means[each] for each in best])
-                | {"likeness": _likeness(text, best), "words": len(text.split()) / 10}
-                | {"noise": min(1.0, speech_to_noise_db / 30)}
-                | {"new_words": float(bool(understood[text].unknown))},
-            )
-            for meaning, text in first.items()
-        ]
+        heard: list[HeardMeaning] = []
+        for meaning, text in first.items():
+            voting = [means[each] for each in best]
+            others, for_it = max(1, len(best) - 1), voting.count(meaning)
+            signs = {
+                "bias": 1.0,
+                "first": float(for_it > 0),
+                "agreeing": max(0, for_it - 1) / others,
+                "against": sum(each not in ("", meaning) for each in voting) / others,
+                "likeness": _likeness(text, best),
+                "words": len(text.split()) / 10,
+                "noise": min(1.0, speech_to_noise_db / 30),
+                "new_words": float(bool(understood[text].unknown)),
+            }
+            heard.append(HeardMeaning(text, 1 < len(best) == for_it, signs))
+        return heard
 
 
 @dataclass(frozen=True)
@@ -122,13 +127,6 @@ class HeardMeaning:
         total = sum(weight * self.features[name] for name, weight in _weights().items())
         share = 1 / (1 + math.exp(-total))
         return share if self.is_agreed else min(share, MOST_ALONE)
-
-
-def _votes(meaning: str, best: Sequence[str]) -> dict[str, float]:
-    others, voting = max(1, len(best) - 1), best.count(meaning)
-    against = sum(each not in ("", meaning) for each in best)
-    shares = {"agreeing": max(0, voting - 1) / others, "against": against / others}
-    return {"bias": 1.0, "first": float(voting > 0)} | shares
 
 
 def _likeness(text: str, best: Iterable[str]) -> float:

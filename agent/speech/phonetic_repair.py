@@ -145,20 +145,18 @@ class SoundRepair:
         reached = np.where(np.arange(len(costs)) == 0, 0, _NEVER).astype(np.float32)
         heap: list[tuple[float, int, tuple[int, ...], Floats]] = [(0, next(order), (0,), reached)]
         for _ in range(_STEPS):
-            total, _, said, reached = heappop(heap)
-            last = said[-1]
-            if len(said) > 1 and last == 0:
-                yield total, " ".join(self._words[word] for word in said[1:-1])
+            total, _, (*before, last), reached = heappop(heap)
+            if before and last == 0:
+                yield total, " ".join(self._words[word] for word in before[1:])
             else:
-                if len(said) > 1:
-                    reached = (
-                        _after_word(reached, costs[:, last]) + self._pair_costs[said[-2], last]
-                    )
+                if before:
+                    pair = self._pair_costs[before[-1], last]
+                    reached = _after_word(reached, costs[:, last]) + pair
                 totals = (reached[:, None] + ways).min(axis=0) + self._pair_costs[last]
                 totals[0] = reached[-1] + self._pair_costs[last, 0]
                 for word in np.argsort(totals)[:_BRANCHES].tolist():
                     if totals[word] < _NEVER:
-                        new = (float(totals[word]), next(order), (*said, word), reached)
+                        new = (float(totals[word]), next(order), (*before, last, word), reached)
                         heappush(heap, new)
             if not heap:
                 return
@@ -193,17 +191,14 @@ class _Sounds:
         variants = self.words.get(word.lower()) or [
             sum((self.letters[each] for each in spelled), ())
         ]
-        whole = 0.5 if word.lower() in self.articles else 1.0
-        return [
-            [
-                (
-                    self.numbers[phone],
-                    0.5 if 0 < n == len(phones) - 1 and phone in self.endings else whole,
-                )
-                for n, phone in enumerate(phones)
-            ]
-            for phones in variants
-        ]
+        found: list[list[tuple[int, float]]] = []
+        for phones in variants:
+            weights = [0.5 if word.lower() in self.articles else 1.0] * len(phones)
+            if len(phones) > 1 and phones[-1] in self.endings:
+                weights[-1] = 0.5
+            numbers = (self.numbers[phone] for phone in phones)
+            found.append([*zip(numbers, weights, strict=True)])
+        return found
 
 
 @lru_cache(maxsize=1)

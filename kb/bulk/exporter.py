@@ -4,9 +4,9 @@ A large store on disk is written in its own order, which is the same for equal b
 bounded memory. What any other store has is sorted first.
 """
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from itertools import groupby
-from typing import TypeAlias, TypeVar, cast
+from typing import TypeAlias, cast
 
 from ...ontology.errors import ValidationError
 from ...ontology.garbage_collection import paused_garbage_collection
@@ -17,31 +17,13 @@ from ..rdf.rule_mapping import BELIEFS
 from ..rule import Rule
 from ..stores.base import EmbeddedStore, EngineQuad, Store
 
-Thing = TypeVar("Thing")
 Progress: TypeAlias = Callable[[int], None]  # is called with how many are done so far
 
 MAX_SORTED = 200_000  # statements; a store of more is written in its own order
 
-_STEP = 10_000  # statements or rules between two calls of the progress
 _SOURCES = f"""SELECT DISTINCT ?utterance {{
   GRAPH <{BELIEFS}> {{ ?rule <{rule_mapping.DERIVED_FROM}> ?utterance }}
 }}"""
-
-
-class ProgressCounter:
-    """Counts what is done, and reports it now and then."""
-
-    def __init__(self, progress: Progress | None) -> None:
-        self.total = 0
-        self._progress = progress
-
-    def counted(self, things: Iterable[Thing]) -> Iterator[Thing]:
-        """Iterate over things, and count them."""
-        for thing in things:
-            yield thing
-            self.total += 1
-            if self._progress and self.total % _STEP == 0:
-                self._progress(self.total)
 
 
 def statements(store: Store, *, rules_only: bool = False) -> Iterator[EngineQuad]:

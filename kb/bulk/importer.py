@@ -202,7 +202,11 @@ class _Import:
 
     def _new_rules(self, rules: Iterable[Rule]) -> Iterator[Rule]:
         believed = cache(partial(reconciliation.believed_rules, self.base))
-        there = _statuses(self.base.store) if self.base.sequence else dict[int, Term]()
+        known: dict[Term, Term] = {}  # one object for all rules
+        there = {
+            int(split(quad.subject)[1], 16): known.setdefault(quad.object, quad.object)
+            for quad in self.base.store.quads(None, rule_mapping.STATUS, None, BELIEFS)
+        }
         for rule in rules:
             number = _number(rule.id)
             if number in there:
@@ -237,12 +241,15 @@ class _Import:
 
     def _write_sources(self, plan: AncillaryWrites, writer: NQuadsWriter) -> Iterator[None]:
         time = to_milliseconds(self.base.clock())
-        for numbers, which in self._without_utterance(plan):
+        left = [one for one, utterance in self.new.items() if utterance not in plan.numbers]
+        for start in range(0, len(left), PER_UTTERANCE):
+            some = left[start : start + PER_UTTERANCE]
+            which = f", rules {start + 1} to {start + len(some)}" if some != left else ""
             plan.last += 1
             plan.numbers[-plan.last] = plan.last  # it is the number of no imported utterance
             plan.add(import_utterance(self.source, plan.last, time, some=which))
-            writer.write_assertions(plan.last, numbers)
-            writer.write_property(numbers, rule_mapping.DERIVED_FROM, utterance_iri(plan.last))
+            writer.write_assertions(plan.last, some)
+            writer.write_property(some, rule_mapping.DERIVED_FROM, utterance_iri(plan.last))
             yield
         for utterance, ids in plan.assertions:
             writer.write_assertions(utterance, map(_number, ids))
@@ -264,13 +271,6 @@ class _Import:
         for number, utterance in self.new.items():
             found[utterance].append(number)
         return found
-
-    def _without_utterance(self, plan: AncillaryWrites) -> Iterator[tuple[list[int], str]]:
-        numbers = [one for one, utterance in self.new.items() if utterance not in plan.numbers]
-        end = 0
-        for some in batched(numbers, PER_UTTERANCE):
-            start, end = end + 1, end + len(some)
-            yield some, f", rules {start} to {end}" if len(numbers) > len(some) else ""
 
 
 def _read_rule(node: Iri, properties: Properties) -> Rule:
@@ -307,14 +307,6 @@ def _write(store: Store, lines: Iterator[bytes], plan: AncillaryWrites, source: 
     read = read_quads(read_groups(text, format="nquads", source=source, default=BELIEFS))
     insert = [one for one in read if isinstance(one, Quad)]
     store.apply(insert=insert, delete={*plan.delete, *before} - {*plan.insert})
-
-
-def _statuses(store: Store) -> dict[int, Term]:
-    known: dict[Term, Term] = {}  # one object for all rules
-    return {
-        int(split(quad.subject)[1], 16): known.setdefault(quad.object, quad.object)
-        for quad in store.quads(None, rule_mapping.STATUS, None, BELIEFS)
-    }
 
 
 def _number(rule_id: str) -> int:

@@ -47,10 +47,7 @@ class SharedLines(NamedTuple):
 
 
 class FeatureLines(NamedTuple):
-    """The lines of the features of a rule.
-
-    `ends` are without the subject, `nodes` their IRIs as written; `labels` type and name them.
-    """
+    """Lines of features: without the subject, their IRIs, and what types and names them."""
 
     ends: tuple[str, ...]
     nodes: tuple[str, ...]

@@ -98,19 +98,15 @@ class CheckedStream(io.RawIOBase):
             )
         if self._since_statement > MAX_STATEMENT:
             raise self._refused(f"holds no whole statement in {MAX_STATEMENT // 2**20} MB.")
-        if self._chosen.is_xml:
-            self._refuse_doctype(found)
+        if self._chosen.is_xml:  # whose entities unfold: some hundred bytes become gigabytes
+            # In UTF-16 and UTF-32 every ASCII character has a zero byte: the search would miss it.
+            if b"\0" in found:
+                raise self._refused("expected UTF-8 text, found bytes that are zero.")
+            if _DOCTYPE in (self._tail + found).upper():
+                raise self._refused("has a document type (<!DOCTYPE), which is refused.")
+            self._tail = found[-len(_DOCTYPE) :]
         if self._progress:
             self._progress(self._read)
-
-    def _refuse_doctype(self, found: bytes) -> None:
-        """XML entities unfold: some hundred bytes become gigabytes."""
-        # In UTF-16 and UTF-32 every ASCII character has a zero byte, so the search would miss it.
-        if b"\0" in found:
-            raise self._refused("expected UTF-8 text, found bytes that are zero.")
-        if _DOCTYPE in (self._tail + found).upper():
-            raise self._refused("has a document type (<!DOCTYPE), which is refused.")
-        self._tail = found[-len(_DOCTYPE) :]
 
     def _refused(self, problem: str) -> DataError:
         return DataError(problem, source=self.name)
@@ -135,7 +131,14 @@ def open_input(
             if progress:  # of a packed file, its own bytes are told
                 progress(plain.tell() if plain.seekable() else read)
 
-        yield CheckedStream(_unpacked(stream, file), file, chosen, report)
+        peek = getattr(stream, "peek", None)
+        head = cast(bytes, peek(2))[:2] if peek else b""
+        if head == _GZIP or (not peek and file.endswith(PACKED)):
+            stream = cast(BinaryIO, gzip.GzipFile(fileobj=stream))
+        elif file.endswith(PACKED):
+            problem = f"is called {PACKED} and is not packed by gzip. Rename it, or pack it."
+            raise DataError(problem, source=file)
+        yield CheckedStream(stream, file, chosen, report)
 
 
 @contextmanager
@@ -148,38 +151,23 @@ def open_output(file: str) -> Generator[BinaryIO]:
         if file == STREAM:
             yield sys.stdout.buffer
             sys.stdout.buffer.flush()
-        else:
-            yield from _replacing(Path(file))
+            return
+        handle, name = tempfile.mkstemp(dir=Path(file).parent, prefix=f".{Path(file).name}.")
+        try:
+            with os.fdopen(handle, "wb") as stream:
+                if file.endswith(PACKED):
+                    # Without name and time, so that the same content is the same file.
+                    with gzip.GzipFile("", "wb", 6, stream, mtime=0) as packed:
+                        yield cast(BinaryIO, packed)
+                else:
+                    yield stream
+            Path(name).chmod(0o644)
+            Path(name).replace(file)
+        except BaseException:
+            Path(name).unlink(missing_ok=True)
+            raise
     except OSError as error:
         if isinstance(error, BrokenPipeError):
             raise
         problem = f"cannot be written: {error.strerror or error}."
         raise DataError(problem, source=file) from error
-
-
-def _unpacked(stream: BinaryIO, file: str) -> BinaryIO:
-    peek = getattr(stream, "peek", None)
-    head = cast(bytes, peek(2))[:2] if peek else b""
-    if head == _GZIP or (not peek and file.endswith(PACKED)):
-        return cast(BinaryIO, gzip.GzipFile(fileobj=stream))
-    if file.endswith(PACKED):
-        problem = f"is called {PACKED} and is not packed by gzip. Rename it, or pack it."
-        raise DataError(problem, source=file)
-    return stream
-
-
-def _replacing(file: Path) -> Iterator[BinaryIO]:
-    handle, name = tempfile.mkstemp(dir=file.parent, prefix=f".{file.name}.")
-    try:
-        with os.fdopen(handle, "wb") as stream:
-            if file.name.endswith(PACKED):
-                # Without name and time, so that the same content is the same file.
-                with gzip.GzipFile("", "wb", 6, stream, mtime=0) as packed:
-                    yield cast(BinaryIO, packed)
-            else:
-                yield stream
-        Path(name).chmod(0o644)
-        Path(name).replace(file)
-    except BaseException:
-        Path(name).unlink(missing_ok=True)
-        raise

@@ -9,24 +9,26 @@ import io
 from collections.abc import Iterable, Iterator
 from itertools import chain
 from pathlib import Path
-from typing import BinaryIO, cast
+from typing import BinaryIO, TypeVar, cast
 
 from ...ontology.vocabulary import split
-from ..bulk.exporter import MAX_SORTED, Progress, ProgressCounter, scan_rules, statements
+from ..bulk.exporter import MAX_SORTED, Progress, scan_rules, statements
 from ..bulk.importer import import_rules, import_statements, merge
 from ..bulk.nquads_reader import StatementGroup, Statements, read_groups, read_quads
 from ..bulk.reconciliation import ImportSummary
 from ..knowledge_base import KnowledgeBase
 from ..rdf.annotated_turtle import ReifyingTriple, expand_annotations, write_annotated
-from ..rdf.rule_mapping import BELIEFS, RULE_NODE
+from ..rdf.rule_mapping import BELIEFS, RULE_NODE, rule_quads
 from ..rule import Rule
 from ..stores.base import Store
-from ..validation import MAX_SHACL, findings, raise_findings, stage, stage_rules
+from ..validation import MAX_SHACL, findings, raise_findings, stage
 from .file_streams import CheckedStream, open_input, open_output
 from .registry import FORMATS, RULE_FORMATS, FileFormat, format_of
 from .rule_yaml import read_sheet, write_sheet
 from .value_notation import read_table, write_table
 
+T = TypeVar("T")
+_STEP = 10_000  # statements or rules between two calls of the progress
 MAX_STAGED = MAX_SORTED  # statements; a file of more must be in order
 
 
@@ -64,18 +66,28 @@ def write_base(
     """
     from ..stores.rdf_text import quad_from_engine, write_rdf_to
 
-    counter, only = ProgressCounter(progress), rules_only or not FORMATS[format].whole
+    total = 0
+
+    def counted(things: Iterable[T]) -> Iterator[T]:
+        nonlocal total
+        for thing in things:
+            yield thing
+            total += 1
+            if progress and total % _STEP == 0:
+                progress(total)
+
     with store.writing():  # so that all of it is of one moment
         if format in RULE_FORMATS:
-            _write_rules(counter.counted(scan_rules(store)), stream, format)
-            return counter.total
-        quads = counter.counted(statements(store, rules_only=only))
+            _write_rules(counted(scan_rules(store)), stream, format)
+            return total
+        only = rules_only or not FORMATS[format].whole
+        quads = counted(statements(store, rules_only=only))
         if format == "turtle12":
             lines = write_annotated(map(quad_from_engine, quads))
             stream.writelines(line.encode() for line in lines)
         else:
             write_rdf_to(quads, stream, format=format)
-    return counter.total
+    return total
 
 
 def import_file(
@@ -95,7 +107,24 @@ def import_file(
     """
     chosen = format_of(str(file), format, "trig")
     with open_input(str(file), chosen, progress) as source:
-        return _import(base, source, chosen, dry_run=dry_run)
+        name = source.name
+        if chosen.name in RULE_FORMATS:
+            return import_rules(base, read_rules(source, chosen), source=name, dry_run=dry_run)
+        items = read_statements(source, chosen)
+        first, size = list[Statements](), 0
+        for item in items:
+            first.append(item)
+            size += len(item.pairs) if isinstance(item, StatementGroup) else 1
+            if size > MAX_STAGED:
+                break
+        if size > MAX_STAGED or (size > MAX_SHACL and _is_in_order(first)):
+            return import_statements(base, chain(first, items), source=name, dry_run=dry_run)
+        staging = _staged(first, name)  # which puts them in order
+        try:
+            raise_findings(findings(staging))
+            return merge(base, staging, source=name, dry_run=dry_run)
+        finally:
+            staging.close()
 
 
 def read_file(file: str | Path, *, format: str | None = None) -> Store:
@@ -103,7 +132,8 @@ def read_file(file: str | Path, *, format: str | None = None) -> Store:
     chosen = format_of(str(file), format, "trig")
     with open_input(str(file), chosen) as source:
         if chosen.name in RULE_FORMATS:
-            return stage_rules(read_rules(source, chosen))
+            quads = (quad for rule in read_rules(source, chosen) for quad in rule_quads(rule))
+            return stage(quads, source=source.name)
         return _staged(read_statements(source, chosen), source.name)
 
 
@@ -125,30 +155,6 @@ def read_statements(source: CheckedStream, chosen: FileFormat) -> Iterator[State
     for item in read_groups(stream, format=name, source=source.name, default=BELIEFS):
         source.report_statement()
         yield item
-
-
-def _import(
-    base: KnowledgeBase, source: CheckedStream, chosen: FileFormat, *, dry_run: bool
-) -> ImportSummary:
-    """Import rules and RDF files as they stream by; put those in order first that need it."""
-    name = source.name
-    if chosen.name in RULE_FORMATS:
-        return import_rules(base, read_rules(source, chosen), source=name, dry_run=dry_run)
-    items = read_statements(source, chosen)
-    first, size = list[Statements](), 0
-    for item in items:
-        first.append(item)
-        size += len(item.pairs) if isinstance(item, StatementGroup) else 1
-        if size > MAX_STAGED:
-            break
-    if size > MAX_STAGED or (size > MAX_SHACL and _is_in_order(first)):
-        return import_statements(base, chain(first, items), source=name, dry_run=dry_run)
-    staging = _staged(first, name)
-    try:
-        raise_findings(findings(staging))
-        return merge(base, staging, source=name, dry_run=dry_run)
-    finally:
-        staging.close()
 
 
 def _is_in_order(items: Iterable[Statements]) -> bool:

@@ -91,21 +91,19 @@ def _read(file: str, given: str | None, graph: Iri) -> Iterator[Quad]:
         if chosen.name in _OWL.values() or chosen.name == "rdfxml":
             data = source.readall()
             form = "ofn" if _FUNCTIONAL.match(data) else form
-            stream = io.BytesIO(data if form == "rdfxml" else _as_rdfxml(data, form, file))
-            form = "rdfxml"
+            if form != "rdfxml":
+                with extra_required("owl", "py-horned-owl"):
+                    library = import_module("pyhornedowl")
+                try:
+                    ontology = library.open_ontology_from_string(data.decode(), form)
+                    data = ontology.save_to_string("owl").encode()
+                except (ValueError, UnicodeDecodeError) as error:
+                    raise DataError(f"cannot be read: {error}", source=file) from error
+            stream, form = io.BytesIO(data), "rdfxml"
         for one in read_quads(read_groups(stream, format=form, source=file, default=graph)):
             if not isinstance(one, Quad):
                 raise DataError("statements about statements (RDF 1.2) are not kept.", source=file)
             yield one
-
-
-def _as_rdfxml(data: bytes, form: str, source: str) -> bytes:
-    with extra_required("owl", "py-horned-owl"):
-        library = import_module("pyhornedowl")
-    try:
-        return library.open_ontology_from_string(data.decode(), form).save_to_string("owl").encode()
-    except (ValueError, UnicodeDecodeError) as error:
-        raise DataError(f"cannot be read: {error}", source=source) from error
 
 
 def _named(quads: Iterable[Quad], graph: Iri) -> Iterator[Quad]:
@@ -123,7 +121,10 @@ def _named(quads: Iterable[Quad], graph: Iri) -> Iterator[Quad]:
 
 def _edges(lines: Iterable[str], delimiter: str, graph: Iri) -> Iterator[Quad]:
     for row in csv.reader(lines, delimiter=delimiter, quoting=csv.QUOTE_MINIMAL):
-        relation, start, end = row[1:4] if row and row[0].startswith("/a/") else _order(row)
+        if row and row[0].startswith("/a/"):  # of ConceptNet
+            relation, start, end = row[1:4]
+        else:
+            start, relation, end = ([one.strip() for one in row] + ["", "", ""])[:3]
         if not start or start.lower() in {"start", "subject", "source"}:
             continue
         for text in (start, end):
@@ -131,11 +132,6 @@ def _edges(lines: Iterable[str], delimiter: str, graph: Iri) -> Iterator[Quad]:
         key = re.sub(r"[\W_]+", "", relation.rpartition("/")[2]).lower()
         known = _RELATIONS.get(key.rpartition("#")[2], _node(relation, graph))
         yield Quad(_node(start, graph), known, _node(end, graph), graph)
-
-
-def _order(row: list[str]) -> tuple[str, str, str]:
-    start, relation, end = ([one.strip() for one in row] + ["", "", ""])[:3]
-    return relation, start, end
 
 
 def _node(text: str, graph: Iri) -> Iri:

@@ -61,16 +61,14 @@ def _rule(entry: YamlNode, speaker: str) -> Rule:
 
 
 def _atoms(found: Mapping[str, YamlNode], kinds: Mapping[str, str]) -> frozenset[Atom]:
-    given = ((found[key], kind) for key, kind in kinds.items() if key in found)
-    placed = (_placed(one, kind) for field, kind in given for one in field.listed())
-    return frozenset[Atom]().union(*placed)
-
-
-def _placed(field: YamlNode, kind: str) -> frozenset[Atom]:
-    try:
-        return value_notation.read_atoms([field.text()], kind)
-    except ValidationError as error:
-        raise field.fail(str(error)) from error
+    atoms = set[Atom]()
+    for key, kind in kinds.items():
+        for field in found[key].listed() if key in found else ():
+            try:
+                atoms |= value_notation.read_atoms([field.text()], kind)
+            except ValidationError as error:
+                raise field.fail(str(error)) from error
+    return frozenset(atoms)
 
 
 def _conclusion(entry: YamlNode, found: Mapping[str, YamlNode]) -> tuple[str, Atom | None]:
@@ -86,7 +84,9 @@ def _conclusion(entry: YamlNode, found: Mapping[str, YamlNode]) -> tuple[str, At
     for functor, key in _ARGUMENTS.items():
         if given == [key]:
             return functor, value_notation.read_atom(name, ARGUMENT_KINDS[functor])
-    return name, value_notation.read_argument(_optional(found, "argument"), name)
+    argument = _optional(found, "argument").strip()
+    kind = ARGUMENT_KINDS.get(name)
+    return name, value_notation.read_atom(argument, kind) if argument else None
 
 
 def _interval(field: YamlNode) -> Interval:
@@ -115,26 +115,24 @@ def _written(value: str | tuple[str, ...] | Interval) -> str:
 
 
 def _entry(rule: Rule) -> dict[str, str | tuple[str, ...] | Interval]:
-    functor, argument = rule.functor, rule.argument
-    concluded = _ARGUMENTS.get(functor, "argument")
-    named = {} if functor in _ARGUMENTS else {"functor": functor}
-    said = value_notation.write_atom(argument, ARGUMENT_KINDS.get(functor)) if argument else ""
-    return {
-        **_written_atoms(rule.features, value_notation.FEATURE_KIND, "object", "features"),
-        **_written_atoms(rule.contexts, value_notation.CONTEXT_KIND, "context", "contexts"),
-        **named,
-        **({concluded: said} if said else {}),
-        "interval": rule.interval,
-        "speaker": rule.speaker,
-        **({"status": rule.status} if rule.status != "active" else {}),
-        **({"time": write_time(rule.time)} if rule.time else {}),
-    }
-
-
-def _written_atoms(
-    atoms: frozenset[Atom], kind: str, one: str, several: str
-) -> dict[str, str | tuple[str, ...]]:
-    names = tuple(value_notation.write_atom(atom, kind) for atom in sorted(atoms))
-    if len(names) == 1 and ":" not in names[0]:
-        return {one: names[0]}
-    return {several: names} if names else {}
+    entry: dict[str, str | tuple[str, ...] | Interval] = {}
+    for atoms, kind, one in (
+        (rule.features, value_notation.FEATURE_KIND, "object"),
+        (rule.contexts, value_notation.CONTEXT_KIND, "context"),
+    ):
+        names = tuple(value_notation.write_atom(atom, kind) for atom in sorted(atoms))
+        if len(names) == 1 and ":" not in names[0]:
+            entry[one] = names[0]
+        elif names:
+            entry["contexts" if one == "context" else "features"] = names
+    if rule.functor not in _ARGUMENTS:
+        entry["functor"] = rule.functor
+    if rule.argument:
+        said = value_notation.write_atom(rule.argument, ARGUMENT_KINDS.get(rule.functor))
+        entry[_ARGUMENTS.get(rule.functor, "argument")] = said
+    entry |= {"interval": rule.interval, "speaker": rule.speaker}
+    if rule.status != "active":
+        entry["status"] = rule.status
+    if rule.time:
+        entry["time"] = write_time(rule.time)
+    return entry

@@ -83,11 +83,6 @@ def read_atoms(texts: Iterable[str], kind: str) -> frozenset[Atom]:
     return frozenset(read_atom(text, kind) for text in texts if text.strip() != ANY)
 
 
-def read_argument(text: str, functor: str) -> Atom | None:
-    """Return the argument of a functor, None for an empty text."""
-    return read_atom(text, ARGUMENT_KINDS.get(functor)) if text.strip() else None
-
-
 def read_source(speaker: str, status: str, time: str) -> dict[str, Any]:
     """Return who said a rule and when, and its status; empty texts are for the defaults.
 
@@ -108,11 +103,12 @@ def read_source(speaker: str, status: str, time: str) -> dict[str, Any]:
 def read_rule(cells: Sequence[str]) -> Rule:
     """Return the rule of texts, one for each of `COLUMNS`; HiltError if one is malformed."""
     features, contexts, functor, argument, lower, upper, *source = map(str.strip, cells)
+    kind = ARGUMENT_KINDS.get(functor)
     return Rule(
         split_atoms(features, FEATURE_KIND),
         split_atoms(contexts, CONTEXT_KIND),
         functor,
-        read_argument(argument, functor),
+        read_atom(argument, kind) if argument else None,
         read_interval(lower, upper),
         **read_source(*source),
     )

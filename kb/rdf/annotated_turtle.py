@@ -9,7 +9,7 @@ An annotation without a name becomes a rule with one.
 
 import re
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import groupby
 from typing import NamedTuple
 
@@ -22,6 +22,10 @@ from .terms import Properties, Quad, Term, as_sparql, is_blank
 
 REIFIES = external("rdf:reifies")
 _FUNCTORS = {term("usedFor"): USED_FOR, term("graspedBy"): GRASP_OBJECT}
+_CLASSES: Mapping[tuple[str | None, Iri], str] = {
+    (USED_FOR, rule_mapping.AFFORDANCE): "FunctionalRule",
+    (GRASP_OBJECT, rule_mapping.PART): "ActionRule",
+}
 _BOUNDS = (rule_mapping.LOWER, rule_mapping.UPPER)
 _LOCAL = re.compile(r"[A-Za-z0-9_-]+(\.[A-Za-z0-9_-]+)*")
 
@@ -44,10 +48,7 @@ class ReifyingTriple(NamedTuple):
 
 
 def expand_annotations(statements: Iterable[Quad | ReifyingTriple], *, source: str) -> list[Quad]:
-    """Statements, with every annotated edge replaced by the properties of a rule.
-
-    DataError if a blank node is not the annotation of a rule, or something else is annotated.
-    """
+    """Statements with annotated edges as the properties of rules; DataError for any other."""
     plain: list[Quad] = []
     edges: dict[Iri, list[AnnotatedEdge]] = {}
     for one in statements:
@@ -78,9 +79,15 @@ def write_annotated(quads: Iterable[Quad]) -> Iterator[str]:
     yield from (f"@prefix {name}: <{space}> .\n" for name, space in PREFIXES.items())
     for node, several in groupby(quads, key=lambda quad: quad.subject):
         found = [(quad.predicate, quad.object) for quad in several]
-        edges = _edges(node, found)
+        is_active = split(node)[0] == "rule" and rule_mapping.ACTIVE in found
+        edges = rule_mapping.plain_edges(rule_mapping.read_rule(found)) if is_active else []
         if edges:
-            yield from _annotation(node, found, edges)
+            said = _pairs(sorted(found, key=lambda one: one[0] not in _BOUNDS))
+            first, *others = [
+                f"{' '.join(map(_short, edge[:3]))} ~ {_short(node)}" for edge in edges
+            ]
+            yield f"\n{first} {{|\n    {said} |}} .\n"
+            yield from (f"{edge} .\n" for edge in others)
         elif plain := [one for one in found if one[0] not in rule_mapping.PLAIN_EDGES]:
             yield f"{_short(node)} {_pairs(plain)} .\n"
 
@@ -92,14 +99,10 @@ def _completed(found: Properties, edges: Sequence[AnnotatedEdge]) -> Iterator[tu
     functor = _FUNCTORS.get(first.predicate)
     kind = split(first.object)[0] if isinstance(first.object, Iri) else ""
     argument = rule_mapping.argument_property(kind)
-    known = {
-        (USED_FOR, rule_mapping.AFFORDANCE): "FunctionalRule",
-        (GRASP_OBJECT, rule_mapping.PART): "ActionRule",
-    }
-    if not there & {rule_mapping.PART, rule_mapping.AFFORDANCE, rule_mapping.ARGUMENT} and kind:
+    if kind and there.isdisjoint(rule_mapping.ARGUMENTS):
         yield argument, first.object
     defaults: dict[Iri, Sequence[Iri]] = {
-        rule_mapping.TYPE: [term(known.get((functor or "", argument), "Rule"))],
+        rule_mapping.TYPE: [term(_CLASSES.get((functor, argument), "Rule"))],
         rule_mapping.FEATURE: [edge.subject for edge in edges],
         rule_mapping.FUNCTOR: [term(functor)] if functor else [],
         rule_mapping.STATUS: [term("active")],
@@ -107,19 +110,6 @@ def _completed(found: Properties, edges: Sequence[AnnotatedEdge]) -> Iterator[tu
     }
     for key, values in defaults.items():
         yield from ((key, value) for value in values if key not in there)
-
-
-def _edges(node: Iri, found: Properties) -> list[Quad]:
-    is_active = split(node)[0] == "rule" and rule_mapping.ACTIVE in found
-    return rule_mapping.plain_edges(rule_mapping.read_rule(found)) if is_active else []
-
-
-def _annotation(node: Iri, found: Properties, edges: Sequence[Quad]) -> Iterator[str]:
-    name = _short(node)
-    said = _pairs(sorted(found, key=lambda one: one[0] not in _BOUNDS))
-    first, *others = [f"{' '.join(map(_short, edge[:3]))} ~ {name}" for edge in edges]
-    yield f"\n{first} {{|\n    {said} |}} .\n"
-    yield from (f"{edge} .\n" for edge in others)
 
 
 def _pairs(found: Iterable[tuple[Iri, Term]]) -> str:

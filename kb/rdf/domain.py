@@ -8,18 +8,18 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterable, Iterator, Mapping
-from decimal import Decimal
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 from ...ontology.vocabulary import Iri, external, iri, term
 from ..rule import Atom
-from .rule_mapping import LABEL, TYPE, atom_iri, atom_label_quads, label
+from .rule_mapping import LABEL, TYPE, atom_label_quads, decimal, label
 from .terms import Quad, Term, as_sparql
 
 if TYPE_CHECKING:
     from ...ontology.actions import Actions
-    from ...ontology.objects import ObjectType, ObjectTypes
+    from ...ontology.objects import ObjectTypes
 
+Statement: TypeAlias = tuple[Iri, Iri, Term]
 DOMAIN = iri("graph", "domain")
 DOMAIN_HASH = term("domainHash")
 
@@ -42,8 +42,7 @@ def domain_quads(
         *_object_statements(objects),
         *_action_statements(actions),
     }
-    quads = (Quad(subject, predicate, value, DOMAIN) for subject, predicate, value in found)
-    return sorted(quads, key=_written)
+    return sorted((Quad(*each, DOMAIN) for each in found), key=_written)
 
 
 def content_hash(quads: Iterable[Quad]) -> str:
@@ -53,65 +52,53 @@ def content_hash(quads: Iterable[Quad]) -> str:
 
 def _class_statements(
     kind: str, names: Mapping[str, str] | Mapping[str, str | None]
-) -> Iterator[tuple[Iri, Iri, Term]]:
+) -> Iterator[Statement]:
     for name, above in names.items():
-        yield from _named(Atom(kind, name))
+        yield from _named(kind, name)
         if above:
-            yield from _named(Atom(kind, above))
-            yield from _is_a(Atom(kind, name), Atom(kind, above))
+            yield from _named(kind, above)
+            yield from _is_a(iri(kind, name), iri(kind, above))
 
 
-def _object_statements(objects: ObjectTypes) -> Iterator[tuple[Iri, Iri, Term]]:
+def _object_statements(objects: ObjectTypes) -> Iterator[Statement]:
     for name, kind in objects.items():
-        node = atom_iri(Atom("object", name))
-        yield node, MASS, _kilograms(kind.mass)
-        for prop in kind.properties:
-            yield from _with_atom(node, "property", prop)
-        for part in kind.parts:
-            yield from _part_statements(kind, part)
+        yield iri("object", name), MASS, decimal(kind.mass)
+        yield from _having(iri("object", name), PROPERTY, "property", kind.properties)
+        for part_name, part in kind.parts.items():
+            of_any, node = iri("part", part_name), iri("part", f"{name}.{part_name}")
+            yield from _named("part", part_name)
+            yield of_any, PART_OF, iri("object", name)
+            yield node, TYPE, term("Part")
+            yield node, LABEL, label(f"{part_name} of {name}")
+            yield from _is_a(node, of_any)
+            yield node, WHOLE, iri("object", name)
+            yield node, MASS, decimal(part.mass)
+            yield from _having(node, ROLE, "role", [part.role])
+            yield from _having(node, PROPERTY, "property", part.properties)
 
 
-def _part_statements(kind: ObjectType, name: str) -> Iterator[tuple[Iri, Iri, Term]]:
-    part, node = kind.parts[name], iri("part", f"{kind.name}.{name}")
-    yield from _named(Atom("part", name))
-    yield atom_iri(Atom("part", name)), PART_OF, atom_iri(Atom("object", kind.name))
-    yield node, TYPE, term("Part")
-    yield node, LABEL, label(f"{name} of {kind.name}")
-    yield node, IS_A, atom_iri(Atom("part", name))
-    yield node, SUBCLASS_OF, atom_iri(Atom("part", name))
-    yield node, WHOLE, atom_iri(Atom("object", kind.name))
-    yield node, MASS, _kilograms(part.mass)
-    yield from _with_atom(node, "role", part.role)
-    for prop in part.properties:
-        yield from _with_atom(node, "property", prop)
-
-
-def _action_statements(actions: Actions) -> Iterator[tuple[Iri, Iri, Term]]:
+def _action_statements(actions: Actions) -> Iterator[Statement]:
     for name in (*actions.primitives, *actions.trees):
-        yield from _named(Atom("action", name))
+        yield from _named("action", name)
     for name, above in actions.kinds.items():
-        yield from _is_a(Atom("action", name), Atom("action", above))
+        yield from _is_a(iri("action", name), iri("action", above))
     for path in actions.nodes:
         yield from node_statements(path)
 
 
-def node_statements(path: str) -> Iterator[tuple[Iri, Iri, Term]]:
+def node_statements(path: str) -> Iterator[Statement]:
     """Yield the statements about the node of an action tree with this path."""
-    node, (above, _, action) = _node(path), path.rpartition("/")
+    node, (above, _, action) = iri("node", _key(path)), path.rpartition("/")
     yield node, TYPE, term("Node")
     yield node, LABEL, _key(path)
-    yield node, DOES, atom_iri(Atom("action", action))
+    yield node, DOES, iri("action", action)
     if above:
-        yield node, UNDER, _node(above)
+        yield node, UNDER, iri("node", _key(above))
     for context in (*reversed(above.split("/") if above else ()), None):
         key = f"{context}.{action}" if context else action
         yield node, HEEDS, iri("node", key)
         yield iri("node", key), TYPE, term("Node")
         yield iri("node", key), LABEL, key
-
-
-def _node(path: str) -> Iri:
-    return iri("node", _key(path))
 
 
 def _key(path: str) -> str:
@@ -122,22 +109,19 @@ def _key(path: str) -> str:
     return ".".join(path.replace("/", "-").rsplit("-", maxsplit=1))
 
 
-def _with_atom(node: Iri, kind: str, name: str) -> Iterator[tuple[Iri, Iri, Term]]:
-    yield from _named(Atom(kind, name))
-    yield node, ROLE if kind == "role" else PROPERTY, atom_iri(Atom(kind, name))
+def _having(node: Iri, key: Iri, kind: str, names: Iterable[str]) -> Iterator[Statement]:
+    for name in names:
+        yield from _named(kind, name)
+        yield node, key, iri(kind, name)
 
 
-def _named(atom: Atom) -> Iterator[tuple[Iri, Iri, Term]]:
-    yield from (quad[:3] for quad in atom_label_quads([atom]))
+def _named(kind: str, name: str) -> Iterator[Statement]:
+    return (quad[:3] for quad in atom_label_quads([Atom(kind, name)]))
 
 
-def _is_a(kind: Atom, above: Atom) -> Iterator[tuple[Iri, Iri, Term]]:
-    yield atom_iri(kind), IS_A, atom_iri(above)
-    yield atom_iri(kind), SUBCLASS_OF, atom_iri(above)
-
-
-def _kilograms(mass: float) -> Decimal:
-    return Decimal(f"{mass:.6f}").normalize() + 0
+def _is_a(node: Iri, above: Iri) -> Iterator[Statement]:
+    yield node, IS_A, above
+    yield node, SUBCLASS_OF, above
 
 
 def _written(quad: Quad) -> str:

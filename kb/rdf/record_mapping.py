@@ -70,22 +70,19 @@ class RecordMapping(Generic[Record]):
 
     def read(self, found: PropertyValues, **more: object) -> Record:
         """The record of these properties and `more` fields; ValidationError if one is wrong."""
-        stored: dict[str, Any] = {
-            name: self._value(found[field.predicate], field) for name, field in self.fields.items()
-        }
+        stored: dict[str, Any] = {}
+        for name, at in self.fields.items():
+            values = found[at.predicate]
+            if at.default == ():
+                stored[name] = tuple(sorted(map(at.decode, values)))
+            elif values or at.default is REQUIRED:
+                if len(values) != 1 or not isinstance(values[0], at.kind):
+                    what = f"{self.what} has {len(values)} {shortened(at.predicate)}"
+                    raise ValidationError([f"{what}; expected one {at.kind.__name__}."])
+                stored[name] = at.decode(values[0])
+            else:
+                stored[name] = at.default
         return self.record(**stored, **more)
-
-    def _value(self, values: list[Term], field: FieldProperty) -> object:
-        if field.default == ():
-            return tuple(sorted(map(field.decode, values)))
-        if not values and field.default is not REQUIRED:
-            return field.default
-        if len(values) != 1 or not isinstance(values[0], field.kind):
-            expected = f"expected one {field.kind.__name__}"
-            raise ValidationError(
-                [f"{self.what} has {len(values)} {shortened(field.predicate)}; {expected}."]
-            )
-        return field.decode(values[0])
 
 
 def local_name(node: Iri) -> str:

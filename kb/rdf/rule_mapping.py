@@ -20,7 +20,17 @@ from functools import lru_cache
 from typing import Any, cast, get_args
 
 from ...ontology.errors import ValidationError
-from ...ontology.vocabulary import ATOM_KINDS, HILT, PREFIXES, Iri, external, iri, split, term
+from ...ontology.vocabulary import (
+    ATOM_KINDS,
+    HILT,
+    PREFIXES,
+    Iri,
+    external,
+    iri,
+    shortened,
+    split,
+    term,
+)
 from ..interval import DIGITS, VACUOUS, Interval
 from ..rule import GRASP_OBJECT, KIND_OF, USED_FOR, Atom, Rule, Status
 from .record_mapping import TYPE, group_properties
@@ -103,9 +113,20 @@ def rule_quads(rule: Rule) -> Iterator[Quad]:
 
 def property_quads(rule: Rule) -> Iterator[Quad]:
     """The statements whose subject is the rule."""
+    found: list[Property] = [(TYPE, CLASSES[rule.kind])]
+    found += [(FEATURE, atom_iri(feature)) for feature in sorted(rule.features)]
+    found += [(CONTEXT, atom_iri(context)) for context in sorted(rule.contexts)]
+    found.append((FUNCTOR, _functor_iri(rule.functor)))
+    if rule.argument:
+        found.append((argument_property(rule.argument.kind), atom_iri(rule.argument)))
+    found += [(LOWER, decimal(rule.interval.lower)), (UPPER, decimal(rule.interval.upper))]
+    found += [(STATUS, term(rule.status)), (ATTRIBUTED_TO, iri("speaker", rule.speaker))]
+    if rule.utterance is not None:
+        found.append((DERIVED_FROM, iri("utterance", str(rule.utterance))))
+    if rule.time is not None:
+        found.append((GENERATED_AT, rule.time))
     node = rule_iri(rule.id)
-    for predicate, value in _properties(rule):
-        yield Quad(node, predicate, value, BELIEFS)
+    return (Quad(node, predicate, value, BELIEFS) for predicate, value in found)
 
 
 def node_edge(rule: Rule) -> Quad:
@@ -163,8 +184,7 @@ def atom_label_quads(atoms: Iterable[Atom]) -> Iterator[Quad]:
 
 def label(name: str) -> Literal:
     """The label of a name that consists of words: those of an action are written apart."""
-    words = _WORD_START.sub(" ", name).lower()
-    return Literal(words, language=LANGUAGE)
+    return Literal(_WORD_START.sub(" ", name).lower(), language=LANGUAGE)
 
 
 def node_label_quads(rule: Rule) -> Iterator[Quad]:
@@ -178,51 +198,28 @@ def node_label_quads(rule: Rule) -> Iterator[Quad]:
 
 def read_rule(properties: Iterable[Property]) -> Rule:
     """The rule with a node's properties; ValidationError if one is missing or malformed."""
+    own: dict[Iri, list[Any]] = {key: [] for key in OWN}
+    shared: list[Property] = []
     try:
-        return _read(properties)
+        for one in properties:
+            key, value = one
+            if key in own:
+                own[key].append(value)
+            else:
+                shared.append(one)
+        source, time = own[DERIVED_FROM], own[GENERATED_AT]
+        return _shared_content(tuple(shared)).restated(
+            _atoms_of(tuple(own[FEATURE])),
+            _interval(_one(own, LOWER), _one(own, UPPER)),
+            int(split(source[0])[1]) if source else None,
+            time[0] if time else None,
+        )
     except ValidationError:
         raise
     except KeyError as error:
-        raise ValidationError([f"A rule has no {_shown(error.args[0])}."]) from error
+        raise ValidationError([f"A rule has no {shortened(error.args[0])}."]) from error
     except (TypeError, ValueError, AttributeError) as error:
         raise ValidationError([f"A rule is malformed: {error}"]) from error
-
-
-def _properties(rule: Rule) -> Iterator[Property]:
-    yield TYPE, CLASSES[rule.kind]
-    for feature in sorted(rule.features):
-        yield FEATURE, atom_iri(feature)
-    for context in sorted(rule.contexts):
-        yield CONTEXT, atom_iri(context)
-    yield FUNCTOR, _functor_iri(rule.functor)
-    if rule.argument:
-        yield argument_property(rule.argument.kind), atom_iri(rule.argument)
-    yield LOWER, _decimal(rule.interval.lower)
-    yield UPPER, _decimal(rule.interval.upper)
-    yield STATUS, term(rule.status)
-    yield ATTRIBUTED_TO, iri("speaker", rule.speaker)
-    if rule.utterance is not None:
-        yield DERIVED_FROM, iri("utterance", str(rule.utterance))
-    if rule.time is not None:
-        yield GENERATED_AT, rule.time
-
-
-def _read(properties: Iterable[Property]) -> Rule:
-    own: dict[Iri, list[Any]] = {key: [] for key in OWN}
-    shared: list[Property] = []
-    for one in properties:
-        key, value = one
-        if key in own:
-            own[key].append(value)
-        else:
-            shared.append(one)
-    source, time = own[DERIVED_FROM], own[GENERATED_AT]
-    return _shared_content(tuple(shared)).restated(
-        _atoms_of(tuple(own[FEATURE])),
-        _interval(_one(own, LOWER), _one(own, UPPER)),
-        int(split(source[0])[1]) if source else None,
-        time[0] if time else None,
-    )
 
 
 @lru_cache(maxsize=2**18)
@@ -230,6 +227,11 @@ def _shared_content(properties: tuple[Property, ...]) -> Rule:
     found = group_properties(properties)
     arguments: list[Any] = [value for key in ARGUMENTS for value in found[key]]
     functor: Iri = _one(found, FUNCTOR)
+    status_node: Iri = _one(found, STATUS)
+    status = status_node.removeprefix(HILT)
+    if status not in _STATUSES:
+        expected = ", ".join(_STATUSES)
+        raise ValidationError([f"{shortened(status_node)} is no status; expected {expected}."])
     return Rule(
         frozenset([ANY]),
         _atoms_of(tuple(found[CONTEXT])),
@@ -237,7 +239,7 @@ def _shared_content(properties: tuple[Property, ...]) -> Rule:
         atom_from_iri(arguments[0]) if arguments else None,
         VACUOUS,
         split(_one(found, ATTRIBUTED_TO))[1],
-        status=_status_of(_one(found, STATUS)),
+        status=cast(Status, status),
     )
 
 
@@ -256,7 +258,7 @@ def _one(found: Mapping[Iri, list[Any]], predicate: Iri) -> Any:
     if not values:
         raise KeyError(predicate)
     if len(values) > 1:
-        raise ValueError(f"{_shown(predicate)} stands there {len(values)} times.")
+        raise ValueError(f"{shortened(predicate)} stands there {len(values)} times.")
     return values[0]
 
 
@@ -264,16 +266,6 @@ def _functor_iri(functor: str) -> Iri:
     return term(functor) if functor in _EDGES else iri("functor", functor)
 
 
-def _status_of(node: Iri) -> Status:
-    name = node.removeprefix(HILT)
-    if name not in _STATUSES:
-        raise ValidationError([f"{_shown(node)} is no status; expected {', '.join(_STATUSES)}."])
-    return cast(Status, name)
-
-
-def _decimal(bound: float) -> Decimal:
-    return Decimal(f"{bound:.{DIGITS}f}").normalize() + 0  # never -0
-
-
-def _shown(predicate: Iri) -> str:
-    return predicate.replace(HILT, "hilt:")
+def decimal(number: float) -> Decimal:
+    """A number as it is stored, with at most `DIGITS` fractional digits; never -0."""
+    return Decimal(f"{number:.{DIGITS}f}").normalize() + 0

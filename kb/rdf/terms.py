@@ -117,12 +117,8 @@ def read_time(text: str) -> datetime:
     if not match:
         raise ValueError(f"{text!r} is no time with a zone.")
     moment, fraction, zone = match.groups()
-    time = datetime.fromisoformat(moment)
-    if fraction:
-        time += timedelta(microseconds=int(fraction.ljust(6, "0")))
-    if zone == "Z":
-        return time.replace(tzinfo=timezone.utc)
-    return datetime.fromisoformat(f"{time.isoformat()}{zone}").astimezone(timezone.utc)
+    time = datetime.fromisoformat(moment + zone.replace("Z", "+00:00")).astimezone(timezone.utc)
+    return time + timedelta(microseconds=int(fraction.ljust(6, "0"))) if fraction else time
 
 
 def _read_decimal(text: str) -> Decimal:

@@ -39,7 +39,7 @@ class QueryParameter:
             starts = (f"{self.kind}:", f"{self.kind}/", PREFIXES[self.kind])
             start = next((start for start in starts if text.startswith(start)), "")
             local = text.removeprefix(start)
-            return _individual(self.kind, local) if start else iri(self.kind, text)
+            return iri(self.kind, unquote(local.replace("_", " ")) if start else local)
         try:
             return _VALUES[self.kind](text)
         except (ValueError, InvalidOperation) as error:
@@ -61,20 +61,15 @@ class NamedQuery:
         A query that has no name and declares no parameters accepts any of its variables. Others
         raise an UnknownNameError, and an argument that is no value of its kind a QueryError.
         """
-        return {
-            name: [self._value(name, t) for t in ([given] if isinstance(given, str) else given)]
-            for name, given in arguments.items()
-        }
-
-    def _value(self, name: str, text: str) -> Term:
-        if self.parameters or self.name:
-            if name not in self.parameters:
-                raise UnknownNameError("parameter", name, self.parameters)
-            return self.parameters[name].value(text)
-        known = variables(self.text)
-        if name not in known:
-            raise UnknownNameError("variable", name, known)
-        return parse_term(text)
+        is_declared = bool(self.parameters or self.name)
+        known = self.parameters if is_declared else variables(self.text)
+        found: dict[str, list[Term]] = {}
+        for name, given in arguments.items():
+            if name not in known:
+                raise UnknownNameError("parameter" if is_declared else "variable", name, known)
+            read = self.parameters[name].value if is_declared else parse_term
+            found[name] = [read(text) for text in ([given] if isinstance(given, str) else given)]
+        return found
 
 
 @lru_cache(maxsize=64)
@@ -102,7 +97,7 @@ def parse_term(text: str) -> Term:
     """
     kind, _, name = text.partition(":")
     if kind in KINDS and name:
-        return _individual(kind, name)
+        return iri(kind, unquote(name.replace("_", " ")))
     if kind in PREFIXES and name:
         return Iri(PREFIXES[kind] + name)
     if kind in {"http", "https", "urn"}:
@@ -115,10 +110,6 @@ def parse_term(text: str) -> Term:
 def query_names() -> tuple[str, ...]:
     """The names of all queries, sorted."""
     return tuple(sorted(path.stem for path in QUERIES_FOLDER.glob("*.rq")))
-
-
-def _individual(kind: str, local: str) -> Iri:
-    return iri(kind, unquote(local.replace("_", " ")))
 
 
 _VALUES = {"text": str, "integer": int, "decimal": Decimal, "time": read_time}

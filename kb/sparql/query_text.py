@@ -19,7 +19,7 @@ import re
 from collections.abc import Generator, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import lru_cache
-from itertools import groupby, pairwise, starmap
+from itertools import groupby, pairwise
 from typing import TypeAlias, cast
 
 from ...ontology.errors import QueryError
@@ -61,9 +61,16 @@ def bind_variables(query: str, bindings: Bindings) -> str:
     """A query with bound variables; QueryError if it has no WHERE group, or a value is no term."""
     if not bindings:
         return query
-    place = _where_group(query)
-    blocks = " ".join(_values(name, value) for name, value in bindings.items())
-    return f"{query[:place]} {blocks}{query[place:]}"
+    place, blocks = _where_group(query), ""
+    for name, value in bindings.items():
+        if not re.fullmatch(r"\w+", name):
+            raise QueryError(f'"{name}" is not the name of a variable.')
+        terms = value if isinstance(value, (list, tuple)) else [cast("Term", value)]
+        try:
+            blocks += f" VALUES ?{name} {{ {' '.join(map(as_sparql, terms))} }}"
+        except ValueError as error:
+            raise QueryError(f"The value for ?{name} is wrong: {error}") from error
+    return query[:place] + blocks + query[place:]
 
 
 def query_form(query: str) -> str:
@@ -83,12 +90,8 @@ def variables(text: str) -> tuple[str, ...]:
 
 
 def with_prefixes(text: str) -> str:
-    """A text with declarations of the vocabulary's prefixes that it uses and does not declare.
-
-    They are added to its first line, so that line numbers in messages stay right.
-    """
-    undeclared = _undeclared_prefixes(text)
-    missing = [prefix for prefix in PREFIXES if prefix in undeclared]
+    """A text with the prefixes that it uses, and does not declare, declared in its first line."""
+    missing = [prefix for prefix in _undeclared_prefixes(text) if prefix in PREFIXES]
     return "".join(f"PREFIX {one}: <{PREFIXES[one]}> " for one in missing) + text
 
 
@@ -186,38 +189,26 @@ def refuse_external_access(text: str) -> None:
 
 
 def _blocks(quads: Iterable[Quad]) -> str:
-    by_graph = sorted(quads, key=lambda quad: quad.graph or "")
-    return " ".join(starmap(_block, groupby(by_graph, key=lambda quad: quad.graph)))
+    blocks = list[str]()
+    for graph, some in groupby(sorted(quads, key=_graph), key=_graph):
+        lines = "\n".join(" ".join(map(as_sparql, quad[:3])) + " ." for quad in some)
+        blocks.append(f"GRAPH {as_sparql(Iri(graph))} {{ {lines} }}" if graph else lines)
+    return " ".join(blocks)
 
 
-def _block(graph: Iri | None, quads: Iterable[Quad]) -> str:
-    lines = "\n".join(" ".join(map(as_sparql, quad[:3])) + " ." for quad in quads)
-    return lines if graph is None else f"GRAPH {as_sparql(graph)} {{ {lines} }}"
-
-
-def _values(name: str, value: Term | Sequence[Term]) -> str:
-    if not re.fullmatch(r"\w+", name):
-        raise QueryError(f'"{name}" is not the name of a variable.')
-    terms = value if isinstance(value, (list, tuple)) else [cast("Term", value)]
-    try:
-        return f"VALUES ?{name} {{ {' '.join(map(as_sparql, terms))} }}"
-    except ValueError as error:
-        raise QueryError(f"The value for ?{name} is wrong: {error}") from error
+def _graph(quad: Quad) -> str:
+    return quad.graph or ""
 
 
 @lru_cache(maxsize=256)
 def _where_group(query: str) -> int:
-    depth, parentheses, before, is_template = 0, 0, "", False
+    depth, parentheses, before = 0, 0, ""
     for token in tokens(query):
         text = token.group()
         parentheses += (text == "(") - (text == ")")
-        if text == "{":
-            if depth == 0 and parentheses == 0:
-                is_template = before == "CONSTRUCT"
-                if not is_template:
-                    return token.end()
-            depth += 1
-        depth -= text == "}"
+        if text == "{" and not (depth or parentheses) and before != "CONSTRUCT":  # a template
+            return token.end()
+        depth += (text == "{") - (text == "}")
         before = text.upper()
     raise QueryError("The query has no WHERE group, so its variables cannot be given values.")
 
@@ -256,32 +247,21 @@ def _forbidden_words(text: str) -> Iterator[str]:
     after = [token.group() for token in found[1:]] + [""]
     for token, following in zip(found, after, strict=True):
         said, kind = token.group(), token.lastgroup
-        if kind == "word":
-            yield from _contained(said, suspects)
-        elif kind == "pname":
-            yield from _joined_to_name(said, suspects, before, following, depth=len(brackets))
+        searched = said.upper() if kind == "word" else ""
+        if kind == "pname":
+            prefix, _, local = said.upper().partition(":")
+            # After a dot, which may end the statement instead of being part of the name.
+            yield from (word for word in suspects if f".{word}" in local)
+            opens_group = following == "{"  # as after SERVICE; in a pattern other names follow
+            if before.upper() != "PREFIX" and (opens_group or not brackets):
+                searched = prefix
+        yield from (word for word in suspects if word in searched)
         if _is_ambiguous(token, before, "".join(brackets[-1:])):
             yield f"{suspects[0]} in a text that can be read in two ways, at {said[:30]!r},"
         brackets += [said] if said in _OPEN else []
         if said in _CLOSE and brackets:
             brackets.pop()
         before = said
-
-
-def _contained(said: str, suspects: list[str]) -> Iterator[str]:
-    return (word for word in suspects if word in said.upper())
-
-
-def _joined_to_name(
-    name: str, suspects: list[str], before: str, following: str, *, depth: int
-) -> Iterator[str]:
-    prefix, _, local = name.upper().partition(":")
-    is_declared_here = before.upper() == "PREFIX"
-    opens_group = following == "{"  # as after SERVICE; names in a pattern are followed by others
-    if not is_declared_here and (opens_group or depth == 0):
-        yield from _contained(prefix, suspects)
-    # After a dot, which may end the statement instead of being part of the name.
-    yield from (word for word in suspects if f".{word}" in local)
 
 
 def _is_ambiguous(token: re.Match[str], before: str, bracket: str) -> bool:
@@ -299,5 +279,5 @@ def _is_ambiguous(token: re.Match[str], before: str, bracket: str) -> bool:
 
 
 def _decoded(match: re.Match[str]) -> str:
-    code = int(match.group(1) or match.group(2), 16)
+    code = int(match[1] or match[2], 16)
     return chr(code) if code <= 0x10FFFF else ""

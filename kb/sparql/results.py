@@ -113,9 +113,9 @@ def read_solutions(body: bytes) -> SelectResult:
     document = _parsed(body)
     try:
         names = tuple(cast("list[str]", document["head"].get("vars", [])))
-        found = document["results"]["bindings"]
         rows = tuple(
-            tuple(_term(row[name]) if name in row else None for name in names) for row in found
+            tuple(_term(row[name]) if name in row else None for name in names)
+            for row in document["results"]["bindings"]
         )
     except (KeyError, TypeError, AttributeError) as error:
         raise QueryError("The endpoint sent no rows where rows were expected.") from error
@@ -124,9 +124,9 @@ def read_solutions(body: bytes) -> SelectResult:
 
 def read_boolean(body: bytes) -> bool:
     """The boolean of a JSON results document; errors as for `read_solutions`."""
-    document = _parsed(body)
-    if isinstance(document.get("boolean"), bool):
-        return document["boolean"]
+    answer = _parsed(body).get("boolean")
+    if isinstance(answer, bool):
+        return answer
     found = read_solutions(body)
     if found.variables == (_ASK_COLUMN,):
         return any(row[0] for row in found)

@@ -58,14 +58,14 @@ class UpdateOperation:
 
 
 def readable_update(text: str) -> str:
-    """Return an update as an engine can read it, every token in its place.
-
-    A QueryError says that it has no operation, or one for which a base has no use.
-    """
+    """An update as an engine reads it, tokens in place; QueryError for none, or of no use here."""
     readable, pieces = text, list(_pieces(text))
     for start, end, _ in reversed(pieces):
         if _graph_operation(text[start:end]):
-            readable = readable[:start] + _without_effect(text[start:end]) + readable[end:]
+            blank = re.sub(r"[^\n\r]", " ", text[start:end])
+            is_short = "\n" in blank[: len(_NO_EFFECT)]  # then nothing else is on its last line
+            rest = blank if is_short else blank[len(_NO_EFFECT) :]
+            readable = readable[:start] + _NO_EFFECT + rest + readable[end:]
     if not pieces:
         raise QueryError("The update is empty.")
     return readable
@@ -119,12 +119,6 @@ def _pieces(text: str) -> Iterator[tuple[int, int, str]]:
         found = []
 
 
-def _without_effect(operation: str) -> str:
-    blank = re.sub(r"[^\n\r]", " ", operation)
-    is_short = "\n" in blank[: len(_NO_EFFECT)]  # then nothing else stands on its last line
-    return _NO_EFFECT + (blank if is_short else blank[len(_NO_EFFECT) :])
-
-
 def _graph_operation(text: str) -> str | None:
     words = (token.group() for token in tokens(text))
     verb, *rest = [word if ":" in word else word.upper() for word in words]
@@ -139,18 +133,14 @@ def _graph_operation(text: str) -> str | None:
         case "CREATE", [_]:  # a graph without statements is none
             return "INSERT DATA { }"
         case "COPY" | "MOVE" | "ADD", [source, "TO", target]:
-            return _transfer(verb, source, target)
+            read, there = f"GRAPH {source} {{ {_ALL} }}", f"GRAPH {target} {{ {_OTHERS} }}"
+            inserted = f"INSERT {{ GRAPH {target} {{ {_ALL} }} }}"
+            if verb == "ADD" or source == target:
+                return f"{inserted} WHERE {{ {read} }}"
+            gone = f"{there} {read}" if verb == "MOVE" else there
+            return f"DELETE {{ {gone} }} {inserted} WHERE {{ {{ {read} }} UNION {{ {there} }} }}"
         case _:
             return None
-
-
-def _transfer(verb: str, source: str, target: str) -> str:
-    read, there = f"GRAPH {source} {{ {_ALL} }}", f"GRAPH {target} {{ {_OTHERS} }}"
-    inserted = f"INSERT {{ GRAPH {target} {{ {_ALL} }} }}"
-    if verb == "ADD" or source == target:
-        return f"{inserted} WHERE {{ {read} }}"
-    gone = f"{there} {read}" if verb == "MOVE" else there
-    return f"DELETE {{ {gone} }} {inserted} WHERE {{ {{ {read} }} UNION {{ {there} }} }}"
 
 
 def _operation(prologue: str, text: str) -> UpdateOperation:
@@ -164,7 +154,9 @@ def _operation(prologue: str, text: str) -> UpdateOperation:
             case ("INSERT", "DATA") | (*_, "INSERT"):
                 inserted, graph = group, graph or _with(head)
             case (*_, "WHERE"):
-                where, dataset = group, _from(head)
+                words = [token.group() for token in tokens(head)][:-1]
+                where = group
+                dataset = " ".join("FROM" if one.upper() == "USING" else one for one in words)
             case _:
                 raise QueryError(f'"{head.strip()[:30]}" is no operation of an update.')
     if not deleted + inserted:
@@ -188,8 +180,3 @@ def _groups(text: str) -> Iterator[tuple[str, str]]:
 def _with(head: str) -> str:
     words = [token.group() for token in tokens(head)]
     return words[1] if len(words) > 1 and words[0].upper() == "WITH" else ""
-
-
-def _from(head: str) -> str:
-    words = [token.group() for token in tokens(head)][:-1]
-    return " ".join("FROM" if word.upper() == "USING" else word for word in words)

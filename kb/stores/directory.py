@@ -104,8 +104,12 @@ def remove_what_dead_processes_left(folder: Path) -> None:
     begin = unfinished_name(folder).removesuffix(f"{os.getpid()}-")
     unfinished = folder.parent.glob(f"{glob.escape(begin)}*")
     for left in [*(folder / SNAPSHOTS).glob("*"), *unfinished]:
-        if not _is_alive(left.name.removeprefix(begin).partition("-")[0]):
+        try:
+            os.kill(int(left.name.removeprefix(begin).partition("-")[0]), 0)
+        except ProcessLookupError:
             _remove(left)
+        except (ValueError, OverflowError, PermissionError):  # it is of a living process, or none
+            pass
 
 
 def _filled(snapshot: Snapshot, folder: Path) -> Snapshot:
@@ -145,13 +149,3 @@ def _copy_file(source: Path, target: Path) -> None:
             os.link(source, target)
             return
     shutil.copyfile(source, target)
-
-
-def _is_alive(process: str) -> bool:
-    try:
-        os.kill(int(process), 0)
-    except ProcessLookupError:
-        return False
-    except (ValueError, OverflowError, PermissionError):
-        pass
-    return True

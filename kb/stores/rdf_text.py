@@ -160,7 +160,12 @@ def graph_statements(store: Store, graph: Iri, *, is_sorted: bool) -> Iterable[E
         found = store.statements(graph)
     else:
         found = map(quad_to_engine, store.quads(None, None, None, graph))
-    return sorted(found, key=_order) if is_sorted else found
+
+    def order(quad: engine.Quad) -> tuple[str, bool, str, str]:
+        predicate = quad.predicate.value
+        return str(quad.subject), predicate != TYPE, predicate, str(quad.object)
+
+    return sorted(found, key=order) if is_sorted else found
 
 
 def write_rdf(quads: Iterable[Quad], *, format: str) -> bytes:
@@ -226,11 +231,6 @@ def _checked_for_xml(quad: engine.Quad) -> engine.Quad:
             source="RDF/XML",
         )
     return quad
-
-
-def _order(quad: engine.Quad) -> tuple[str, bool, str, str]:
-    predicate = quad.predicate.value
-    return str(quad.subject), predicate != TYPE, predicate, str(quad.object)
 
 
 def _by_engine(found: QueryResult, name: str) -> str:

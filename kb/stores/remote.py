@@ -119,7 +119,7 @@ class RemoteStore(ReadableStore):
 
     def apply(self, *, insert: Iterable[Quad] = (), delete: Iterable[Quad] = ()) -> None:
         """Delete, then insert; prepared in parts where it is too large for one operation."""
-        self._check_writable()
+        self._check_open(to_write=True)
         with self.writing():
             old, new = [q for quad in delete for q in _number_variants(quad)], list(insert)
             if len(old) + len(new) <= BATCH:
@@ -131,13 +131,13 @@ class RemoteStore(ReadableStore):
 
     def replace(self, quads: Iterable[Quad]) -> None:
         """Delete everything, then insert statements, as one unit."""
-        self._check_writable()
+        self._check_open(to_write=True)
         with self.writing():
             self._write_large({"new": quads}, sorted(self._graphs))
 
     def update(self, update: str) -> None:
         """Run a SPARQL update, once."""
-        self._check_writable()
+        self._check_open(to_write=True)
         with self.writing():
             self._write(query_text.with_prefixes(update), may_repeat=False)
 
@@ -282,14 +282,11 @@ class RemoteStore(ReadableStore):
         for part in batched(quads, BATCH):
             self._write(query_text.insert_data([quad._replace(graph=graph) for quad in part]))
 
-    def _check_writable(self) -> None:
-        self._check_open()
-        if self.read_only:
-            raise StoreError(f'The knowledge base "{self.location}" is open for reading only.')
-
-    def _check_open(self) -> None:
+    def _check_open(self, *, to_write: bool = False) -> None:
         if not self._is_open:
             raise StoreError(f'The knowledge base "{self.location}" is closed.')
+        if to_write and self.read_only:
+            raise StoreError(f'The knowledge base "{self.location}" is open for reading only.')
 
 
 def open_remote(location: str | EndpointConfig, *, read_only: bool = False) -> RemoteStore:

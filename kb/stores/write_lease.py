@@ -86,19 +86,16 @@ class Claim:
         """Idempotent updates, in order, that show what is decided, and remove what is prepared."""
         found = list[str]()
         if self.is_decided:
-            in_order = sorted(self.changes, key=lambda one: (one == _LAST, one != _FIRST, one))
-            found += map(self._change, in_order)
+            for one in sorted(self.changes, key=lambda one: (one == _LAST, one != _FIRST, one)):
+                old, new = (prepared(self.node, kind, one) for kind in KINDS)
+                deleted = one if one in self.replaces else old
+                found.append(f"""DELETE {{ GRAPH <{one}> {{ ?a ?b ?c }} }}
+INSERT {{ GRAPH <{one}> {{ ?x ?y ?z }} }}
+WHERE {{ GRAPH graph:writers {{ <{self.node}> hilt:isDecided ?is }}
+  {{ GRAPH <{deleted}> {{ ?a ?b ?c }} }} UNION {{ GRAPH <{new}> {{ ?x ?y ?z }} }} }}""")
             found.append(_COMPLETED % as_sparql(self.node))
         graphs = (prepared(self.node, kind, one) for one in self.changes for kind in KINDS)
         return found + [f"DROP SILENT GRAPH <{one}>" for one in graphs]
-
-    def _change(self, graph: Iri) -> str:
-        old, new = (prepared(self.node, kind, graph) for kind in KINDS)
-        deleted = graph if graph in self.replaces else old
-        return f"""DELETE {{ GRAPH <{graph}> {{ ?a ?b ?c }} }}
-INSERT {{ GRAPH <{graph}> {{ ?x ?y ?z }} }}
-WHERE {{ GRAPH graph:writers {{ <{self.node}> hilt:isDecided ?is }}
-  {{ GRAPH <{deleted}> {{ ?a ?b ?c }} }} UNION {{ GRAPH <{new}> {{ ?x ?y ?z }} }} }}"""
 
 
 def prepared(claim: Iri, kind: str, graph: Iri) -> Iri:

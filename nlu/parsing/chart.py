@@ -184,9 +184,8 @@ def _meaning(rule: BinaryRule, left: Value, right: Value) -> Value:
         return left(right)
     if rule is BinaryRule.BACKWARD:
         return right(left)
-    if rule is BinaryRule.FORWARD_COMPOSITION:
-        return compose(left, right)
-    return compose(right, left)
+    is_forward = rule is BinaryRule.FORWARD_COMPOSITION
+    return compose(left, right) if is_forward else compose(right, left)
 
 
 @dataclass(frozen=True)

@@ -148,13 +148,12 @@ class ProcedureReader:
 
     def about(self, tokens: Tokens, context: UtteranceContext) -> Understanding | None:
         """Return the question about a learned action, or its retraction, that an utterance is."""
-        named = (
-            (key, head.name) for key in ("how", "forget") for _, head in self._named(key, tokens)
-        )
-        for key, name in named:
-            if self._is_learned(name):
-                meant = Question("how", context=name) if key == "how" else Retraction(action=name)
-                return Understanding.of(tokens, context, meant)
+        for key in ("how", "forget"):
+            for name in (head.name for _, head in self._named(key, tokens)):
+                if self._is_learned(name):
+                    asked = Question("how", context=name)
+                    meant = asked if key == "how" else Retraction(action=name)
+                    return Understanding.of(tokens, context, meant)
         return None
 
     def _heads(self, tokens: Tokens) -> Iterator[tuple[ActionHead, Tokens]]:
@@ -234,9 +233,8 @@ class ProcedureReader:
             if end >= count or not self.words.has("links", *tokens.words[start:end]):
                 continue
             one = self._thing(tokens.part(0, start), may_be_new=may_be_new)
-            rest = tokens.part(end, count)
-            others = self.things(rest, may_be_new=may_be_new) if one and rest.items else None
-            if one and others:
+            others = one and self.things(tokens.part(end, count), may_be_new=may_be_new)
+            if one and others and others[0]:
                 link = " ".join(tokens.words[start:end])
                 return (one[0], *others[0]), (link, *others[1]), (*one[1], *others[2])
         return None

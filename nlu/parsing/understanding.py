@@ -75,10 +75,9 @@ class Understanding:
         readings: int = 0,
     ) -> Understanding:
         """Return what some tokens mean in a context, by a reading if they have one."""
-        people, discourse = (context.speaker, context.addressee), context.discourse
-        found = (meaning, reading, readings)
-        understood = cls(tokens.text, *people, *found, (), tokens.words, discourse)
-        return understood.chosen(meaning)
+        people, found = (context.speaker, context.addressee), (meaning, reading, readings)
+        whole = cls(tokens.text, *people, *found, (), tokens.words, context.discourse)
+        return whole.chosen(meaning)
 
     def chosen(self, meaning: Meaning) -> Understanding:
         """Return this understanding with a meaning, such as one that its speaker has chosen."""

@@ -48,9 +48,10 @@ def resolve(form: PredicateForm, discourse: Discourse) -> PredicateForm:
     if len(discourse.named) > 1 and discourse.object != THEY:
         discourse = replace(discourse, object=_ONE_OF_SEVERAL)
     rest = simplified(resolve_rules(form, discourse))
-    if IT in rest and discourse.object is None:
+    if discourse.object:
+        rest = simplified(rest.replacing(IT, discourse.object))
+    elif IT in rest:
         raise UninterpretableError("no_referent", asks=True, word=IT.name)
-    rest = simplified(rest.replacing(IT, discourse.object)) if discourse.object else rest
     if _ONE_OF_SEVERAL in rest:
         raise UninterpretableError("which_thing", asks=True)
     return rest
@@ -164,10 +165,9 @@ def resolve_rules(form: PredicateForm, discourse: Discourse) -> PredicateForm:
             second = resolve_rules(other, replace(discourse, object=known))
             return PredicateForm("and", (first, second))
         case "implies", (_, act, *_):
-            alternatives = _alternatives(form)
+            alternatives, known = _alternatives(form), discourse.object or IT
             if not alternatives:
                 is_held = act.name == "graspObject"
-                known = discourse.object or IT
                 return (
                     _resolve_action_rule(form, discourse) if is_held else form.replacing(IT, known)
                 )

@@ -41,12 +41,12 @@ def meaning_of(intention: PredicateForm, interpreter: Interpreter, discourse: Di
         return NormStatement(tuple(dict.fromkeys(reader.norms(content))))
     if content.name == "whatForbidden":
         return Question("forbidden")
-    if content.name == "isAllowed":
-        (norm, *others) = reader.norms(content.arguments[0])
-        if others:
-            raise UninterpretableError("one_thing_at_a_time")
-        return Question("may", norm=norm)
-    return interpreter.meaning(intention, discourse)
+    if content.name != "isAllowed":
+        return interpreter.meaning(intention, discourse)
+    norm, *others = reader.norms(content.arguments[0])
+    if others:
+        raise UninterpretableError("one_thing_at_a_time")
+    return Question("may", norm=norm)
 
 
 def _is_norm(form: PredicateForm) -> bool:

@@ -8,9 +8,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hilt.inference.affordance import Affordances
-from hilt.inference.decision import DecisionRule, ObjectRules
+from hilt.inference.affordance import Affordances, DecisionRule
 from hilt.inference.interval_operators import Operators
+from hilt.inference.node_rules import ObjectRules
 from hilt.inference.proof import Proof
 from hilt.inference.settings import Settings
 from hilt.inference.taxonomy import Taxonomy

@@ -9,8 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hilt.inference.affordance import Affordances
-from hilt.inference.decision import DecisionRule
+from hilt.inference.affordance import Affordances, DecisionRule
 from hilt.inference.explanation import counterfactuals, rejection_reason
 from hilt.inference.interval_operators import Operators
 from hilt.inference.proof import Proof, apply_operator

@@ -5,7 +5,6 @@ from dataclasses import replace
 import pytest
 
 from hilt.inference.affordance import Affordances
-from hilt.inference.node_rules import implied_atoms
 from hilt.inference.taxonomy import Taxonomy
 from hilt.inference.types import Conclusion, Goal, Observation, Target
 from hilt.kb.interval import CERTAIN, Interval
@@ -163,6 +162,6 @@ def test_implied_atom_follows_from_the_nearest_one():
     fork, cutlery, tool = (Atom("object", name) for name in ("fork", "cutlery", "tool"))
     kinds = Taxonomy([(KNIFE, cutlery), (fork, cutlery), (cutlery, tool)])
 
-    assert implied_atoms([KNIFE, fork], kinds)[cutlery] == (1, KNIFE)
+    assert kinds.implied([KNIFE, fork])[cutlery] == (1, KNIFE)
     for atoms in ([KNIFE, cutlery], [cutlery, KNIFE]):
-        assert implied_atoms(atoms, kinds)[tool] == (1, cutlery)
+        assert kinds.implied(atoms)[tool] == (1, cutlery)

@@ -37,8 +37,6 @@ from .decisions import DecisionExperiment
 
 MAX_SCENES = 10_000
 
-Levels = Mapping[str, tuple[str, ...]]
-
 
 @dataclass(frozen=True)
 class CustomExperiment(DecisionExperiment):
@@ -134,7 +132,9 @@ class _ScenarioReader:
             raise spec.fail("expected at least one level.")
         return spec.texts()
 
-    def _uses(self, affordance: str, spec: YamlNode, levels: Sequence[str]) -> Levels:
+    def _uses(
+        self, affordance: str, spec: YamlNode, levels: Sequence[str]
+    ) -> Mapping[str, Sequence[str]]:
         found = spec.entries(optional=levels)
         seen: set[str] = set()
         for level, names in found.items():

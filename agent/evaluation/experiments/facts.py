@@ -146,13 +146,13 @@ class FactsExperiment(Experiment):
         known = replace(kinds, objects={**plain, **kinds.objects})
         body = Embodiment(Scene((), seed=self.seed), known, simulate=False)
         agent = Agent(open_base("memory:"), load_language(kinds), load_actions(), body)
-        return agent, [_tell(agent, fact) for fact in self._facts]
-
-
-def _tell(agent: Agent, fact: Fact) -> tuple[Sequence[Rule], str]:
-    try:
-        reply = agent.hear(fact.sentence, only="tell")
-    except HiltError as error:
-        return (), str(error)
-    learned = reply.rules if reply.is_done else ()
-    return [agent.base.rule(rule.id) for rule in learned], reply.said
+        told: list[tuple[Sequence[Rule], str]] = []
+        for fact in self._facts:
+            try:
+                reply = agent.hear(fact.sentence, only="tell")
+            except HiltError as error:
+                told.append(((), str(error)))
+                continue
+            learned = reply.rules if reply.is_done else ()
+            told.append(([agent.base.rule(rule.id) for rule in learned], reply.said))
+        return agent, told

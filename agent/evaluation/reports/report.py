@@ -76,11 +76,17 @@ class EvaluationReport:
         wrong = [result for result in self.results if not result.right]
         grasps = [r.facts["right_part"] for r in self.results if "right_part" in r.facts]
         executed = [r.facts["success"] for r in self.results if "success" in r.facts]
+        groups: dict[int, list[bool]] = {n: [] for n in sorted({r.principle for r in self.results})}
+        for r in self.results:  # the principles are about decisions, not about their execution
+            groups[r.principle].append(bool(r.facts.get("decided", r.right)))
+        groups.pop(0, None)
         return {
             "name": self.name,
             "runs": len(self.results),
             "right": len(self.results) - len(wrong),
-            "by_principle": self._by_principle(),
+            "by_principle": {
+                str(n): {"runs": len(group), "right": sum(group)} for n, group in groups.items()
+            },
             "unique": kinds["unique"],
             "ties": kinds["tie"],
             "none": kinds["none"],
@@ -94,15 +100,6 @@ class EvaluationReport:
             "options": dict(self.options),
             **self.summary,
         }
-
-    def _by_principle(self) -> dict[str, dict[str, int]]:
-        numbers = sorted({result.principle for result in self.results} - {0})
-        # The principles are about decisions, not about their execution.
-        groups = {
-            n: [bool(r.facts.get("decided", r.right)) for r in self.results if r.principle == n]
-            for n in numbers
-        }
-        return {str(n): {"runs": len(g), "right": sum(g)} for n, g in groups.items()}
 
     def table(self) -> Table:
         """Return a table of the cases."""

@@ -22,7 +22,14 @@ from ...dialogue.translation import request_from_command
 from ...execution.perception import PerfectVision
 from ..learning_scenarios import ACTIONS, CONTEXTS, LEVELS, command, rule_sentence
 from .scenario_space import BITS, CODES, CONFIDENCES, CheckResult, ScenarioSpace, belief, bit_mask
-from .taught_agent import RuleKey, TaughtAgent, TracedDecision, acceptable_candidates, belief_graph
+from .taught_agent import (
+    RuleKey,
+    TaughtAgent,
+    TracedDecision,
+    acceptable_candidates,
+    belief_graph,
+    graph_after,
+)
 from .weak_orders import tally
 
 DIGITS = 9  # precision of written scores; exact for the levels of the paper
@@ -182,7 +189,8 @@ def check_teaching(space: ScenarioSpace, seed: int, number: int) -> CheckResult:
         held = _read_back(space, agent.base.rules())
         statements = belief_graph(agent.base)
         choices = [_commanded(space, agent, *each) for each in asked]
-    apart = frozenset(each for text in ("", *once) for each in space.statements[text])
+    graphs = (graph_after(), *(graph_after(space.rules[key]) for key in space.taught(codes)))
+    apart = frozenset(statement for graph in graphs for statement in graph)
     wrong = [] if held == list(codes) else [f"{codes} is read back as {held}"]
     if statements != apart:
         wrong.append("the beliefs are not the union of the beliefs from each sentence")

@@ -21,7 +21,7 @@ from ...config import household
 from ...dialogue.translation import rule_from_meaning
 from ...execution.outcome import Json
 from ..learning_scenarios import ACTIONS, CONTEXTS, LEVELS, command, load_scenarios, rule_sentence
-from .taught_agent import GraphStatement, RuleKey, TaughtAgent, belief_graph
+from .taught_agent import RuleKey, TaughtAgent
 
 # Table 2: level -> confidence
 CONFIDENCES: Mapping[str, float] = dict(zip(LEVELS, (0.95, 0.75, 0.5, 0.25), strict=True))
@@ -82,16 +82,6 @@ class ScenarioSpace:
             raise TypeError(f'"{text}" is not understood as a statement: {said}.')
         (rule,) = said.rules
         return rule_from_meaning(rule, DEFAULT_SPEAKER)
-
-    @cached_property
-    def statements(self) -> dict[str, frozenset[GraphStatement]]:
-        """Sentence, or none if empty -> the graph of beliefs after telling it alone."""
-        found: dict[str, frozenset[GraphStatement]] = {}
-        told = {rule_sentence(*cell, level): (rule,) for (cell, level), rule in self.rules.items()}
-        for text, rules in {"": (), **told}.items():
-            with TaughtAgent(rules) as taught:
-                found[text] = belief_graph(taught.base)
-        return found
 
     def taught(self, codes: Sequence[int]) -> list[tuple[RuleKey, str]]:
         """Return cell and level of each rule of a learning scenario, the highest level first."""

@@ -1,14 +1,11 @@
 """An agent that was taught one learning scenario: its decisions, and the rules read for each.
 
 It is the goal manager with perfect vision and a knowledge base in memory, without language and
-body, so that thousands of decisions can be made with one knowledge base.
-
-`TracingSource` stands between the knowledge base and the inference: its rules record that they were
-met, and when anything is read of them that another level of confidence, or another statement, would
-change. What identifies the cell of a rule (features, contexts, functor and argument) only tells
-that it is there: this is how the program finds the relevant rules. A run is deterministic: one that
-met the cells L and read the cells R decides alike in all learning scenarios that agree on R and
-have the same number of rules in each cell of L.
+body. The rules of `TracingSource` record that they were met, and when anything is read of them that
+another level of confidence, or another statement, would change. What identifies the cell of a rule
+(features, contexts, functor and argument) only tells that it is there. A run is deterministic: one
+that met the cells L and read the cells R decides alike in all learning scenarios that agree on R
+and have the same number of rules in each cell of L.
 """
 
 from __future__ import annotations
@@ -16,6 +13,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import fields
+from functools import cache
 from typing import NamedTuple, TypeAlias
 
 from ....inference.affordance import Affordances, RuleSource
@@ -28,7 +26,7 @@ from ....kb.rdf.rule_mapping import BELIEFS, DERIVED_FROM, GENERATED_AT
 from ....kb.rule import DEFAULT_SPEAKER, Rule
 from ....sim.scene.scene import Placement, Scene
 from ...config import actions_with, household, open_base
-from ...execution.goal_manager import GoalManager
+from ...execution.action_tree_executor import GoalManager
 from ...execution.perception import PerfectVision
 from ...execution.request import Request
 
@@ -125,6 +123,13 @@ def belief_graph(base: KnowledgeBase) -> frozenset[GraphStatement]:
     """Return the statements of the graph of beliefs, without the provenance of the rules."""
     quads = base.store.quads(None, None, None, BELIEFS)
     return frozenset(quad[:3] for quad in quads if quad.predicate not in PROVENANCE)
+
+
+@cache
+def graph_after(*rules: Rule) -> frozenset[GraphStatement]:
+    """Return the graph of beliefs of an agent that was taught these rules only."""
+    with TaughtAgent(rules) as taught:
+        return belief_graph(taught.base)
 
 
 def acceptable_candidates(inference: Inference | None) -> tuple[Candidate, ...]:

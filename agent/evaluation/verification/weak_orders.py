@@ -17,7 +17,7 @@ from functools import cache
 from itertools import permutations, product
 from typing import cast
 
-from ....inference.decision import DecisionRule
+from ....inference.affordance import DecisionRule
 from ....inference.interval_operators import EPSILON, Operators
 from ....inference.proof import Proof
 from ....inference.types import Candidate

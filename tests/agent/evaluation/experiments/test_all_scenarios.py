@@ -33,8 +33,7 @@ from hilt.agent.evaluation.verification.weak_orders import (
     surjections,
     weak_order_blocks,
 )
-from hilt.inference.affordance import Affordances
-from hilt.inference.decision import DecisionRule
+from hilt.inference.affordance import Affordances, DecisionRule
 from hilt.inference.interval_operators import EPSILON, Operators
 from hilt.inference.settings import Settings
 from hilt.inference.types import Inference, Target
