@@ -245,7 +245,14 @@ def serve(agent: Agent, settings: ServiceSettings, tokens: Path | None, ready: R
     folder = tokens.with_suffix(".evaluations") if tokens else Path(mkdtemp(prefix="hilt-"))
     port: int = listener.getsockname()[1]
     app = make_app(service, gate, secret=_cookie_secret(tokens), port=port, folder=folder)
-    _keep_audit_log(tokens)
+    log = logging.getLogger("hilt.audit")
+    log.setLevel(logging.INFO)
+    log.propagate = False
+    if tokens:
+        file = tokens.with_suffix(".audit.log")
+        handler = RotatingFileHandler(file, maxBytes=_AUDIT_BYTES, backupCount=_AUDIT_FILES)
+        handler.setFormatter(logging.Formatter("%(asctime)s %(message)s"))
+        log.addHandler(handler)
     _run(app, settings, listener, ready, (gate.key, service))
 
 
@@ -335,14 +342,3 @@ def _cookie_secret(tokens: Path | None) -> str:
         file.parent.mkdir(parents=True, exist_ok=True)
         write_secret(file, secrets.token_urlsafe(32).encode())
     return file.read_text(encoding="ascii")
-
-
-def _keep_audit_log(tokens: Path | None) -> None:
-    log = logging.getLogger("hilt.audit")
-    log.setLevel(logging.INFO)
-    log.propagate = False
-    if tokens:
-        file = tokens.with_suffix(".audit.log")
-        handler = RotatingFileHandler(file, maxBytes=_AUDIT_BYTES, backupCount=_AUDIT_FILES)
-        handler.setFormatter(logging.Formatter("%(asctime)s %(message)s"))
-        log.addHandler(handler)

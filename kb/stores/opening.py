@@ -23,20 +23,16 @@ def open_store(location: str | Path, *, read_only: bool = False) -> Store:
 
         return open_remote(text, read_only=read_only)
     if _SCHEME.match(text) and text != MEMORY and not Path(text).exists():
-        return _open_by_plugin(text, read_only=read_only)
+        group, name = "hilt.stores", text.partition(":")[0]
+        known = plugin_names(group)
+        if name not in known:
+            others = f" (plug-ins: {', '.join(known)})" if known else ""
+            raise StoreError(
+                f'"{text}" is not a store: expected memory:, a folder, or http(s)://...{others}'
+            )
+        return call_plugin(group, name, text, read_only=read_only, methods=("select", "apply"))
     from .oxigraph import open_folder, open_memory  # the engine, only when a store is opened
 
     if text == MEMORY:
         return open_memory(read_only=read_only)
     return open_folder(Path(text).expanduser(), read_only=read_only)
-
-
-def _open_by_plugin(location: str, *, read_only: bool) -> Store:
-    group, name = "hilt.stores", location.partition(":")[0]
-    known = plugin_names(group)
-    if name not in known:
-        others = f" (plug-ins: {', '.join(known)})" if known else ""
-        raise StoreError(
-            f'"{location}" is not a store: expected memory:, a folder, or http(s)://...{others}'
-        )
-    return call_plugin(group, name, location, read_only=read_only, methods=("select", "apply"))

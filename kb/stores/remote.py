@@ -83,7 +83,16 @@ class RemoteStore(ReadableStore):
         response = self._read(query, ROWS, limits)
         found = read_solutions(response.body)
         if response.max_rows and len(found) >= response.max_rows:
-            return self._read_pages(query, found, response.max_rows, limits)
+            rows: list[tuple[Term | None, ...]] = []
+            while len(rows) % response.max_rows == 0:
+                text = query_text.page_query(
+                    query, found.variables, size=response.max_rows, offset=len(rows)
+                )
+                page = read_solutions(self._read(text, ROWS, limits).body).rows
+                rows += page
+                if not page:
+                    break
+            return SelectResult(found.variables, tuple(rows))
         return found
 
     def run(self, query: str, limits: QueryLimits | None = None) -> QueryResult:
@@ -185,18 +194,6 @@ class RemoteStore(ReadableStore):
         self._graphs.update(filter(is_ontology, graphs))
         names = sorted(map(str, self._graphs))
         self._dataset = {"default-graph-uri": names, "named-graph-uri": names}
-
-    def _read_pages(
-        self, query: str, first: SelectResult, size: int, limits: QueryLimits
-    ) -> SelectResult:
-        rows: list[tuple[Term | None, ...]] = []
-        while len(rows) % size == 0:
-            text = query_text.page_query(query, first.variables, size=size, offset=len(rows))
-            page = read_solutions(self._read(text, ROWS, limits).body).rows
-            rows += page
-            if not page:
-                break
-        return SelectResult(first.variables, tuple(rows))
 
     def _construct(self, query: str, limits: QueryLimits) -> list[Quad]:
         is_cut = self._server.startswith(VIRTUOSO) and query_text.query_form(query) == "CONSTRUCT"

@@ -39,7 +39,14 @@ class RunJournal(AbstractContextManager["RunJournal"]):
     ) -> None:
         self.folder, self._path = folder, str(folder / JOURNAL)
         self.runs: dict[str, TimedResult] = {}
-        header = _header(experiment, cases)
+        listed = "".join(f"{to_json_line(case)}\n" for case in cases)
+        header = {
+            "format": FORMAT,
+            "experiment": experiment.name,
+            "options": json.loads(to_json_line(experiment.options)),
+            "cases": len(cases),
+            "digest": hashlib.sha256(listed.encode()).hexdigest(),
+        }
         try:
             folder.mkdir(parents=True, exist_ok=True)
             # Unbuffered, so that no result is lost if this process is killed.
@@ -122,14 +129,3 @@ class RunJournal(AbstractContextManager["RunJournal"]):
                 left = left[self._file.write(left) :]
         except OSError as error:
             raise StoreError(f'"{self._path}" cannot be written: {error.strerror}.') from error
-
-
-def _header(experiment: Experiment, cases: Sequence[Case]) -> Json:
-    listed = "".join(f"{to_json_line(case)}\n" for case in cases)
-    return {
-        "format": FORMAT,
-        "experiment": experiment.name,
-        "options": json.loads(to_json_line(experiment.options)),
-        "cases": len(cases),
-        "digest": hashlib.sha256(listed.encode()).hexdigest(),
-    }
