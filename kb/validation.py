@@ -6,8 +6,6 @@ its messages are those that a person wrote for each constraint, but it is slow. 
 the invariants too (`hilt.kb.invariants`), and leads with the causes.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress

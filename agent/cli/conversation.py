@@ -1,7 +1,5 @@
 """Commands that talk to the robot: demo, tell, do, ask, chat, listen."""
 
-from __future__ import annotations
-
 import sys
 from contextlib import ExitStack, nullcontext
 from dataclasses import replace

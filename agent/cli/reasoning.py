@@ -1,7 +1,5 @@
 """Commands that show the reasoning: explain, conflicts, induce, abduce."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated

@@ -1,7 +1,5 @@
 """Commands on the rules: rules, trust, graph; and in SPARQL: query, update."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated

@@ -7,8 +7,6 @@ of phones (Levenshtein 1966), the best way on from each place by dynamic program
 with these exact costs the best sentences by A* (Soong & Huang 1991). They are only ever offered.
 """
 
-from __future__ import annotations
-
 import random
 import re
 from collections import Counter, defaultdict

@@ -6,8 +6,6 @@ the word triples of Hilt's own grammar, made anew when words are learned and kep
 what the grammar has it hears more; of anything else it makes such a sentence, too.
 """
 
-from __future__ import annotations
-
 import random
 import re
 from collections import defaultdict

@@ -1,7 +1,5 @@
 """A talk: utterances that are heard one after the other, and answers that are spoken."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext

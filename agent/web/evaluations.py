@@ -1,7 +1,5 @@
 """Evaluations: one at a time, in a process of its own, with progress and a report."""
 
-from __future__ import annotations
-
 import asyncio
 import json
 import sys

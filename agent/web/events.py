@@ -4,8 +4,6 @@ Durable events carry the number of their utterance as `id`, and are replayed fro
 nothing is lost with a connection. Frames of the live scene are not kept: of those the newest count.
 """
 
-from __future__ import annotations
-
 import asyncio
 from collections import Counter, deque
 from collections.abc import AsyncGenerator, Generator, Iterator

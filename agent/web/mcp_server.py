@@ -5,8 +5,6 @@ a minute and for the decision that was shown. What a model teaches is told by a 
 "model of sam", who is trusted little, and never by the one for whom it works.
 """
 
-from __future__ import annotations
-
 import json
 import secrets
 import time

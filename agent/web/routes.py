@@ -1,7 +1,5 @@
 """The JSON interface below `/api/v1`, apart from evaluations and streams."""
 
-from __future__ import annotations
-
 import gzip
 import tempfile
 from dataclasses import dataclass

@@ -8,8 +8,6 @@ ours, also for WebSockets. Bodies are counted while they come. What was asked is
 who, what and how it ended, never a token and never a body.
 """
 
-from __future__ import annotations
-
 import logging
 import secrets
 import time

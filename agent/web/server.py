@@ -1,7 +1,5 @@
 """The server: its applications, where it listens, what it says when it is ready, how it ends."""
 
-from __future__ import annotations
-
 import asyncio
 import logging
 import secrets

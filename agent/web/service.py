@@ -4,8 +4,6 @@ What is said waits in one queue, so a conversation has an order; "stop" and "wai
 holds the lease of the robot commands it alone.
 """
 
-from __future__ import annotations
-
 import asyncio
 import secrets
 import time

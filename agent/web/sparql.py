@@ -1,7 +1,5 @@
 """SPARQL 1.1 Protocol and Graph Store Protocol over HTTP, of a base or of a bare store."""
 
-from __future__ import annotations
-
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
 from functools import lru_cache, partial

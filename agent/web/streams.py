@@ -1,7 +1,5 @@
 """What happens, as it happens: Server-Sent Events for programs, a WebSocket for the page."""
 
-from __future__ import annotations
-
 import asyncio
 from collections.abc import AsyncGenerator
 from contextlib import suppress

@@ -4,8 +4,6 @@ A token is `hilt_` and 32 random bytes. Kept is its SHA-256, in a file that only
 beside the base and never in it: readers can query the graph.
 """
 
-from __future__ import annotations
-
 import hmac
 import os
 import secrets

@@ -4,8 +4,6 @@ A line that is like an earlier one but for its subject, as most lines of a large
 parsed again. Nor is one that differs from it only in the rule that it names, or in a short decimal.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from decimal import Decimal

@@ -13,8 +13,6 @@ parser also accepts words that are joined (`SERVICESILENT<...>`, `1SERVICE`), so
 contains one of them is refused.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Generator, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager

@@ -5,8 +5,6 @@ again, with the same or with other names, it means the same of these names. It i
 one robot's people say, and is asked only about what the grammar does not understand.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Grasps of an object in a point cloud: from any camera, for a real robot, without a simulator."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Collection, Sequence
 from pathlib import Path

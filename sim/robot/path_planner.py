@@ -5,8 +5,6 @@ straight approach, and a straight lift; a grasp that cannot be lifted is useless
 against the points that the cameras saw (`collision`).
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
