@@ -10,8 +10,6 @@ evidence and would otherwise be counted once for each rule. `NodeRules` selects 
 node for one goal; more specific rules override general ones (`node_rules`).
 """
 
-from __future__ import annotations
-
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -128,7 +126,7 @@ class Affordances:
         return self._rules[key]
 
     def _object_candidate(
-        self, here: NodeRules, seen: Observation, decision: DecisionRule
+        self, here: NodeRules, seen: Observation, decision: "DecisionRule"
     ) -> Candidate:
         target = here.goal.target
         shown = self._taxonomy.implied(seen.atoms)
@@ -145,7 +143,7 @@ class Affordances:
         return decision.candidate(seen, argument, steps, applied)
 
     def _argument_candidates(
-        self, here: NodeRules, seen: Observation, decision: DecisionRule
+        self, here: NodeRules, seen: Observation, decision: "DecisionRule"
     ) -> Iterator[Candidate]:
         shown = self._taxonomy.implied(seen.atoms)
         for argument, applied in here.binding(seen, shown).by_argument().items():
@@ -156,7 +154,7 @@ class Affordances:
             yield decision.candidate(seen, argument, steps, applied, experience=known)
 
     def _absent_candidates(
-        self, here: NodeRules, observations: Sequence[Observation], decision: DecisionRule
+        self, here: NodeRules, observations: Sequence[Observation], decision: "DecisionRule"
     ) -> Iterator[Candidate]:
         shown = [self._taxonomy.implied(seen.atoms) for seen in observations]
         for conclusion, is_negated in here.goal.target.wanted:

@@ -15,8 +15,6 @@ unreliable to the degree 1 - u at least, that against it is not touched (context
 Mercier, Quost and Denœux 2008). The two contradict each other by the mass a·(1 - u).
 """
 
-from __future__ import annotations
-
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -74,7 +72,7 @@ class OutcomeCounts:
     outcomes: tuple[tuple[str, int], ...] = ()
 
     @classmethod
-    def of(cls, counts: Mapping[str, int]) -> OutcomeCounts:
+    def of(cls, counts: Mapping[str, int]) -> "OutcomeCounts":
         """Return the counts that are not 0."""
         return cls(tuple(sorted((name, times) for name, times in counts.items() if times)))
 
@@ -98,10 +96,10 @@ class OutcomeCounts:
         """The interval of the probability that the next grasp holds."""
         return credible_interval(self.held, self.trials)
 
-    def __add__(self, other: OutcomeCounts) -> OutcomeCounts:
+    def __add__(self, other: "OutcomeCounts") -> "OutcomeCounts":
         return OutcomeCounts.of(Counter(dict(self.outcomes)) + Counter(dict(other.outcomes)))
 
-    def since(self, earlier: OutcomeCounts) -> OutcomeCounts:
+    def since(self, earlier: "OutcomeCounts") -> "OutcomeCounts":
         """Return what was added to earlier counts; nothing where some were forgotten since."""
         return OutcomeCounts.of(Counter(dict(self.outcomes)) - Counter(dict(earlier.outcomes)))
 

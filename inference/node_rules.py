@@ -26,8 +26,6 @@ own. But it does so only if the premises that it adds are more plausible than no
 blunt knives says nothing of a knife that does not look blunt. An overridden rule overrides none.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -67,7 +65,7 @@ class ObjectRules:
         """The rules that more specific ones override."""
         return tuple(dict.fromkeys(general for _, general in self.overrides))
 
-    def by_argument(self) -> dict[Atom | None, ObjectRules]:
+    def by_argument(self) -> "dict[Atom | None, ObjectRules]":
         """Return the rules about each argument."""
         found: dict[Atom | None, ObjectRules] = {}
         for argument in dict.fromkeys(rule.argument for rule in self.rules):

@@ -6,8 +6,6 @@ that applies overrides it: of two norms in conflict the more specific one prevai
 then the one of the more trusted speaker, then the later one.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -123,7 +121,7 @@ class NormChecker:
         found = self._judged(act, (OBLIGED,)).applying
         return [rule.part for rule in sorted(found, key=_rank, reverse=True) if rule.part]
 
-    def _judged(self, act: Act, functors: Sequence[str]) -> _JudgedAct:
+    def _judged(self, act: Act, functors: Sequence[str]) -> "_JudgedAct":
         taxonomy = self.affordances.taxonomy
         named = (kind for name in act.actions for kind, _ in taxonomy.above(Atom("action", name)))
         actions = tuple(dict.fromkeys(named))

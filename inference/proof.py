@@ -6,8 +6,6 @@ operators: it returns the interval of the root, equal to the last bit, or anothe
 replaced (counterfactuals).
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal, get_args
@@ -35,11 +33,11 @@ class Proof:
     step: Step
     interval: Interval
     label: str = ""
-    inputs: tuple[Proof, ...] = ()
+    inputs: "tuple[Proof, ...]" = ()
     rule: Rule | None = None
     overruled: tuple[Rule, ...] = ()
 
-    def __iter__(self) -> Iterator[Proof]:
+    def __iter__(self) -> "Iterator[Proof]":
         yield self
         for each in self.inputs:
             yield from each
@@ -50,12 +48,12 @@ class Proof:
         return self.label if self.rule is None else _told(self.rule)
 
     @property
-    def leaves(self) -> tuple[Proof, ...]:
+    def leaves(self) -> "tuple[Proof, ...]":
         """The evidence of the proof, each leaf once, in order."""
         return tuple(dict.fromkeys(each for each in self if each.step in LEAVES))
 
     def evaluate(
-        self, operators: Operators, instead: Mapping[Proof, Interval] | None = None
+        self, operators: Operators, instead: "Mapping[Proof, Interval] | None" = None
     ) -> Interval:
         """Evaluate it again, `instead` with other intervals of leaves; errors as of operators."""
         if self.step in LEAVES:

@@ -4,8 +4,6 @@
 `Settings.with_choices` takes single settings in the form of the command line.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, fields, replace
@@ -50,7 +48,7 @@ class Settings:
             raise UnknownNameError("detection", self.detection, DETECTIONS)
 
     @classmethod
-    def load(cls, path: Path = SETTINGS_FILE) -> Settings:
+    def load(cls, path: Path = SETTINGS_FILE) -> "Settings":
         """Return the settings of a file; a DataError says where what was expected."""
         settings = cls()
         choices = read_yaml(path).entries(optional=[*OPERATORS, *TEXTS, *NUMBERS])
@@ -63,7 +61,7 @@ class Settings:
             settings = settings._with(name, value)
         return settings
 
-    def with_choices(self, choices: Iterable[str]) -> Settings:
+    def with_choices(self, choices: Iterable[str]) -> "Settings":
         """Return a copy with some settings replaced; DataError if one is malformed or unknown.
 
         >>> Settings().with_choices(["fusion=dempster", "threshold.pass=0.9"]).thresholds
@@ -86,7 +84,7 @@ class Settings:
         asked = (self.thresholds[str(a)] for a in others if str(a) in self.thresholds)
         return max((next(own, self.threshold), *asked))
 
-    def _with(self, name: str, value: YamlNode) -> Settings:
+    def _with(self, name: str, value: YamlNode) -> "Settings":
         first, _, context = name.partition(".")
         if name in NUMBERS:
             return replace(self, **{name: value.number(low=0, high=1)})

@@ -4,8 +4,6 @@ A bread knife is a knife, so rules about knives apply to it unless a rule about 
 more specific, overrides them (`node_rules`). Distances are numbers of is-a steps.
 """
 
-from __future__ import annotations
-
 import re
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping
@@ -62,18 +60,18 @@ class Taxonomy:
         self._children[above].append(kind)
 
     @classmethod
-    def declared(cls, base: KnowledgeBase) -> Taxonomy:
+    def declared(cls, base: KnowledgeBase) -> "Taxonomy":
         """Return the taxonomy in the domain graph of a knowledge base, without what was taught."""
         atoms = ((_atom(kind), _atom(above)) for kind, above in base.select(_IS_A))
         foreign = chain.from_iterable(_foreign_pairs(base, name) for name in base.taxonomies)
         return cls(((kind, above) for kind, above in atoms if kind and above), foreign=foreign)
 
     @classmethod
-    def from_base(cls, base: KnowledgeBase) -> Taxonomy:
+    def from_base(cls, base: KnowledgeBase) -> "Taxonomy":
         """Return the taxonomy in the domain graph of a knowledge base, and what was taught."""
         return cls.declared(base).with_rules(base.rules_at_nodes([KIND_OF]))
 
-    def with_rules(self, rules: Iterable[Rule]) -> Taxonomy:
+    def with_rules(self, rules: Iterable[Rule]) -> "Taxonomy":
         """Return this taxonomy with the kinds that rules conclude, those told last coming first.
 
         What several say of one pair is fused; it holds if it is more plausible than not. What would

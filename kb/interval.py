@@ -7,8 +7,6 @@ probability for which there is no evidence. `hilt.inference` combines intervals.
 After Shafer, A Mathematical Theory of Evidence (1976), on the frame {true, false}.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from ..ontology.errors import IntervalError
@@ -51,11 +49,11 @@ class Interval:
         """Whether this is [0, 1], which says nothing."""
         return self.lower == 0.0 and self.upper == 1.0
 
-    def negated(self) -> Interval:
+    def negated(self) -> "Interval":
         """The interval of the opposite statement."""
         return Interval(1.0 - self.upper, 1.0 - self.lower)
 
-    def discounted(self, trust: float) -> Interval:
+    def discounted(self, trust: float) -> "Interval":
         """Shafer's discounting, for a source reliable with probability `trust` in [0, 1]."""
         if not 0.0 <= trust <= 1.0:
             raise IntervalError(trust, 1)
@@ -63,11 +61,11 @@ class Interval:
             return self  # exactly: 1 - (1 - b) need not be b in floating point
         return Interval(trust * self.lower, 1.0 - trust * (1.0 - self.upper))
 
-    def conflict(self, other: Interval) -> float:
+    def conflict(self, other: "Interval") -> float:
         """The mass in [0, 1] of the contradiction to another one, K = a1·(1-b2) + (1-b1)·a2."""
         return self.lower * (1.0 - other.upper) + (1.0 - self.upper) * other.lower
 
-    def rounded(self) -> Interval:
+    def rounded(self) -> "Interval":
         """This interval as it is stored, with at most `DIGITS` fractional digits."""
         lower, upper = round(self.lower, DIGITS), round(self.upper, DIGITS)
         return self if (lower, upper) == (self.lower, self.upper) else Interval(lower, upper)

@@ -8,8 +8,6 @@ A second language is a second folder beside `ontology/english`, with the same fi
 understands the utterances of a conversation one by one, without believing or doing anything.
 """
 
-from __future__ import annotations
-
 import gc
 from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
@@ -109,7 +107,7 @@ class Language:
         *,
         vocabulary: Vocabulary | None = None,
         extra_lexicon: Path | None = None,
-    ) -> Language:
+    ) -> "Language":
         """Load a language; DataError if a file of it is wrong, UnknownNameError if there is none.
 
         Args:
@@ -149,7 +147,7 @@ class Language:
         return f"<Language {self.folder.name}, {len(self.lexicon.learned)} words learned>"
 
     @paused_garbage_collection()
-    def with_words(self, words: Iterable[NewWord]) -> Language:
+    def with_words(self, words: Iterable[NewWord]) -> "Language":
         """Return this language with further words, known in all their forms."""
         added = tuple(words)
         lexicon = self.lexicon.with_words(added)
@@ -273,11 +271,11 @@ class Language:
         mentions = self.offers.mentions(tokens, Discourse())
         return phrase_from(mentions, meaning.as_json(), self.tool_acts, unknown)
 
-    def with_phrases(self, phrases: Iterable[PhrasePattern]) -> Language:
+    def with_phrases(self, phrases: Iterable[PhrasePattern]) -> "Language":
         """Return this language with further turns of phrase; a later one replaces an earlier."""
         return replace(self, phrases={**self.phrases, **{each.key: each for each in phrases}})
 
-    def with_frames(self, frames: Mapping[str, tuple[str, ...]]) -> Language:
+    def with_frames(self, frames: Mapping[str, tuple[str, ...]]) -> "Language":
         """Return this language with these taught actions, whose names it has as words."""
         return replace(self, frames=frames)
 
@@ -410,7 +408,7 @@ class Session:
     language: Language
     discourse: Discourse = field(default_factory=Discourse)
 
-    def hear(self, text: str, *, speaker: str = "sam") -> tuple[Understanding, Session]:
+    def hear(self, text: str, *, speaker: str = "sam") -> "tuple[Understanding, Session]":
         """Return the meaning of an utterance at this point, and the session after it."""
         understood = self.language.understand(text, speaker=speaker, discourse=self.discourse)
         language = self.language
@@ -418,7 +416,7 @@ class Session:
             language = language.with_words(understood.new_words)
         return understood, Session(language, understood.discourse)
 
-    def after(self, texts: Iterable[str], *, speaker: str = "sam") -> Session:
+    def after(self, texts: Iterable[str], *, speaker: str = "sam") -> "Session":
         """Return the session after some utterances."""
         session = self
         for text in texts:

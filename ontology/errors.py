@@ -4,8 +4,6 @@ They are defined here because every other package imports `ontology`, which impo
 Failures that a robot must expect (nothing seen, not sure, dropped) are results, not exceptions.
 """
 
-from __future__ import annotations
-
 from collections.abc import Generator, Iterable, Sequence
 from contextlib import contextmanager
 
@@ -25,7 +23,7 @@ class DataError(HiltError, ValueError):
     itself, for the caret, empty when not known. `mistakes` are all errors, if several.
     """
 
-    mistakes: tuple[DataError, ...] = ()
+    mistakes: "tuple[DataError, ...]" = ()
 
     def __init__(
         self, problem: str, *, source: str, line: int = 0, column: int = 0, text: str = ""
@@ -36,7 +34,7 @@ class DataError(HiltError, ValueError):
         super().__init__(f"{where}: {problem}")
 
     @classmethod
-    def together(cls, mistakes: Sequence[DataError]) -> DataError:
+    def together(cls, mistakes: "Sequence[DataError]") -> "DataError":
         """Combine several errors (at least one) into one: the first, with all as `mistakes`."""
         first = mistakes[0]
         place = {"line": first.line, "column": first.column}

@@ -8,8 +8,6 @@ Rejected are tags, aliases (a small file could expand to gigabytes), duplicate k
 larger than `MAX_BYTES`.
 """
 
-from __future__ import annotations
-
 import dataclasses
 from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass
@@ -34,7 +32,7 @@ class YamlNode:
     column: int  #: the same
     text_line: str = dataclasses.field(default="", compare=False, repr=False)  #: for the caret
     #: the keys of a mapping, in the order of the file
-    keys: tuple[YamlNode, ...] = dataclasses.field(default=(), compare=False, repr=False)
+    keys: "tuple[YamlNode, ...]" = dataclasses.field(default=(), compare=False, repr=False)
 
     def fail(self, problem: str) -> DataError:
         """Return an error about this value, with its position."""
@@ -82,13 +80,13 @@ class YamlNode:
             raise self.fail(f"expected true or false, found {self.shown()}.")
         return self.value
 
-    def items(self) -> tuple[YamlNode, ...]:
+    def items(self) -> "tuple[YamlNode, ...]":
         """Return the items of a list."""
         if not isinstance(self.value, tuple):
             raise self.fail(f"expected a list, found {self.shown()}.")
         return self.value
 
-    def listed(self) -> tuple[YamlNode, ...]:
+    def listed(self) -> "tuple[YamlNode, ...]":
         """Return the items of a list, or this value alone if it is none."""
         return self.value if isinstance(self.value, tuple) else (self,)
 
@@ -103,7 +101,7 @@ class YamlNode:
 
     def entries(
         self, *, required: Collection[str] = (), optional: Collection[str] | None = None
-    ) -> dict[str, YamlNode]:
+    ) -> "dict[str, YamlNode]":
         """Return the entries of a mapping, in the order of the file.
 
         Keys in `required` must exist, those in `optional` may; None allows any other key.

@@ -3,8 +3,6 @@
 Its JSON documents are those of `hilt tell`, `do` and `ask`; other programs rely on their keys.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
@@ -50,7 +48,7 @@ class Reply:
         """Whether a command was ended while it was carried out."""
         return self.result is not None and self.result.answer.cause == INTERRUPTED
 
-    def with_pictures(self, *files: str) -> Reply:
+    def with_pictures(self, *files: str) -> "Reply":
         """Return this reply with pictures of what was done, if anything was."""
         if self.result is None or not self.result.world.executed:
             return self

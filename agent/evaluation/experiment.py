@@ -6,8 +6,6 @@ its name and options. Cases and results are plain JSON, and contain nothing that
 run: a case gives the same bytes with any runner.
 """
 
-from __future__ import annotations
-
 import json
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
@@ -54,7 +52,7 @@ class TimedResult:
     attempts: int = 1
 
     @classmethod
-    def from_json(cls, document: Mapping[str, Any]) -> TimedResult:
+    def from_json(cls, document: Mapping[str, Any]) -> "TimedResult":
         """Return the result that `to_json_line` wrote; KeyError or TypeError if it is none."""
         result = CaseResult(**document["result"])
         return cls(result, document["cpu_s"], document["attempts"])

@@ -5,8 +5,6 @@ from the table alone, never from the inference under test: the objects of the hi
 has one in the scene.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
@@ -65,7 +63,7 @@ class LearningScenario:
         present = (frozenset(levels.get(level, ())) & frozenset(scene) for level in self.levels)
         return next((names for names in present if names), frozenset())
 
-    def mirrored(self, name: str) -> LearningScenario:
+    def mirrored(self, name: str) -> "LearningScenario":
         """Return the scenario with its levels reversed."""
         opposite: dict[str, str] = dict(zip(self.levels, reversed(self.levels), strict=True))
         turned = {

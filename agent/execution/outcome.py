@@ -4,8 +4,6 @@
 of candidates: `nlu.generation` words an answer from its `key` and `slots`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from math import degrees
@@ -240,7 +238,7 @@ class GoalResult:
         found = (each for each in self.verdicts if each.forbidding and each.forbidding.id == norm)
         return next(found, None)
 
-    def after(self, before: GoalResult) -> GoalResult:
+    def after(self, before: "GoalResult") -> "GoalResult":
         """Return this result and that of the goal before it as one."""
         return GoalResult(
             self.answer,

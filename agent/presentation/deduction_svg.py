@@ -3,8 +3,6 @@
 Premises stand above a line and what follows from them below it, so that the root is at the bottom.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from io import StringIO
 from textwrap import wrap
@@ -33,7 +31,7 @@ class Deduction(NamedTuple):
     """A step as it is drawn: the lines of its text, its premises, and the sign of its rule."""
 
     lines: Sequence[str]
-    premises: Sequence[Deduction]
+    premises: "Sequence[Deduction]"
     rule: str = ""
     colour: str = "none"
 

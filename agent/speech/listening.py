@@ -5,8 +5,6 @@ who else means it, how alike the texts are, the length and the noise, with weigh
 to recordings (`calibration.yaml`, by `benchmarks/speech.py`).
 """
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Iterable, Mapping, Sequence
@@ -55,7 +53,7 @@ class Listener:
     language: Language
 
     @classmethod
-    def open(cls, names: Sequence[str], language: Language) -> Listener:
+    def open(cls, names: Sequence[str], language: Language) -> "Listener":
         """Return a listener with recognisers of Hilt or of plug-ins; without names, with Hilt's.
 
         UnknownNameError if there is no such recogniser; MissingExtraError if it is not installed.
@@ -63,7 +61,7 @@ class Listener:
         opened = (find_recogniser(name, language) for name in names or RECOGNISERS)
         return cls(tuple(opened), language)
 
-    def learned(self, language: Language) -> Listener:
+    def learned(self, language: Language) -> "Listener":
         """Return this listener with the words that are known now, which its recognisers take."""
         if language is not self.language:
             for each in self.recognisers:
@@ -88,7 +86,7 @@ class Listener:
 
     def meanings(
         self, found: Found, speech_to_noise_db: float, discourse: Discourse | None = None
-    ) -> list[HeardMeaning]:
+    ) -> "list[HeardMeaning]":
         """Return the meanings that may have been said, those of the first recogniser first."""
         texts = dict.fromkeys(each.text for listed in found.values() for each in listed)
         understood = {text: self.language.understand(text, discourse=discourse) for text in texts}

@@ -1,7 +1,5 @@
 """What is said to a service, who may say it, and the document of the reply."""
 
-from __future__ import annotations
-
 import asyncio
 from dataclasses import dataclass, field
 from typing import Literal
@@ -44,7 +42,7 @@ class Said(BaseModel):
         """All that may have been said."""
         return [self.text, *(each.text for each in self.alternatives)]
 
-    def halting(self, language: Language) -> Said:
+    def halting(self, language: Language) -> "Said":
         """Only what halts the robot, if something does: that needs no certainty."""
 
         def halts(text: str) -> bool:

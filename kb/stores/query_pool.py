@@ -6,8 +6,6 @@ are processes, but one, may take long; a further one is stopped, so that quick o
 any time. All of it runs in one event loop; requests and answers are those of `query_worker`.
 """
 
-from __future__ import annotations
-
 import asyncio
 import os
 import pickle
@@ -97,7 +95,7 @@ class QueryPool:
             if worker and not kept:
                 await worker.end()
 
-    async def _idle_worker(self, limits: QueryLimits) -> _Worker | None:
+    async def _idle_worker(self, limits: QueryLimits) -> "_Worker | None":
         if not self._idle.empty():
             return self._idle.get_nowait()
         try:
@@ -106,7 +104,7 @@ class QueryPool:
             raise BusyError("Too many queries are waiting. Ask again later.") from None
 
     async def _wait_long(
-        self, asking: asyncio.Future[Any], worker: _Worker, limits: QueryLimits, gone: Gone
+        self, asking: asyncio.Future[Any], worker: "_Worker", limits: QueryLimits, gone: Gone
     ) -> None:
         left_s = limits.seconds - LONG_S
         if left_s > 0 and self._long >= PROCESSES - 1:

@@ -6,8 +6,6 @@ Controls ("stop", "please wait", "put it down") are obeyed before any parsing. A
 control only as a whole, so "stop using the knife" and "never drop it" are none.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Collection
 from dataclasses import dataclass, fields, replace
 
@@ -34,7 +32,7 @@ class DiscourseMarkers:
     request_tags: frozenset[Phrase] = frozenset()
     clauses: Steps = ()  #: patterns of reasons that add nothing before a pause or the end
 
-    def with_phrases(self, kind: str, field: YamlNode) -> DiscourseMarkers:
+    def with_phrases(self, kind: str, field: YamlNode) -> "DiscourseMarkers":
         """Return these phrases and further ones; `DataError` for a wrong kind or pattern."""
         kinds = sorted(each.name for each in fields(self))
         if kind not in kinds:

@@ -5,8 +5,6 @@ So a lookup takes the same time after 100,000 words. The entries of a word are m
 heard.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cached_property, lru_cache
 from typing import TypeVar
@@ -39,7 +37,7 @@ class LearnedLexicon(Lexicon):
         self._within: Mapping[str, tuple[str, ...]] = {}
         self._lexicon_of = lru_cache(_CACHED_FORMS)(self._made)
 
-    def with_words(self, words: Iterable[NewWord]) -> LearnedLexicon:
+    def with_words(self, words: Iterable[NewWord]) -> "LearnedLexicon":
         """Return this lexicon with further words, itself when it has learned all of them."""
         given = {(word.role, word.word): word for word in words}
         added = {name: word for name, word in given.items() if name not in self.learned}

@@ -5,8 +5,6 @@ are heard for the first time, and the graphs of all patterns are joined into one
 along the words that were heard.
 """
 
-from __future__ import annotations
-
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -57,7 +55,7 @@ class EntryIndex:
     heads: Mapping[Sign, Sequence[Entry]]
 
     @classmethod
-    def of(cls, entries: Iterable[Entry], combinator: CombinationTable) -> EntryIndex:
+    def of(cls, entries: Iterable[Entry], combinator: CombinationTable) -> "EntryIndex":
         """Sort entries by what they have to do with constructions."""
         plain: dict[Sign, list[Entry]] = defaultdict(list)
         heads: dict[Sign, list[Entry]] = defaultdict(list)
@@ -76,7 +74,7 @@ class EntryIndex:
 class LexiconNode:
     """A state of the automaton: the entries of the words so far, and the words that may follow."""
 
-    def __init__(self, places: Places, lexicon: Lexicon) -> None:
+    def __init__(self, places: Places, lexicon: "Lexicon") -> None:
         self._places, self._lexicon = places, lexicon
         self._next: dict[str, LexiconNode] = {}
         self._index: EntryIndex | None = None
@@ -90,7 +88,7 @@ class LexiconNode:
                 found.setdefault((entry.sign, entry.term), entry)
         return tuple(found.values())
 
-    def next(self, word: str) -> LexiconNode | None:
+    def next(self, word: str) -> "LexiconNode | None":
         """The node that a word leads to."""
         if word not in self._next and word in self._following:
             self._next[word] = self._lexicon.node(self._following[word])
@@ -117,7 +115,7 @@ class Lexicon:
     are found, too.
     """
 
-    def __init__(self, senses: Iterable[LazyEntry] = (), base: Lexicon | None = None) -> None:
+    def __init__(self, senses: Iterable[LazyEntry] = (), base: "Lexicon | None" = None) -> None:
         self._base = base
         self._senses: list[LazyEntry] = []
         self._said: dict[str, list[LazyEntry]] = {}

@@ -6,8 +6,6 @@ token `;` between two sentences. Everything else that is no word stays a token, 
 has, so such a text is refused.
 """
 
-from __future__ import annotations
-
 import re
 import unicodedata
 from bisect import bisect_left
@@ -94,19 +92,19 @@ class Tokens:
             return ""
         return self.text[self.items[start].start : self.items[end - 1].end]
 
-    def without_breaks(self) -> Tokens:
+    def without_breaks(self) -> "Tokens":
         """These tokens with pauses instead of the breaks between sentences."""
         breaks = {place for place, word in enumerate(self.words) if word == BREAK}
         paused = replace(self, pauses=tuple(breaks.union(self.pauses)))
         return paused.only(sorted({*range(len(self.items))} - breaks))
 
-    def only(self, kept: Sequence[int]) -> Tokens:
+    def only(self, kept: Sequence[int]) -> "Tokens":
         """The tokens at some places in order; a pause moves to the next that is kept."""
         pauses = {bisect_left(kept, pause) for pause in self.pauses} - {0, len(kept)}
         items = tuple(self.items[place] for place in kept)
         return replace(self, items=items, pauses=tuple(sorted(pauses)))
 
-    def part(self, start: int, end: int) -> Tokens:
+    def part(self, start: int, end: int) -> "Tokens":
         """The tokens `[start, end)` as an utterance of their own, without breaks at its end."""
         asks = self.asks and end == len(self.items)
         while end > start and self.items[end - 1].word == BREAK:

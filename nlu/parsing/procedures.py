@@ -8,8 +8,6 @@ slips, try again"). A clause can refer to what the clauses before it mentioned. 
 a clause, or there is no procedure.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
@@ -131,7 +129,7 @@ class ProcedureReader:
         return replace(whole, discourse=found[-1][1].discourse) if is_plan else None
 
     def _definition(
-        self, head: ActionHead, body: Tokens, clauses: _Clauses
+        self, head: ActionHead, body: Tokens, clauses: "_Clauses"
     ) -> ActionDefinition | None:
         found = [each for each, _ in clauses.read(body, ClauseState(head.discourse)) or ()]
         steps = tuple(each for each in found if isinstance(each, Act))

@@ -4,8 +4,6 @@
 is not understood has an `Understanding` too, whose meaning says how far it was understood.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field, replace
 
 from ..lexicon.tokenizer import Tokens
@@ -26,7 +24,7 @@ class UtteranceContext:
     discourse: Discourse
     recognition: Confidence = CERTAIN
 
-    def with_object(self, thing: PredicateForm | None) -> UtteranceContext:
+    def with_object(self, thing: PredicateForm | None) -> "UtteranceContext":
         """Return this context after a thing was named, or where none can be referred to."""
         named, failed = (thing,) if thing else (), self.discourse.has_failed and thing is None
         discourse = replace(self.discourse, object=thing, named=named, has_failed=failed)
@@ -73,13 +71,13 @@ class Understanding:
         meaning: Meaning,
         reading: Reading | None = None,
         readings: int = 0,
-    ) -> Understanding:
+    ) -> "Understanding":
         """Return what some tokens mean in a context, by a reading if they have one."""
         people, found = (context.speaker, context.addressee), (meaning, reading, readings)
         whole = cls(tokens.text, *people, *found, (), tokens.words, context.discourse)
         return whole.chosen(meaning)
 
-    def chosen(self, meaning: Meaning) -> Understanding:
+    def chosen(self, meaning: Meaning) -> "Understanding":
         """Return this understanding with a meaning, such as one that its speaker has chosen."""
         if self.reading is None:
             return replace(self, meaning=meaning)

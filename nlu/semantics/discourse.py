@@ -1,7 +1,5 @@
 """The discourse state: what a conversation mentioned so far, and can refer to."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
@@ -42,15 +40,15 @@ class Discourse:
     asks_why: bool = False  # whether the last turn asked why a thing was held so, or just why
     has_failed: bool = False  # whether the last turn was not understood: nothing is referred to
 
-    def about(self, name: str) -> Discourse:
+    def about(self, name: str) -> "Discourse":
         """Return this state after an object of this name was mentioned."""
         return self.naming(PredicateForm.named(name))
 
-    def with_person(self, name: str) -> Discourse:
+    def with_person(self, name: str) -> "Discourse":
         """Return this state after a person of this name was mentioned."""
         return replace(self, person=PredicateForm.named(name), has_failed=False)
 
-    def naming(self, *named: PredicateForm, last: PredicateForm | None = None) -> Discourse:
+    def naming(self, *named: PredicateForm, last: PredicateForm | None = None) -> "Discourse":
         """Return this state after a turn that named these objects; `last` is that of "it"."""
         pair = self.pair
         if len(named) > 1:
@@ -60,7 +58,7 @@ class Discourse:
         return replace(self, object=last or tuple(named)[-1], named=named, pair=pair)
 
     @property
-    def accessible(self) -> Discourse:
+    def accessible(self) -> "Discourse":
         """This state, or an empty one after a turn that failed."""
         return Discourse() if self.has_failed else self
 

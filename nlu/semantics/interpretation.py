@@ -4,8 +4,6 @@ A form must express exactly one meaning that Hilt has; otherwise it is rejected 
 part of a form is ever dropped to make it fit.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -55,7 +53,7 @@ class Interpreter:
     new_acts: frozenset[str] = frozenset()  # the acts that new words of an utterance name
     is_general: bool = False  # whether commands may be about any object, as in norms
 
-    def with_words(self, words: Sequence[NewWord]) -> Interpreter:
+    def with_words(self, words: Sequence[NewWord]) -> "Interpreter":
         """Return this interpreter with the acts that new words name."""
         acts = frozenset(word.word for word in words if word.role == "context")
         return replace(self, new_acts=acts) if acts else self

@@ -1,7 +1,5 @@
 """The input of grasp planning: an object, the part to grasp it by, and the points round it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from enum import IntEnum
 
@@ -40,7 +38,7 @@ class LabelledPointCloud:
         """The points of the part to be grasped (k, 3)."""
         return self.points[self.labels == PointLabel.TARGET]
 
-    def downsampled(self, cell: float, *, reach: float, limit: int) -> LabelledPointCloud:
+    def downsampled(self, cell: float, *, reach: float, limit: int) -> "LabelledPointCloud":
         """At most `limit` points of each label within `reach` [m], in voxels of `cell` [m]."""
         low, high = self.target.min(axis=0) - reach, self.target.max(axis=0) + reach
         near = np.all((self.points >= low) & (self.points <= high), axis=1)

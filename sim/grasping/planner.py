@@ -3,8 +3,6 @@
 The part constraint is a filter: both contact bands must lie wholly on the part.
 """
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -87,7 +85,7 @@ class GraspAttempts:
         """Whether no attempt is left."""
         return len(self.tried) >= MAX_ATTEMPTS
 
-    def with_failure(self, reason: str) -> GraspAttempts:
+    def with_failure(self, reason: str) -> "GraspAttempts":
         """The task after an attempt has failed."""
         return replace(self, failures=(*self.failures, reason))
 

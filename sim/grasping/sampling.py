@@ -6,8 +6,6 @@ room for a finger on either side, and the part between them must be narrower tha
 and alone. Orientations are enumerated because thin plates have no reliable surface normals.
 """
 
-from __future__ import annotations
-
 from collections import Counter
 from dataclasses import dataclass
 
@@ -111,7 +109,7 @@ class _HeightMap:
     y: np.ndarray  # (s,), the same
 
     @classmethod
-    def of(cls, points: Array, labels: np.ndarray, starts: Array, half: float) -> _HeightMap:
+    def of(cls, points: Array, labels: np.ndarray, starts: Array, half: float) -> "_HeightMap":
         """The map round the samples `starts` (s, 3), x and y whole multiples of `BIN` [m].
 
         Of the points (3, n), z lies along the approach and y along the closing direction [m]; their

@@ -7,8 +7,6 @@ line between the contacts lies inside both friction cones (ten Pas & Platt 2015)
 continues outwards beyond the tips is a slope that would push the fingers open.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -64,10 +62,10 @@ class GraspScores:
     slope: Array  #: by how much the part widens along x and z of the grip frame, per side (c, 2)
     twist: Array  #: angle between the faces of the part and the pads, about the approach (c,) [rad]
 
-    def __getitem__(self, index: np.ndarray) -> GraspScores:
+    def __getitem__(self, index: np.ndarray) -> "GraspScores":
         return GraspScores(*(each[index] for each in vars(self).values()))
 
-    def joined(self, other: GraspScores) -> GraspScores:
+    def joined(self, other: "GraspScores") -> "GraspScores":
         """These scores and others."""
         both = zip(vars(self).values(), vars(other).values(), strict=True)
         return GraspScores(*map(np.concatenate, both))
@@ -144,7 +142,7 @@ class HandPointPairs:
     @classmethod
     def find(
         cls, world_from_grip: Array, cloud: LabelledPointCloud, *, aside: float, ahead: float
-    ) -> HandPointPairs:
+    ) -> "HandPointPairs":
         """Pair hands (c, 4, 4) with the points within `aside` along x and `ahead` along z [m]."""
         # Single precision, a tenth of a micrometre here, takes half the time.
         middle = cloud.points.mean(axis=0)

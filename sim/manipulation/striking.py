@@ -5,8 +5,6 @@ the fingers turns the object in them. Faces are sought in the point cloud, over 
 the hand. The blow is straight down and aims below the target, so that the face is fast at contact.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from itertools import chain
@@ -144,7 +142,7 @@ class Striking(PickAndPlace):
         self.robot.advance(round(AFTER_BLOW / TIME_STEP))
         return reason
 
-    def _strike_poses(self, held: HeldObject) -> list[StrikePose]:
+    def _strike_poses(self, held: HeldObject) -> "list[StrikePose]":
         spheres = self.robot.body_spheres(self.robot.opening)
         own = spheres.link == len(self.robot.chain.links) - 1
         around = np.vstack([np.eye(3), -np.eye(3)]) * spheres.radius[own, None, None]

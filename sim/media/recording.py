@@ -4,8 +4,6 @@ A `WorldRecorder` takes a picture of a world at regular intervals while its `wit
 suffix of the file names the format. A world that is not recorded has no cost of it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from importlib.util import find_spec
@@ -57,7 +55,7 @@ class WorldRecorder:
         self._last: tuple[int, str] | None = None
         self._freezes: dict[int, int] = {}  # index of a picture -> how often it is shown
 
-    def __enter__(self) -> WorldRecorder:
+    def __enter__(self) -> "WorldRecorder":
         self._world.watchers.append(self._watch)
         return self
 

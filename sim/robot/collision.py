@@ -4,8 +4,6 @@ The robot knows its surroundings only from its cameras, so paths are checked aga
 against the simulator's bodies. The spheres are a little larger than the links.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -29,7 +27,7 @@ class CollisionSpheres:
     centre: Array  #: in the frame of that link (s, 3) [m]
     radius: Array  #: (s,) [m]
 
-    def joined(self, other: CollisionSpheres) -> CollisionSpheres:
+    def joined(self, other: "CollisionSpheres") -> "CollisionSpheres":
         """These spheres and others."""
         both = zip(vars(self).values(), vars(other).values(), strict=True)
         return CollisionSpheres(*map(np.concatenate, both))

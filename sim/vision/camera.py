@@ -5,8 +5,6 @@ from the top. A `CameraImage` holds colours, depths in [m] and a segmentation ma
 which body every pixel shows.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -83,7 +81,7 @@ class Camera:
         fx, fy, cx, cy = self.intrinsics
         return np.column_stack([cx + fx * seen[:, 0] / ahead, cy - fy * seen[:, 1] / ahead])
 
-    def capture(self, engine: PhysicsEngine, *, light: Lighting = VISION_LIGHT) -> CameraImage:
+    def capture(self, engine: PhysicsEngine, *, light: Lighting = VISION_LIGHT) -> "CameraImage":
         """Take an image."""
         view = poses.inverse(self.world_from_camera)
         colour, depth, labels, names = engine.rendering.render(

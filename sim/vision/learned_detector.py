@@ -10,8 +10,6 @@ random solids. As these are not all, `NoveltyDetector` compares inputs with stor
 class, and lowers the confidence beyond a distance that hardly any known input exceeds.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cache
@@ -110,7 +108,7 @@ class Recogniser:
     novelty: NoveltyDetector  #: tells segments unlike any known object
 
     @classmethod
-    def load(cls, path: Path) -> Recogniser:
+    def load(cls, path: Path) -> "Recogniser":
         """Read a recogniser from a file; a `DataError` when it cannot be read."""
         try:
             with path.open("rb") as file, np.load(file, allow_pickle=False) as arrays:
@@ -131,7 +129,7 @@ class Recogniser:
 
     @staticmethod
     @cache
-    def default() -> Recogniser:
+    def default() -> "Recogniser":
         """The recogniser of Hilt's own objects."""
         return Recogniser.load(CLASSIFIERS_FILE)
 

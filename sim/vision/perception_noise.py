@@ -10,8 +10,6 @@ that those of the depth grow with its square, in steps; pixels at edges show som
 surfaces, or nothing; and what shines, as glass and steel do, has holes.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Protocol
@@ -64,7 +62,7 @@ class NoiseLevels:
         return float(np.hypot(self.depth_m, CAMERA_ERROR * self.camera))
 
     @classmethod
-    def parse(cls, text: str, *, seed: int = 0) -> NoiseLevels:
+    def parse(cls, text: str, *, seed: int = 0) -> "NoiseLevels":
         """Read `--noise`, such as "missed=0.1,confused=0.05"; `DataError` where it is wrong."""
         values: dict[str, float] = {}
         for item in filter(None, (piece.strip() for piece in text.split(","))):

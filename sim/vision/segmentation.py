@@ -10,8 +10,6 @@ frame, with the origin on the table below its middle, x along its longest extent
 end, and z up.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -55,7 +53,7 @@ class Segment:
     def __len__(self) -> int:
         return len(self.points)
 
-    def __getitem__(self, chosen: NDArray[np.bool_] | Integers) -> Segment:
+    def __getitem__(self, chosen: NDArray[np.bool_] | Integers) -> "Segment":
         return Segment(self.points[chosen], self.colours[chosen], self.sources[chosen])
 
 

@@ -12,8 +12,6 @@ The objects of the experiment are those named in `affordances` and `grasps`. Eac
 is parsed when the file is read: a sentence that is not understood is an error.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -68,7 +66,7 @@ class CustomExperiment(DecisionExperiment):
         return Agent(base, load_language(kinds), actions, Embodiment(empty, kinds, simulate=False))
 
     @cached_property
-    def _spec(self) -> CustomSpec:
+    def _spec(self) -> "CustomSpec":
         if not self.file:
             raise DataError("expected --file, the YAML of the experiment.", source="custom")
         return load_custom(Path(self.file), seed=self.seed)

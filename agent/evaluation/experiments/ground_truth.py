@@ -8,8 +8,6 @@ which part the fingers touched, how high and how long the object was held. A rob
 what it chose and takes the next best object has decided right but not succeeded.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
@@ -35,7 +33,7 @@ class CorrectChoices:
     @classmethod
     def from_scenario(
         cls, scenario: LearningScenario, action: str, affordance: str, scene: Collection[str]
-    ) -> CorrectChoices:
+    ) -> "CorrectChoices":
         """Return the ground truth for a command, from the tables of a scenario."""
         best = scenario.best(affordance, scene)
         is_top = best <= scenario.best(affordance, scenario.objects)

@@ -7,8 +7,6 @@ scenario is a code for each cell. With the paper's 8 objects, 5 affordances, 2 c
 4 levels there are 72 cells, 288 rules and 16^72 = 2^288 learning scenarios.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -44,7 +42,7 @@ class ScenarioSpace:
     parts: Mapping[str, tuple[str, ...]]
 
     @classmethod
-    def from_paper(cls, objects: int = 8, affordances: int = 5) -> ScenarioSpace:
+    def from_paper(cls, objects: int = 8, affordances: int = 5) -> "ScenarioSpace":
         """Return the space of the paper, or of its first few objects and affordances."""
         scenario, _ = load_scenarios()
         names = tuple(scenario.grasps)[:objects]

@@ -8,8 +8,6 @@ that met the cells L and read the cells R decides alike in all learning scenario
 and have the same number of rules in each cell of L.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import fields
@@ -43,7 +41,7 @@ class RuleKey(NamedTuple):
     context: str = ""
 
     @classmethod
-    def from_rule(cls, rule: Rule) -> RuleKey:
+    def from_rule(cls, rule: Rule) -> "RuleKey":
         """Return the cell of a rule."""
         name = rule.argument.name if rule.argument else ""
         return cls(rule.object or "*", name, rule.context or "")

@@ -7,8 +7,6 @@ candidates that differ only in their scores. An `OpaqueScore` supports what a ch
 needs (order, reversal, subtraction of the tolerance for ties); other uses raise `TypeError`.
 """
 
-from __future__ import annotations
-
 import hashlib
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
@@ -38,15 +36,15 @@ class OpaqueScore:
     def __init__(self, level: float) -> None:
         self._level = level
 
-    def __neg__(self) -> OpaqueScore:
+    def __neg__(self) -> "OpaqueScore":
         return OpaqueScore(-self._level)
 
-    def __sub__(self, other: object) -> OpaqueScore:
+    def __sub__(self, other: object) -> "OpaqueScore":
         if other != EPSILON:
             raise TypeError("Only the tolerance of ties may be subtracted from a score.")
         return OpaqueScore(self._level - 0.25)  # a little less, which is no other level
 
-    def __lt__(self, other: OpaqueScore) -> bool:
+    def __lt__(self, other: "OpaqueScore") -> bool:
         return self._level < other._level
 
     def __eq__(self, other: object) -> bool:
