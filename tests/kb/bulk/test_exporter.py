@@ -20,6 +20,7 @@ from hypothesis import strategies as st
 from hilt.kb.bulk import exporter
 from hilt.kb.bulk.exporter import scan_rules
 from hilt.kb.bulk.nquads_reader import read_groups, read_quads
+from hilt.kb.formats import import_export
 from hilt.kb.formats.import_export import write_base
 from hilt.kb.rdf import rule_mapping
 from hilt.kb.rdf.rule_mapping import BELIEFS
@@ -188,7 +189,7 @@ def test_rule_with_two_bounds_is_reported():
 
 def test_progress_is_reported(monkeypatch: pytest.MonkeyPatch):
     """As the number of the statements that are done."""
-    monkeypatch.setattr(exporter, "_STEP", 1)
+    monkeypatch.setattr(import_export, "_STEP", 1)
     heard: list[int] = []
 
     some = [quad for rule in (BLADE, CUTTING) for quad in rule_mapping.rule_quads(rule)]
