@@ -17,8 +17,6 @@ An induced rule is discounted by the similarity and by `CAUTION`, so that it nev
 source. It is marked as induced, and not made where anything was taught.
 """
 
-from __future__ import annotations
-
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -35,7 +33,7 @@ LEAST_SIMILARITY = 0.3  # below this nothing is induced
 INDUCER = "induction"  # the speaker of induced rules
 GRIP = "grip"  # the role of a part for holding, on which no use rests
 
-Classes: TypeAlias = "Mapping[str, str | None]"  # a class of objects -> its superclass
+Classes: TypeAlias = Mapping[str, str | None]  # a class of objects -> its superclass
 Traits = frozenset[str]  # what an object or part has: its features and superclasses
 
 

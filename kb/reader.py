@@ -4,8 +4,6 @@
 edges of the given nodes, so its time depends on how many rules it finds, not on how many there are.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from heapq import nsmallest

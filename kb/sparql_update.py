@@ -6,8 +6,6 @@ base and the shapes. What was checked is what is written, as one unit with an ut
 history says who changed what and when. The graphs that Hilt makes cannot be changed by hand.
 """
 
-from __future__ import annotations
-
 import contextlib
 import tempfile
 import time

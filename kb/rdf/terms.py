@@ -42,7 +42,7 @@ class Literal:
     language: str = ""
 
 
-Term: TypeAlias = "Iri | Literal | str | bool | int | float | Decimal | datetime"
+Term: TypeAlias = Iri | Literal | str | bool | int | float | Decimal | datetime
 
 
 class Quad(NamedTuple):

@@ -47,6 +47,14 @@ _TOKEN = re.compile(
     """,
     re.VERBOSE | re.DOTALL,
 )
+_NAME = r"(?:<[^<>\x00-\x20\"{}|^`\\]*>|[?$]\w+|(?:[A-Za-z][\w-]*)?:[\w-]*|a\b)"
+_LOOKUP = re.compile(  # a SELECT of one pattern
+    rf"""\s*(?:PREFIX\s+[\w-]*:\s*<[^<>\s]*>\s*)*SELECT(?:\s*\*|(?:\s+[?$]\w+)+)\s*(?:WHERE\s*)?
+    \{{\s*(?:GRAPH\s+(?P<graph>{_NAME})\s*\{{\s*)?(?P<subject>{_NAME})\s+(?P<key>{_NAME})\s+
+    (?P<value>{_NAME}|\"[^\"\\\n\r]*\")\s*(?:\.\s*)?(?(graph)\}}\s*)\}}\s*
+    (?:LIMIT\s+(?P<limit>\d{{1,3}})\s*)?""",
+    re.VERBOSE | re.IGNORECASE,
+)
 _POSITION = re.compile(r"(?:error at|at line) (?P<line>\d+)(?::|, column )(?P<column>\d+)")
 _CODE_POINT = re.compile(r"\\u([0-9A-Fa-f]{4})|\\U([0-9A-Fa-f]{8})")
 _OPERATORS = frozenset("(,=!<>+-*/&|^")  # after these a value is expected, so `<` opens an IRI
@@ -97,6 +105,22 @@ def result_limit(query: str) -> int | None:
     """The LIMIT of a query's result; None when it has none."""
     found = [token.group().upper() for token in _modifiers(query)]
     return next((int(n) for word, n in pairwise(found) if word == "LIMIT" and n.isdigit()), None)
+
+
+def lookup(query: str, most: int) -> str | None:
+    """A query for at most so many rows of another that finds each of them at once; else None.
+
+    It has one pattern, without a condition, and a known subject or a LIMIT below 1,000.
+    """
+    if not (found := _LOOKUP.fullmatch(query)):
+        return None
+    terms = [each for each in found.group("graph", "subject", "key", "value") if each]
+    unknown = [each[1:] for each in terms if each[0] in "?$"]
+    if len({*unknown}) < len(unknown):
+        return None
+    if found["limit"]:
+        return query
+    return f"{query} LIMIT {most}" if found["subject"][0] not in "?$" else None
 
 
 def page_query(query: str, variables: Sequence[str], *, size: int, offset: int) -> str:

@@ -3,8 +3,6 @@
 Endpoints deviate from that format in details, so it is read leniently and by value.
 """
 
-from __future__ import annotations
-
 import json
 import re
 import threading
@@ -84,7 +82,7 @@ class ConstructResult(SelectResult):
     """The statements of a CONSTRUCT or DESCRIBE query, as rows of three columns."""
 
     @classmethod
-    def from_quads(cls, quads: Iterable[Quad]) -> ConstructResult:
+    def from_quads(cls, quads: Iterable[Quad]) -> "ConstructResult":
         """The statements, without their graphs."""
         return cls(STATEMENT, tuple(quad[:3] for quad in quads))
 

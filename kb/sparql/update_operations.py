@@ -5,8 +5,6 @@ name whole graphs (CLEAR, DROP, COPY, MOVE, ADD) are read as such operations too
 the prefix of `COPY graph:a TO graph:b` for a keyword, and here it is none.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass

@@ -8,8 +8,6 @@ A store holds RDF 1.1 quads and knows nothing of rules. Its guarantees, tested f
 - the results of a query are complete when it returns; no cursor stays open.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator
 from contextlib import AbstractContextManager
 from itertools import groupby, islice

@@ -8,8 +8,6 @@ folder locked, so they are read to the end before they are given out. A query ca
 one with limits runs in another process (`query_subprocess`).
 """
 
-from __future__ import annotations
-
 import contextlib
 import os
 import shutil
@@ -221,7 +219,7 @@ class OxigraphStore:
                         "Restore it from a backup or an export."
                     )
 
-    def checked(self, number: int) -> OxigraphStore:
+    def checked(self, number: int) -> "OxigraphStore":
         """The store, marked as acknowledged; StoreError if it ends before this utterance."""
         try:
             check_number(last_utterance(self), number, self.location)

@@ -9,8 +9,6 @@ Several processes may share an endpoint: `writing` gives one of them at a time t
 operations of the endpoint are. A larger one is prepared in parts and made visible at the end.
 """
 
-from __future__ import annotations
-
 import threading
 from collections.abc import Generator, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
