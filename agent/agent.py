@@ -58,9 +58,6 @@ class Agent(AbstractContextManager["Agent"]):
         config: the choices beside the embodiment: induction, settings of the inference, contexts.
         motion: the motion that goes with `vision`; without one the agent decides but does not act.
         dialogue: a language part that is asked before Hilt's own.
-
-    Attributes:
-        watchers: called at every node of an action tree, before and after its action.
     """
 
     def __init__(
@@ -85,6 +82,7 @@ class Agent(AbstractContextManager["Agent"]):
         self._done: list[tuple[str, str]] = []
         self.simulate = embodiment.simulate and vision is None
         self.interruption = Interruption()
+        #: called at every node of an action tree, before and after its action
         self.watchers: list[Callable[[WalkStep], None]] = []
         self._hearing = Lock()
         self._film: Film | None = None

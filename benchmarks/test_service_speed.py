@@ -3,18 +3,23 @@
     pytest benchmarks/test_service_speed.py -s
 
 The figure to reach: 95 % of queries with 20 rows among 500,000 statements are answered within 20 ms
-while three others run into their limit of 30 seconds. How many such queries are answered a second
-to 16 connections of a client that does as little as it can is compared with `oxigraph serve`; that
-is a program in Rust without processes that can be stopped, so the share may only not fall.
+while three others run into their limit of 30 seconds, and any request within 120 ms while the robot
+moves. How many such queries are answered a second to 16 connections is compared with `oxigraph
+serve`, whose share is to be half: to the client of the standard library, and to one that does as
+little as it can, which leaves that program in Rust most of the machine; there the share may only
+not fall.
 """
 
 from __future__ import annotations
 
 import asyncio
+import http.client
 import shutil
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import closing
 from pathlib import Path
 from statistics import median, quantiles
 from urllib.parse import urlencode, urlsplit
@@ -31,7 +36,8 @@ STATEMENTS, OF_A_NODE = 500_000, 20
 CONNECTIONS, QUERIES, ROUNDS = 16, 3_000, 5
 QUICK = "SELECT ?p ?o WHERE { GRAPH <urn:g> { <urn:s%d> ?p ?o } }"
 SLOW = "SELECT (COUNT(*) AS ?n) { ?a ?b ?c . ?d ?e ?f . ?g ?h ?i }"
-LEAST_SHARE, MOST_MS = 0.2, 20
+LEAST_SHARES = {"of the standard library": 0.4, "that does little": 0.2}  # single runs vary
+MOST_MS, MOST_BESIDE_ROBOT_MS = 20, 120
 JSON = "application/sparql-results+json"
 
 
@@ -111,17 +117,44 @@ async def rate(address: str) -> float:
     return QUERIES / (time.perf_counter() - start)
 
 
-def test_share_of_the_answers_that_the_server_of_the_engine_gives(hilt: str, oxigraph: str):
-    """By turns, so that what else the machine does meets both."""
-    for address in (hilt, oxigraph):
-        asyncio.run(rate(address))  # to warm up
+def rate_of_threads(address: str) -> float:
+    """Answers a second to as many connections of the client of the standard library."""
+    numbers, place = iter(range(QUERIES)), urlsplit(address)
 
-    rates = [(asyncio.run(rate(hilt)), asyncio.run(rate(oxigraph))) for _ in range(ROUNDS)]
+    def ask(_: int) -> None:
+        with closing(http.client.HTTPConnection(place.hostname or "", place.port)) as connection:
+            while (number := next(numbers, None)) is not None:
+                path = f"{place.path}?{urlencode({'query': QUICK % number})}"
+                connection.request("GET", path, headers={"Accept": JSON})
+                assert connection.getresponse().read().count(b'"p"') == OF_A_NODE + 1
+
+    start = time.perf_counter()
+    with ThreadPoolExecutor(CONNECTIONS) as pool:
+        list(pool.map(ask, range(CONNECTIONS)))
+    return QUERIES / (time.perf_counter() - start)
+
+
+CLIENTS: dict[str, Callable[[str], float]] = {
+    "of the standard library": rate_of_threads,
+    "that does little": lambda address: asyncio.run(rate(address)),
+}
+
+
+@pytest.mark.parametrize("client", CLIENTS)
+def test_share_of_the_answers_that_the_server_of_the_engine_gives(
+    client: str, hilt: str, oxigraph: str
+):
+    """By turns, so that what else the machine does meets both."""
+    rate_for = CLIENTS[client]
+    for address in (hilt, oxigraph):
+        rate_for(address)  # to warm up
+
+    rates = [(rate_for(hilt), rate_for(oxigraph)) for _ in range(ROUNDS)]
 
     share = median(ours / theirs for ours, theirs in rates)
     ours, theirs = (median(one) for one in zip(*rates, strict=True))
-    print(f"\n{ours:.0f} and {theirs:.0f} answers a second; share {share:.2f}")
-    assert share >= LEAST_SHARE
+    print(f"\na client {client}: {ours:.0f} and {theirs:.0f} a second; share {share:.2f}")
+    assert share >= LEAST_SHARES[client]
 
 
 async def times_beside_slow_ones(address: str) -> tuple[list[float], list[bytes]]:
@@ -151,3 +184,33 @@ def test_quick_queries_are_answered_beside_slow_ones(hilt: str):
     print(f"\n{len(took)} quick queries: p50 {median(took) * 1_000:.1f} ms, p95 {p95:.1f} ms")
     assert all(b"longer than 30 s" in one for one in slow)
     assert p95 <= MOST_MS
+
+
+@pytest.fixture
+def robot(tmp_path: Path) -> Iterator[running_service.RunningService]:
+    """A service with a robot that moves as fast as it is computed."""
+    service = running_service.start(
+        tmp_path / "kb", "--scene", "objects:knife,mug", "--pace", "0", "--no-auth"
+    )
+    yield service
+    running_service.end(service)
+
+
+def test_requests_are_answered_while_the_robot_moves(robot: running_service.RunningService):
+    """The robot has a thread of its own, which gives way between its steps."""
+    took = list[float]()
+    with robot.client() as client:
+        for _ in range(ROUNDS):
+            begun = {"Prefer": "respond-async"}
+            command = running_service.say(client, "do", "Pass me the knife.", headers=begun).json()
+            while client.get(f"/api/v1/commands/{command['id']}").json()["state"] != "done":
+                for path in ("rules", "scene", "history"):
+                    start = time.perf_counter()
+                    assert client.get(f"/api/v1/{path}").is_success
+                    took.append(time.perf_counter() - start)
+                time.sleep(0.02)
+            client.post("/api/v1/scene", json={"scene": "objects:knife,mug"})
+
+    p95 = quantiles(took, n=20)[-1] * 1_000
+    print(f"\n{len(took)} requests: p50 {median(took) * 1_000:.1f} ms, p95 {p95:.1f} ms")
+    assert p95 <= MOST_BESIDE_ROBOT_MS

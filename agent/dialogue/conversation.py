@@ -53,16 +53,6 @@ class Conversation:
     Args:
         seed: the seed of everything random, kept with each reply.
         other: a language part that is asked first.
-
-    Attributes:
-        listener: who spoke last, and is answered.
-        topic: the rules that were spoken of last; none after a command that needed none.
-        retracted: the rules that were just retracted; none once others were spoken of.
-        topic_from: what the topic was spoken of in: a lesson, an answer or a deed.
-        unanswered: the answer to the last question if nobody has told what it asks, else empty.
-        last_done: the reply to the last command.
-        control_done: what a control did since the last command, if anything.
-        prohibition: the utterance because of which the last command was not carried out, if any.
     """
 
     def __init__(
@@ -81,12 +71,15 @@ class Conversation:
         self.people, self.visible, self.holding = Acquaintances(base), visible, holding
         self.discourse = Discourse()
         self.open_question: OpenQuestion | None = None
+        #: the rules that were spoken of last; none after a command that needed none
         self.topic: tuple[Rule, ...] = ()
-        self.retracted: tuple[Rule, ...] = ()
-        self.topic_from: Literal["lesson", "answer", "deed"] = "answer"
+        self.topic_from: Literal["lesson", "answer", "deed"] = "answer"  #: in what it was spoken of
+        self.retracted: tuple[Rule, ...] = ()  #: those just retracted; none once others were topic
+        #: who spoke last; what answered the last question, while nobody has told what it asks
         self.listener = self.unanswered = self.last_said = ""
-        self.last_done: Reply | None = None
-        self.control_done: AnswerContent | None = None
+        self.last_done: Reply | None = None  #: the reply to the last command
+        self.control_done: AnswerContent | None = None  #: what a control did since then
+        #: the utterance because of which the last command was not carried out
         self.prohibition: Understanding | None = None
 
     def notice_others(self) -> bool:

@@ -51,9 +51,6 @@ class DialogueManager:
             it is to be kept.
         judge: returns what the norms say of a request.
         sounds_like: finds what may have been said where a hearing is not understood.
-
-    Attributes:
-        contexts: what holds now beside the current action: places and roles, with their intervals.
     """
 
     def __init__(
@@ -73,6 +70,7 @@ class DialogueManager:
         self._clarification = ClarificationDialogue(conversation, self.hear, self._respond)
         self._agreements = PartAgreements(lambda: goals().affordances)
         self._norms = NormDialogue(conversation, judge)
+        #: what holds now beside the current action: places and roles, with their intervals
         self.contexts: dict[Atom, Interval] = {}
         self._accepted: frozenset[str] = frozenset()  # words that were said to be new
         self._interrupted: Callable[[], Reply] | None = None  # the command to continue

@@ -23,12 +23,7 @@ _RECIPIENT = "recipient"
 
 
 class NormGuard:
-    """Checks what a command is going to do, after the acts so far (action, type of object).
-
-    Attributes:
-        part: by what the object is held, or is going to be.
-        verdicts: those that forbid something, or resolved a conflict.
-    """
+    """Checks what a command is going to do, after the acts so far (action, type of object)."""
 
     def __init__(
         self,
@@ -43,7 +38,8 @@ class NormGuard:
         self._done, self._holding = done, holding
         self._recipients: dict[str, str] = {}  # path of a node -> to whom something is given there
         self._arguments: Arguments = {}
-        self.part = request.part
+        self.part = request.part  #: by what the object is held, or is going to be
+        #: those that forbid something, or resolved a conflict
         self.verdicts: list[NormVerdict] = []
 
     def enter(self, node: str, arguments: Arguments) -> Failure:

@@ -83,20 +83,14 @@ class PrimitiveTask:
 
 
 class PrimitiveExecutor:
-    """Performs primitives with a motion stack, and keeps what happened.
-
-    Attributes:
-        holding: the name of the object in the hand, if any.
-        sensed: the events that the robot has sensed ("driven").
-        goal, tool, patient: the goal, and the types of the tool and of its patient, for answers.
-    """
+    """Performs primitives with a motion stack, and keeps what happened."""
 
     def __init__(self, motion: Motion, vision: Vision, goal: str = "use") -> None:
         self.world, self.grasps, self.goal = WorldOutcome(), GraspLog(), goal
-        self.holding: str | None = None
-        self.sensed: set[str] = set()
-        self.tool: str | None = None
-        self.patient: str | None = None
+        self.holding: str | None = None  #: the name of the object in the hand, if any
+        self.sensed: set[str] = set()  #: the events that the robot has sensed ("driven")
+        self.tool: str | None = None  #: the type of what is used, for answers
+        self.patient: str | None = None  #: that of what it is used on
         self._motion, self._vision = motion, vision
         self._part: str | None = None
         self._depth_before_mm = 0.0

@@ -4,7 +4,7 @@ import ctypes
 import re
 from functools import cache
 from pathlib import Path
-from threading import Event
+from threading import Event, Lock
 from typing import Any
 
 from ...ontology.errors import extra_required
@@ -15,6 +15,7 @@ from .sound import open_stream, write_wav
 MOST_CHARACTERS = 200  # of what is said of an answer
 _ASIDE = re.compile(r"\s*(\[[^\]]*\]|\([^)]*\d[^)]*\)|\S+[/:]\S*\d\S*)")  # intervals, ids
 _SENTENCE = re.compile(r"(?<=[.!?])\s+")
+_SPEAKING = Lock()  # the library has one state for all
 _CALLBACK = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_int, ctypes.c_void_p)
 
 
@@ -70,13 +71,14 @@ def _spoken(text: str) -> tuple[int, bytes]:
         return 0
 
     said = text.encode() + b"\0"
-    library.espeak_SetSynthCallback(keep)
-    size = ctypes.c_size_t(len(said))
-    library.espeak_Synth(said, size, 0, 1, 0, 1, None, None)  # all characters, in UTF-8
+    with _SPEAKING:
+        library.espeak_SetSynthCallback(keep)
+        size = ctypes.c_size_t(len(said))
+        library.espeak_Synth(said, size, 0, 1, 0, 1, None, None)  # all characters, in UTF-8
     return rate, b"".join(pieces)
 
 
-@cache  # the library has one state for all
+@cache
 def _espeak() -> tuple[Any, int]:
     with extra_required("speech", "espeakng-loader"):
         import espeakng_loader  # pyright: ignore[reportMissingImports]

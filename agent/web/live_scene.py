@@ -7,6 +7,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from ...sim.physics.engine import TIME_STEP
+from ..documents import things_as_json
 from ..execution.outcome import Json
 from .events import Hub
 
@@ -14,6 +15,7 @@ if TYPE_CHECKING:
     from ...sim.body import Body
 
 STEPS_A_FRAME = 8  # 30 frames a second of the world
+STEPS_A_LOOK = 48  # after which it is known anew where things are
 _LATE_S = 0.2  # behind the clock, from which a slow world does not try to catch up
 
 
@@ -29,8 +31,10 @@ class LiveScene:
         from ...sim.media.gltf import pose_frame, scene_model
 
         self._engine, self._number, self._hub = body.world.engine, number, hub
+        self._body = body
         self._pace, self._due = pace, 0.0
         self.model = scene_model(self._engine)
+        self.look()
         self._frame = partial(pose_frame, self._engine, self.model.nodes, scene=number)
         body.world.watchers.append(self._watch)
 
@@ -43,7 +47,13 @@ class LiveScene:
         """Send a frame now."""
         self._hub.publish(self._frame())
 
+    def look(self) -> None:
+        """See where things are now, in the thread that moves them; others read `things`."""
+        self.things = things_as_json(self._body)
+
     def _watch(self) -> None:
+        if self._engine.steps % STEPS_A_LOOK == 0:
+            self.look()
         if self._hub.readers and self._engine.steps % STEPS_A_FRAME == 0:
             self.show()
             if self._pace:  # let the clock go on as far: who looks can stop what is seen

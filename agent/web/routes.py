@@ -30,8 +30,9 @@ from ...nlu.language import Session
 from ...ontology.errors import DataError, NotFoundError
 from .. import documents
 from ..execution.outcome import Json
+from ..speech.voices import find_voice, spoken_form
 from .problems import Problem, forbidden
-from .sayings import Listens, Said
+from .sayings import Alternative, Listens, Said
 from .security import Admin, Gate, Operator, Reader, Teacher
 from .service import Service
 
@@ -97,6 +98,26 @@ for _name, _summary in (
     )
 
 
+@talk.post("/listen")
+async def listen(service: TheService, request: Request, caller: Reader, say: bool = False) -> Json:
+    """What is heard in a WAV file, the body; with `say`, Hilt is told so and answers."""
+    heard = await run_in_threadpool(service.listen, await request.body())
+    found = heard.as_json()
+    if not (say and heard.text):
+        return found
+    likely = [Alternative(text=each.text, heard=each.score) for each in heard.alternatives[:10]]
+    said = Said(text=heard.text, heard=heard.heard, alternatives=likely)
+    return found | await service.say(said, caller, None).answered()
+
+
+@talk.get("/voice", response_class=Response)
+def voice(_: Reader, text: Annotated[str, Query(min_length=1, max_length=2000)]) -> Response:
+    """What is spoken of an answer: its short form, as a WAV file."""
+    with tempfile.NamedTemporaryFile(suffix=".wav") as file:
+        find_voice("espeak").save(spoken_form(text), Path(file.name))
+        return Response(Path(file.name).read_bytes(), media_type="audio/wav")
+
+
 @talk.get("/commands/{id}")
 async def command(service: TheService, caller: Reader, id: str) -> Json:  # noqa: A002
     """How far a command is, and its answer; kept for the last 1,000."""
@@ -140,12 +161,9 @@ def explain(
 
 @talk.get("/scene")
 async def scene(service: TheService, _: Reader) -> Json:
-    """What stands on the table, and where, as soon as there is a body."""
-    agent = service.agent
-    known = service.scene_as_json()
-    if not agent.has_body:
-        return known
-    return known | {"things": await service.run(lambda: documents.things_as_json(agent.body))}
+    """What stands on the table and, with a body, where: at most 0.2 s of the world ago."""
+    known, shown = service.scene_as_json(), service.live_scene
+    return known | ({"things": shown.things} if shown else {})
 
 
 @talk.get("/scene.glb", response_class=Response)

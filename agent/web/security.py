@@ -22,7 +22,7 @@ from limits import RateLimitItem, parse
 from limits.storage import MemoryStorage
 from limits.strategies import MovingWindowRateLimiter
 from prometheus_client import CollectorRegistry, Counter, Histogram
-from starlette.datastructures import Headers, MutableHeaders
+from starlette.datastructures import Headers
 from starlette.middleware.trustedhost import TrustedHostMiddleware
 from starlette.requests import HTTPConnection
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
@@ -33,13 +33,16 @@ from .tokens import ROLES, Caller, TokenFile
 OWNER = "owner"
 CALLER = "hilt.caller"  # in the scope of a request, once it is known
 _READS = {"GET", "HEAD", "OPTIONS"}
-_HEADERS = {
-    "Content-Security-Policy": "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; "
-    "worker-src 'self' blob:; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; "
-    "object-src 'none'; base-uri 'none'; frame-ancestors 'none'",
-    "X-Content-Type-Options": "nosniff",
-    "Referrer-Policy": "no-referrer",
-}
+_POLICY = (
+    "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; worker-src 'self' blob:; "
+    "style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; media-src 'self' blob:; "
+    "object-src 'none'; base-uri 'none'; frame-ancestors 'none'"
+)
+_HEADERS = [
+    (b"content-security-policy", _POLICY.encode()),
+    (b"x-content-type-options", b"nosniff"),
+    (b"referrer-policy", b"no-referrer"),
+]
 _OWN_HOSTS = ("127.0.0.1", "localhost", "::1", "[::1]")
 _TOO_LARGE = 413
 _FILES = ("/api/v1/import", "/store")  # take whole files
@@ -216,11 +219,10 @@ class Doorkeeper:
             nonlocal status
             if message["type"] in {"http.response.start", "websocket.http.response.start"}:
                 status = message["status"]
-                headers = MutableHeaders(scope=message)
-                if status == _TOO_LARGE:  # the rest of the body is not awaited
-                    headers["Connection"] = "close"
-                for name, value in _HEADERS.items():
-                    headers.setdefault(name, value)
+                given = {name for name, _ in message["headers"]}
+                close = [(b"connection", b"close")]  # the rest of the body is not awaited
+                added = close * (status == _TOO_LARGE) + _HEADERS
+                message["headers"] += [each for each in added if each[0] not in given]
             await send(message)
 
         app: ASGIApp = self._app

@@ -13,6 +13,8 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import replace
 from itertools import count
+from pathlib import Path
+from tempfile import NamedTemporaryFile
 from threading import Lock
 from typing import NamedTuple, TypeVar
 
@@ -25,6 +27,8 @@ from ..config import AgentConfig
 from ..dialogue.reply import OpenQuestion, Reply
 from ..execution.embodiment import Embodiment
 from ..execution.outcome import Json, WalkStep
+from ..speech.listening import Heard, Listener
+from ..speech.sound import Sound
 from .events import Hub, news
 from .live_scene import LiveScene
 from .problems import Problem, forbidden
@@ -65,6 +69,8 @@ class Service:
         self._lease: tuple[Caller, float] | None = None
         self._told, self._telling = agent.base.sequence, Lock()
         self._scenes = count(1)
+        self._listener: Listener | None = None
+        self._hearing = Lock()  # a recogniser hears one sound at a time
         self.live_scene: LiveScene | None = None
         agent.watchers.append(self._on_step)
 
@@ -151,6 +157,19 @@ class Service:
             job.state = "done"
             self._publish_job(job)
 
+    def listen(self, wav: bytes) -> Heard:
+        """What two recognisers hear in a WAV file of at most 30 s; nothing is said with it yet.
+
+        DataError if it is no sound; MissingExtraError without the extra `speech`.
+        """
+        conversation = self.agent.dialogue.conversation
+        with NamedTemporaryFile(suffix=".wav") as file, self._hearing:
+            file.write(wav)
+            file.flush()
+            language = conversation.language
+            self._listener = (self._listener or Listener.open((), language)).learned(language)
+            return self._listener.hear(Sound.read(Path(file.name)), conversation.discourse)
+
     @contextmanager
     def deciding(self, contexts: list[str], scene: str | None = None) -> Generator[Agent]:
         """An agent for the block that knows the same, keeps nothing and moves nothing."""
@@ -173,6 +192,8 @@ class Service:
                 return self._reply(job)
         finally:
             self._current = None
+            if self.live_scene:
+                self.live_scene.look()
 
     def _reply(self, job: Job) -> Json:
         conversation = self.agent.dialogue.conversation

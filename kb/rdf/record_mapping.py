@@ -18,18 +18,14 @@ REQUIRED = object()  # the default of a field that is always stored
 
 @dataclass(frozen=True)
 class FieldProperty:
-    """The property that stores the field it annotates.
-
-    Attributes:
-        kind: the type of its values as terms.
-        encode, decode: from a value of the field to a term, and back.
-        default: the value that is not stored; () for a field with several values.
-    """
+    """The property that stores the field it annotates; representations show the predicate alone."""
 
     predicate: Iri
-    kind: type = field(repr=False)  # signatures show the predicate alone
+    kind: type = field(repr=False)  #: the type of its values as terms
+    #: encode, decode: from a value of the field to a term, and back
     encode: Callable[[Any], Term] = field(default=lambda value: value, repr=False)
     decode: Callable[[Any], Any] = field(default=lambda value: value, repr=False)
+    #: the value that is not stored; () for a field with several values
     default: object = field(default=REQUIRED, repr=False)
 
 

@@ -53,14 +53,7 @@ MAX_REMEMBERED = 20_000
 
 
 class CombinationTable:
-    """The table of what combines to what; it grows with use, up to `MAX_REMEMBERED` entries.
-
-    Attributes:
-        turn: what the category of a sign has to do with the words of constructions.
-        changes: the signs that a sign may become without a neighbour, each with its rule.
-        combine: all that two neighbouring signs give, each with its rule.
-        join: all that two neighbouring cells give: (result, left, right, rule).
-    """
+    """The table of what combines to what; it grows with use, up to `MAX_REMEMBERED` entries."""
 
     def __init__(self, unary: Iterable[UnaryRule]) -> None:
         self._changes: dict[Category, list[UnaryRule]] = {}
@@ -75,9 +68,13 @@ class CombinationTable:
             self.add(change)
 
     def _start_remembering(self) -> None:
+        #: what the category of a sign has to do with the words of constructions
         self.turn = cache(self._turn)
+        #: the signs that a sign may become without a neighbour, each with its rule
         self.changes = cache(self._changed)
+        #: all that two neighbouring signs give, each with its rule
         self.combine = lru_cache(MAX_REMEMBERED)(lambda *two: tuple(self._combinations(*two)))
+        #: all that two neighbouring cells give: (result, left, right, rule)
         self.join = lru_cache(MAX_REMEMBERED)(self._joined)
 
     def __getstate__(self) -> dict[str, object]:

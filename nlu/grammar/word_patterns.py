@@ -213,14 +213,11 @@ class WordLists:
 
     A list has patterns, or phrases, which are spelled out; a mapping has what patterns stand for,
     with the patterns. `DataError` where a key is missing or its value is not as expected.
-
-    Attributes:
-        phrases: returns the single words and phrases of a key.
     """
 
     def __init__(self, file: YamlNode) -> None:
         self.file = file
-        self.phrases = cache(self._phrases)
+        self.phrases = cache(self._phrases)  #: returns the single words and phrases of a key
         self._by_first_word = cache(self._steps_by_first_word)
 
     def of_group(

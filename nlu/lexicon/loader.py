@@ -63,22 +63,7 @@ class Verb:
 
 
 class LexiconBuilder:
-    """The words of a language, and the builder of entries for new ones.
-
-    Attributes:
-        contractions: short forms and the words that they stand for.
-        closed: words of grammar (closed-class words), which are no names.
-        verbs: the verbs, in the order of the files.
-        qualifiers: the words for each degree of confidence.
-        naming: words after which any word may be a name, but a word of grammar.
-        joining: words of lists, after which a plural may be a name.
-        insisting: how one insists on a word that was taken for a slip of another.
-        denying: words that deny the object named after them.
-        denied: words for any object, which `denying` words may precede.
-        homographs: words of grammar that end names of things: "watering can".
-        nouns: names by template, as `mass` for what is not counted ("bread"), `human` for people.
-        lexicon: the entries of all files.
-    """
+    """The words of a language, and the builder of entries for new ones."""
 
     def __init__(
         self, grammar: Grammar, inflection: Inflection, combinator: CombinationTable
@@ -86,20 +71,28 @@ class LexiconBuilder:
         self._grammar, self.inflection, self.combinator = grammar, inflection, combinator
         self._templates: dict[str, WordTemplate] = {}
         self._endings: dict[str, str] = {}
+        #: short forms and the words that they stand for
         self.contractions: dict[str, tuple[str, ...]] = {}
+        #: words of grammar (closed-class words), which are no names
         self.closed: frozenset[str] = frozenset()
-        self.verbs: list[Verb] = []
-        self.qualifiers: dict[str, tuple[str, ...]] = {}
+        self.verbs: list[Verb] = []  #: the verbs, in the order of the files
+        self.qualifiers: dict[str, tuple[str, ...]] = {}  #: the words for each degree of confidence
         self.discourse_markers = DiscourseMarkers()
+        #: words after which any word may be a name, but a word of grammar
         self.naming: frozenset[str] = frozenset()
+        #: words of lists, after which a plural may be a name
         self.joining: frozenset[str] = frozenset()
+        #: how one insists on a word that was taken for a slip of another
         self.insisting: word_patterns.Steps = ()
-        self.denying: frozenset[str] = frozenset()
+        self.denying: frozenset[str] = frozenset()  #: words that deny the object named after them
+        #: words for any object, which `denying` words may precede
         self.denied: frozenset[str] = frozenset()
+        #: words of grammar that end names of things: "watering can"
         self.homographs: frozenset[str] = frozenset()
+        #: names by template, as `mass` for what is not counted ("bread"), `human` for people
         self.nouns: defaultdict[str, frozenset[str]] = defaultdict(frozenset)
         self._constructions = Lexicon()
-        self.lexicon = Lexicon(base=self._constructions)
+        self.lexicon = Lexicon(base=self._constructions)  #: the entries of all files
 
     def read(self, path: Path) -> None:
         """Add all words of a file; `DataError` says where a line is not as expected."""

@@ -40,22 +40,19 @@ PlanListener: TypeAlias = Callable[[str, str | None, RankedGrasps, Grasp | None]
 
 
 class PickAndPlace:
-    """Grasps objects with a robot, lifts them, hands them over and puts them back.
-
-    Attributes:
-        in_hand: the object in the hand, with its grasp; None when it is empty.
-        on_plan: called, if not None, before each closing of the gripper, with the name of the
-            object, the part to grasp it by, the last grasp plan, and the selected grasp.
-        movable: returns the parts by one of which something in the way may be taken and put aside
-            (None for any); none until somebody says so.
-    """
+    """Grasps objects with a robot, lifts them, hands them over and puts them back."""
 
     def __init__(self, world: World, robot: Robot, vision: ObjectDetector, *, seed: int) -> None:
         self.world, self.robot = world, robot
+        #: the object in the hand, with its grasp; None when it is empty
         self.in_hand: HeldObject | None = None
+        #: called, if not None, before each closing of the gripper, with the name of the object, the
+        #: part to grasp it by, the last grasp plan, and the selected grasp
         self.on_plan: PlanListener | None = None
         self._motion, self._vision = HandMotion(robot), vision
         self._rng = np.random.default_rng(seed)
+        #: returns the parts by one of which something in the way may be taken and put aside (None
+        #: for any); none until somebody says so
         self.movable: Callable[[Percept], Collection[str | None]] = lambda _: ()
         self._task = GraspAttempts("", None)
         self._wanted: set[str] = set()  # names of all that was to be taken for the task

@@ -34,20 +34,16 @@ STRIP_COLUMNS, STRIP_ROWS = 4, 2
 
 
 class WorldRecorder:
-    """Records a world into one file, .gif, .mp4 or .png.
-
-    Attributes:
-        caption: text below the pictures from now on; none when empty.
-        tint: a body and the part of it that is highlighted from now on; None for nothing.
-        grasps: drawn into the pictures from now on; see `draw_grasps`.
-    """
+    """Records a world into one file, .gif, .mp4 or .png."""
 
     def __init__(self, world: World, path: Path, *, camera: Camera = RECORDING_CAMERA) -> None:
         pictures.check_writable(path, RECORDING_SUFFIXES)
         if path.suffix.lower() == ".mp4" and not find_spec("imageio_ffmpeg"):
             raise MissingExtraError("sim", "imageio-ffmpeg")
-        self.caption = ""
+        self.caption = ""  #: text below the pictures from now on; none when empty
+        #: a body and the part of it that is highlighted from now on; None for nothing
         self.tint: tuple[str, str] | None = None
+        #: drawn into the pictures from now on; see `draw_grasps`
         self.grasps: Mapping[Pen, Iterable[Grasp]] = {}
         self._world, self._path, self._camera = world, path, camera
         self._waiting = 0
