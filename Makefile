@@ -27,6 +27,7 @@ test: $(READY)  ## the whole test suite; where the page cannot be built, its tes
 test-extras: $(READY) .venv/.extras  ## what `make test` skips: Ray with a killed node, speech, other simulators, and the comparisons with peers
 	@$(BIN)/pytest tests/agent/evaluation/runners/test_ray.py
 	@$(BIN)/pytest tests/agent/speech
+	@$(MAKE) --no-print-directory page && $(BIN)/pytest tests/agent/web/page/test_page_by_voice.py
 	@$(BIN)/pytest tests/test_examples.py tests/sim/robot/test_trajectory.py
 	@$(BIN)/pytest benchmarks -m peer -s
 

@@ -6,6 +6,7 @@ import warnings
 from collections.abc import Callable, Generator, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
+from io import BytesIO
 from pathlib import Path
 from queue import SimpleQueue
 from typing import TYPE_CHECKING, Any
@@ -60,7 +61,7 @@ class Sound:
             raise DataError(problem, source=self.source)
 
     @classmethod
-    def read(cls, path: Path) -> Sound:
+    def read(cls, file: Path | BytesIO) -> Sound:
         """Read a WAV file of any rate, width and number of channels.
 
         DataError if there is none, it is cut off, or is no utterance; MissingExtraError.
@@ -68,21 +69,22 @@ class Sound:
         with extra_required("speech", "scipy"):
             from scipy.io import wavfile
             from scipy.signal import resample_poly
+        source = str(file) if isinstance(file, Path) else MICROPHONE
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", wavfile.WavFileWarning)
                 warnings.filterwarnings("error", "Reached EOF", wavfile.WavFileWarning)
-                rate, found = wavfile.read(path)
+                rate, found = wavfile.read(file)
         except wavfile.WavFileWarning as error:
-            raise DataError("the sound is cut off in the middle.", source=str(path)) from error
+            raise DataError("the sound is cut off in the middle.", source=source) from error
         except OSError as error:
-            raise DataError(f"cannot be read: {error.strerror}.", source=str(path)) from error
+            raise DataError(f"cannot be read: {error.strerror}.", source=source) from error
         except Exception as error:  # a damaged header fails in many ways
-            raise DataError("expected a sound in WAV format.", source=str(path)) from error
+            raise DataError("expected a sound in WAV format.", source=source) from error
         samples = _as_float(found)
         mono = samples.mean(axis=1) if samples.ndim > 1 else samples
         right = resample_poly(mono, RATE, rate) if mono.size else mono
-        return cls(np.clip(right, -1, 1).astype(np.float32), str(path))
+        return cls(np.clip(right, -1, 1).astype(np.float32), source)
 
     @property
     def duration_s(self) -> float:

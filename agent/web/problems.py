@@ -17,7 +17,7 @@ _KINDS: tuple[tuple[type[Exception], int, str, str], ...] = (  # the first that 
     (errors.QueryLimitError, 400, "limit", "Stopped at its limit"),
     (errors.QueryError, 400, "query", "Cannot be asked"),
     (errors.StoreError, 503, "store", "The knowledge base cannot do that now"),
-    (errors.MissingExtraError, 501, "not-installed", "Not installed"),
+    (errors.MissingExtraError, 409, "not-installed", "Not installed"),
     (errors.SimulationError, 409, "simulation", "The simulator cannot do that"),
     (errors.HiltError, 422, "wrong", "Cannot be used"),
 )

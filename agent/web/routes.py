@@ -32,7 +32,7 @@ from .. import documents
 from ..execution.outcome import Json
 from ..speech.voices import find_voice, spoken_form
 from .problems import Problem, forbidden
-from .sayings import Alternative, Listens, Said
+from .sayings import Listens, Said
 from .security import Admin, Gate, Operator, Reader, Teacher
 from .service import Service
 
@@ -98,16 +98,10 @@ for _name, _summary in (
     )
 
 
-@talk.post("/listen")
-async def listen(service: TheService, request: Request, caller: Reader, say: bool = False) -> Json:
-    """What is heard in a WAV file, the body; with `say`, Hilt is told so and answers."""
-    heard = await run_in_threadpool(service.listen, await request.body())
-    found = heard.as_json()
-    if not (say and heard.text):
-        return found
-    likely = [Alternative(text=each.text, heard=each.score) for each in heard.alternatives[:10]]
-    said = Said(text=heard.text, heard=heard.heard, alternatives=likely)
-    return found | await service.say(said, caller, None).answered()
+@talk.post("/listen", openapi_extra={"requestBody": {"content": {"application/octet-stream": {}}}})
+async def listen(service: TheService, request: Request, _: Reader) -> Json:
+    """What two recognisers hear in a WAV file of at most 30 s, to be said with `hear` then."""
+    return (await run_in_threadpool(service.listen, await request.body())).as_json()
 
 
 @talk.get("/voice", response_class=Response)

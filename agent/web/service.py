@@ -12,9 +12,8 @@ from collections.abc import Callable, Generator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import replace
+from io import BytesIO
 from itertools import count
-from pathlib import Path
-from tempfile import NamedTemporaryFile
 from threading import Lock
 from typing import NamedTuple, TypeVar
 
@@ -158,17 +157,12 @@ class Service:
             self._publish_job(job)
 
     def listen(self, wav: bytes) -> Heard:
-        """What two recognisers hear in a WAV file of at most 30 s; nothing is said with it yet.
-
-        DataError if it is no sound; MissingExtraError without the extra `speech`.
-        """
+        """What is heard in a WAV file; errors are those of `Listener.open` and `Sound.read`."""
         conversation = self.agent.dialogue.conversation
-        with NamedTemporaryFile(suffix=".wav") as file, self._hearing:
-            file.write(wav)
-            file.flush()
+        with self._hearing:
             language = conversation.language
             self._listener = (self._listener or Listener.open((), language)).learned(language)
-            return self._listener.hear(Sound.read(Path(file.name)), conversation.discourse)
+            return self._listener.hear(Sound.read(BytesIO(wav)), conversation.discourse)
 
     @contextmanager
     def deciding(self, contexts: list[str], scene: str | None = None) -> Generator[Agent]:
@@ -237,7 +231,8 @@ class Service:
         self._asked = _Asked(secrets.token_urlsafe(16), question, job.caller, until)
         if reply.ending != "asked":
             return {}
-        return {"confirm": self._asked.id, "expires_s": CONFIRM_SECONDS}
+        known: Json = {"confirm": self._asked.id, "expires_s": CONFIRM_SECONDS}
+        return known | ({"choices": len(question.choices)} if question.choices else {})
 
     async def confirm(self, id: str, caller: Caller, *, yes: bool) -> Json:  # noqa: A002 - in JSON
         """Answer a question of Hilt by the name that it was given; Problem 410 if it is over."""

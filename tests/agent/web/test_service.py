@@ -227,6 +227,14 @@ def test_table_is_laid_anew(sam: httpx.Client):
     assert done["decision"]["object"] == "knife"
 
 
+def test_what_is_no_sound_is_refused(sam: httpx.Client):
+    """In one line, whether recognisers are installed or not."""
+    for sound in (b"", b"RIFF nonsense", bytes(1_000)):
+        found = sam.post("/api/v1/listen", content=sound, headers={"Content-Type": "audio/wav"})
+        assert found.status_code in {409, 422}
+        assert found.json()["type"] in {"urn:hilt:not-installed", "urn:hilt:wrong"}
+
+
 def test_rules_come_in_pages(sam: httpx.Client):
     """The header Link leads through all of them."""
     whole, found, address = sam.get("/api/v1/rules").json(), [], "/api/v1/rules?limit=1"

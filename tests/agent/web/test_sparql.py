@@ -210,6 +210,18 @@ def test_answer_says_of_when_it_is(admin: httpx.Client):
     assert "object/mug" in found.text
 
 
+@pytest.mark.parametrize("count", [3, 2_000])
+def test_lookup_has_all_rows(bare: httpx.Client, count: int):
+    """Few are answered at once, and many by another process; both are all."""
+    turtle = "".join(f"<urn:many> <urn:p> {number} ." for number in range(count))
+    headers = {"Content-Type": "text/turtle"}
+    bare.put("/store", params={"graph": "urn:m"}, content=turtle, headers=headers)
+
+    found = ask(bare, "SELECT ?o { <urn:many> ?p ?o }", accept="text/csv").text.split()
+
+    assert sorted(map(int, found[1:])) == list(range(count))
+
+
 def test_update_changes_what_the_next_query_sees(admin: httpx.Client):
     """It is an utterance of the one whose token it was."""
     changed = admin.post("/update", data={"update": TRUST % "0.25"})

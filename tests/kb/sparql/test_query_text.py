@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from hilt.kb.sparql.query_text import (
     bind_variables,
     errors_as_typed,
+    lookup,
     query_form,
     refuse_external_access,
     syntax_message,
@@ -67,6 +68,42 @@ def test_malformed_value_is_refused():
         bind_variables("SELECT * { ?x ?p ?o }", {"x": Iri("urn:a> }")})
     with pytest.raises(QueryError, match="not the name of a variable"):
         bind_variables("SELECT * { ?x ?p ?o }", {"x } #": 1})
+
+
+@pytest.mark.parametrize(
+    ("query", "limit"),
+    [
+        ("SELECT ?p ?o WHERE { GRAPH <urn:g> { <urn:s> ?p ?o } }", " LIMIT 7"),
+        ("PREFIX x: <urn:x> select * {x:a rdf:type ?o . }", " LIMIT 7"),
+        ("SELECT*{?s ?p ?o} LIMIT 20", ""),
+        ('SELECT ?g { GRAPH ?g { <urn:s> a "x" } }', " LIMIT 7"),
+    ],
+)
+def test_lookup_of_one_pattern_is_known(query: str, limit: str):
+    """It gets a limit, unless it has one."""
+    assert lookup(query, 7) == query + limit
+
+
+@pytest.mark.parametrize(
+    "query",
+    [
+        "SELECT ?s { ?s ?p ?o }",
+        "SELECT ?s { ?s ?p ?s } LIMIT 20",
+        "SELECT ?s { ?s ?p $s } LIMIT 20",
+        "SELECT ?s { ?s ?p ?o } LIMIT 2000",
+        "SELECT DISTINCT ?p { <urn:s> ?p ?o }",
+        "SELECT ?p { <urn:s> ?p ?o . ?o ?q ?r }",
+        "SELECT ?p { <urn:s> ?p ?o FILTER(?o > 1) }",
+        "SELECT ?p { <urn:s> ?p ?o } ORDER BY ?p",
+        "SELECT (COUNT(*) AS ?n) { <urn:s> ?p ?o }",
+        "SELECT ?o { <urn:s> <urn:p>+ ?o }",
+        "ASK { <urn:s> ?p ?o }",
+        "SELECT" + " ?a   " * 50_000 + "{ <urn:s> x }",
+    ],
+)
+def test_what_may_take_long_is_no_lookup(query: str):
+    """More than one pattern, a condition, an order, or an unknown subject without a limit."""
+    assert lookup(query, 7) is None
 
 
 @pytest.mark.parametrize(

@@ -30,7 +30,13 @@ Visit = Callable[..., Visitor]
 
 
 @pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
+def options() -> Sequence[str]:
+    """Further options of Chromium."""
+    return ()
+
+
+@pytest.fixture(scope="module")
+def browser(options: Sequence[str]) -> Iterator[Any]:
     """Chromium without a window; skips where it, Playwright or the page is not there."""
     if CHROMIUM is None:
         pytest.skip("Chromium is not installed: apt-get install chromium")
@@ -38,7 +44,7 @@ def browser() -> Iterator[Any]:
         pytest.skip("the page is not built: make page")
     playwright = pytest.importorskip("playwright.sync_api")
     with playwright.sync_playwright() as started:
-        opened = started.chromium.launch(executable_path=CHROMIUM, args=OPTIONS)
+        opened = started.chromium.launch(executable_path=CHROMIUM, args=[*OPTIONS, *options])
         yield opened
         opened.close()
 

@@ -1,10 +1,12 @@
 /** Requests to the JSON API. Addresses are relative: the page may stand below any path. */
 
 import type {
-  Caller, Episode, Evaluation, Explanation, Graph, Problem, Question, Reply, Results, Rule, Utterance,
+  Caller, Episode, Evaluation, Explanation, Graph, Heard, Problem, Question, Reply, Results, Rule, Utterance,
 } from "./types";
 
 const ROOT = "api/v1";
+const MOST_ALTERNATIVES = 10;
+const MOST_SPOKEN = 2_000; // characters
 
 /** A refusal of the service, in its own words. */
 export class Refusal extends Error {
@@ -19,7 +21,10 @@ export type Query = Record<string, string | number | undefined>;
 export async function request<T>(method: string, path: string, body?: unknown): Promise<T> {
   const headers: Record<string, string> = { Accept: "application/json" };
   const init: RequestInit = { method, headers, credentials: "same-origin" };
-  if (body !== undefined) {
+  if (body instanceof Blob) {
+    headers["Content-Type"] = body.type;
+    init.body = body;
+  } else if (body !== undefined) {
     headers["Content-Type"] = "application/json";
     init.body = JSON.stringify(body);
   }
@@ -50,7 +55,16 @@ export type ToldRule = Rule & { status: string; utterance: Utterance | null };
 
 const rulePath = (id: string) => `rules/${id.replace(/^rule\//, "")}`;
 
-export const hear = (text: string) => request<Reply>("POST", "hear", { text });
+/** Say something; where it was heard, with what may have been said instead. */
+export function hear(text: string, heard?: Heard): Promise<Reply> {
+  const likely = heard?.alternatives.slice(0, MOST_ALTERNATIVES);
+  const alternatives = likely?.map(({ text: other, score }) => ({ text: other, heard: score }));
+  return request("POST", "hear", { text, ...(heard && { heard: heard.heard, alternatives }) });
+}
+
+export const listen = (sound: Blob) => request<Heard>("POST", "listen", sound);
+export const voiceAddress = (text: string) =>
+  `${ROOT}/${withQuery("voice", { text: text.slice(0, MOST_SPOKEN) })}`;
 export const confirm = (id: string, yes: boolean) => request<Reply>("POST", "confirm", { id, yes });
 export const explain = (text: string) => request<Explanation>("POST", "explain", { text });
 export const readHistory = (since: number) =>

@@ -15,6 +15,13 @@ export interface Rule extends Bounds {
   speaker: string;
 }
 
+/** What was heard, with a text for each meaning that it may have, surest first. */
+export interface Heard {
+  text: string;
+  heard: number;
+  alternatives: { text: string; score: number }[];
+}
+
 /** What one utterance of the history did. */
 export interface Utterance {
   sequence: number;
@@ -146,9 +153,11 @@ export interface Reply {
   steps?: Step[];
   error?: Misunderstanding;
   confirm?: string; // the name of a question that waits for yes or no
+  choices?: number; // between which it asks
 }
 
 export interface Problem {
+  type?: string;
   title: string;
   status: number;
   detail: string;

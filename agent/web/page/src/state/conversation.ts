@@ -3,10 +3,11 @@
 import { computed, signal } from "@preact/signals";
 import { confirm, hear, Refusal } from "../api/client";
 import { untilShown } from "./frames";
-import type { Misunderstanding, Reply, Rule, Utterance } from "../api/types";
+import type { Heard, Misunderstanding, Reply, Rule, Utterance } from "../api/types";
 
 const MOST_TURNS = 200; // on the page; the history has all
 const MOST_RECALLED = 50;
+const ORDINALS = ["first", "second", "third", "fourth", "fifth"];
 
 /** One utterance and its answer; it has no number yet while it waits. */
 export interface Turn {
@@ -20,12 +21,14 @@ export interface Turn {
   rules?: Rule[];
   asserts?: string[];
   confirm?: string | undefined;
+  choices?: number | undefined; // from which one is to be taken
   error?: Misunderstanding | undefined;
 }
 
 export const turns = signal<readonly Turn[]>([]);
 export const utterances = signal<readonly Utterance[]>([]);
 export const recalled = signal<readonly string[]>([]);
+export const answered = signal({ text: "" }); // the last answer to what was said on this page
 export const isEmpty = computed(() => utterances.value.length === 0);
 export const lastSequence = computed(() => utterances.value.at(-1)?.sequence ?? 0);
 let count = 0;
@@ -74,16 +77,22 @@ function sequenceOf({ sequence, speaker, predicate, asserts }: Utterance): Parti
 }
 
 function ofReply(reply: Reply): Partial<Turn> {
-  const { said: answer, outcome, rules, confirm: question, error } = reply;
-  return { answer, outcome, rules: rules ?? [], confirm: question, error };
+  const { said: answer, outcome, rules, confirm: question, choices, error } = reply;
+  return { answer, outcome, rules: rules ?? [], confirm: question, choices, error };
 }
 
 /** Say something, and wait for the answer; a refusal is shown as one. */
-export async function say(text: string): Promise<void> {
+export async function say(text: string, heard?: Heard): Promise<void> {
   const key = `p${(count += 1)}`;
   recalled.value = [...recalled.value.filter((each) => each !== text), text].slice(-MOST_RECALLED);
   append({ key, speaker: "", text });
-  await fill(key, hear(text));
+  await fill(key, hear(text, heard));
+}
+
+/** Take one of several choices, by its number from 1 on. */
+export async function choose(turn: Turn, number: number): Promise<void> {
+  change(turn.key, { confirm: undefined });
+  await say(`the ${ORDINALS[number - 1] ?? "last"} one`);
 }
 
 /** Answer a question of Hilt by a button. */
@@ -101,6 +110,7 @@ async function fill(key: string, asked: Promise<Reply>): Promise<void> {
     const reply = await asked;
     await untilShown();
     change(key, ofReply(reply));
+    answered.value = { text: reply.said };
   } catch (error) {
     if (!(error instanceof Refusal)) throw error;
     change(key, { answer: error.message, outcome: "refused" });

@@ -3,8 +3,9 @@ import { useEffect, useRef } from "preact/hooks";
 import { edgeText, RuleChip, showRule } from "../parts/RuleChip";
 import { graph } from "../state/rules";
 import { pane } from "../state/view";
-import { answer, isEmpty, recalled, say, turns, type Turn } from "../state/conversation";
+import { answer, choose, isEmpty, recalled, say, turns, type Turn } from "../state/conversation";
 import { Guide } from "./Guide";
+import { TalkBar } from "./TalkBar";
 
 const EXAMPLES: Record<string, string> = {
   Teach: "To pass a mug grab the mug by the handle.",
@@ -31,6 +32,7 @@ export function Conversation() {
       </div>
       <Guide />
       <Composer />
+      <TalkBar />
     </section>
   );
 }
@@ -47,7 +49,7 @@ function TurnView({ turn }: { turn: Turn }) {
         {isWaiting ? <Dots /> : <p>{turn.answer}</p>}
         {turn.meaning && <MeaningLine text={turn.meaning} />}
         <RuleChips turn={turn} />
-        {turn.confirm !== undefined && <YesOrNo turn={turn} />}
+        {turn.confirm !== undefined && (turn.choices ? <Choices turn={turn} /> : <YesOrNo turn={turn} />)}
         {turn.error && <Nearest turn={turn} />}
       </div>
     </article>
@@ -88,6 +90,18 @@ function YesOrNo({ turn }: { turn: Turn }) {
     <p class="chips">
       <button type="button" class="primary" onClick={() => void answer(turn, true)}>Yes</button>
       <button type="button" onClick={() => void answer(turn, false)}>No</button>
+    </p>
+  );
+}
+
+function Choices({ turn }: { turn: Turn }) {
+  const numbers = Array.from({ length: turn.choices ?? 0 }, (_, i) => i + 1);
+  return (
+    <p class="chips">
+      {numbers.map((number) => (
+        <button key={number} type="button" class="primary" onClick={() => void choose(turn, number)}>{number}</button>
+      ))}
+      <button type="button" onClick={() => void answer(turn, false)}>None of them</button>
     </p>
   );
 }
