@@ -19,10 +19,11 @@ export function TalkBar() {
         onPointerUp={() => end()}
         onPointerLeave={() => end()}
       >
-        <span aria-hidden="true">🎤</span> {SIGNS[talking.value]}
+        <Microphone /> {SIGNS[talking.value]}
       </button>
-      <meter min={0} max={1} value={level.value} aria-label="Loudness" />
-      <span class="transcript" role="status" aria-live="polite">{transcript.value}</span>
+      {talking.value === "listening" && (
+        <meter min={0} max={1} value={level.value} aria-label="Loudness" />
+      )}
       <label class="spoken">
         <input
           type="checkbox"
@@ -31,8 +32,18 @@ export function TalkBar() {
         />
         Speak answers
       </label>
+      <span class="transcript" role="status" aria-live="polite">{transcript.value}</span>
       {mustConsent.value && <Consent />}
     </div>
+  );
+}
+
+function Microphone() {
+  return (
+    <svg class="sign" viewBox="0 0 16 16" aria-hidden="true">
+      <path d="M8 1a2.5 2.5 0 0 0-2.5 2.5v4a2.5 2.5 0 0 0 5 0v-4A2.5 2.5 0 0 0 8 1Z" />
+      <path d="M3.5 7.5a4.5 4.5 0 0 0 9 0M8 12v3" fill="none" stroke="currentColor" stroke-width="1.4" />
+    </svg>
   );
 }
 
