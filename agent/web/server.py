@@ -101,10 +101,19 @@ def make_app(service: Service, gate: Gate, *, secret: str, port: int, folder: Pa
         ("hilt_streams", "Readers of events", lambda: service.hub.readers),
     ):
         Gauge(name, told, registry=registry).set_function(read)
-    if gate.settings.origins:
+    _add_doors(app, gate.settings, registry, secret, port)
+    if STATIC.exists():
+        app.mount("/static", GZipMiddleware(StaticFiles(directory=STATIC)), name="static")
+    return app
+
+
+def _add_doors(
+    app: FastAPI, settings: ServiceSettings, registry: CollectorRegistry, secret: str, port: int
+) -> None:
+    if settings.origins:
         app.add_middleware(
             CORSMiddleware,
-            allow_origins=gate.settings.origins,
+            allow_origins=settings.origins,
             allow_methods=["*"],
             allow_headers=["Authorization", "Content-Type", "Idempotency-Key", "Prefer"],
         )
@@ -113,12 +122,9 @@ def make_app(service: Service, gate: Gate, *, secret: str, port: int, folder: Pa
         secret_key=secret,
         session_cookie=f"hilt_{port}",
         same_site="strict",
-        https_only=gate.settings.has_tls,
+        https_only=settings.has_tls,
     )
-    app.add_middleware(Doorkeeper, settings=gate.settings, registry=registry)
-    if STATIC.exists():
-        app.mount("/static", GZipMiddleware(StaticFiles(directory=STATIC)), name="static")
-    return app
+    app.add_middleware(Doorkeeper, settings=settings, registry=registry)
 
 
 def _base_endpoint(service: Service, gate: Gate) -> SparqlEndpoint | None:

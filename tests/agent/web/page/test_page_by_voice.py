@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shutil
 import subprocess
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +12,7 @@ import pytest
 from scipy.io import wavfile
 from scipy.signal import resample_poly
 
-from ..running_service import RunningService, end, start
+from ..running_service import RunningService
 from .driving import Visitor
 
 pytest.importorskip("pocketsphinx", reason='speech is not installed: pip install "hilt[speech]"')
@@ -37,14 +37,6 @@ def options(microphone: Path) -> Sequence[str]:
     fakes = ("--use-fake-ui-for-media-stream", "--use-fake-device-for-media-stream")
     return (*fakes, f"--use-file-for-fake-audio-capture={microphone}%noloop",
             "--autoplay-policy=no-user-gesture-required")  # fmt: skip
-
-
-@pytest.fixture(scope="module")
-def robot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningService]:
-    """A service over an empty base, with a robot at a table with a knife and a mug."""
-    started = start(tmp_path_factory.mktemp("voice") / "kb", "--scene", "objects:knife,mug")
-    yield started
-    end(started)
 
 
 @pytest.fixture
