@@ -55,13 +55,13 @@ def serve(
     from ..agent import Agent
 
     def ready(url: str, once: str | None, bound: int) -> None:
+        if no_auth or bare:
+            typer.echo("Without keys: every program of this machine may do everything.", err=True)
         document = {"url": url, "key": once, "port": bound}
         announce(document, f"Hilt is at {url}", as_json=as_json)
         if browser and not as_json:
             typer.launch(url)
 
-    if no_auth or bare:
-        typer.echo("Without keys: every program of this machine may do everything.", err=True)
     chosen = server.ServiceSettings(
         *(host, port, tuple(name or ()), tuple(allow_origin or ()), certificate, key),
         *(behind_proxy, not no_auth, speaker),

@@ -85,11 +85,11 @@ def make_app(service: Service, gate: Gate, *, secret: str, port: int, folder: Pa
     )
     app.state.service, app.state.gate, app.state.registry = service, gate, registry
     app.state.evaluations = Evaluations(folder, service.hub)
+    sparql = _base_endpoint(service, gate)
+    app.router.routes.extend(sparql.routes if sparql else [])  # first, for they are asked the most
     own = (routes.talk, routes.knowledge, evaluations.router, routes.administration)
     for router in (*own, streams.router, _health):
         app.include_router(router)
-    sparql = _base_endpoint(service, gate)
-    app.router.routes.extend(sparql.routes if sparql else [])
     models: AbstractAsyncContextManager[None] = nullcontext()
     if find_spec("mcp"):
         from .mcp_server import add_endpoint

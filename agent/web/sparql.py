@@ -117,10 +117,10 @@ class SparqlEndpoint:
     async def _answer(self, request: Request, query: str, **document: Any) -> Response:
         if "fresh" in request.headers.get("prefer", ""):
             self.pool.forget_snapshot()
-        refuse_external_access(query)
-        gone = partial(_disconnected, request)
-        found = self._looked_up(query, document)
-        found = found or await self.pool.answer(query, document, LIMITS, gone=gone)
+        if not (found := self._looked_up(query, document)):
+            refuse_external_access(query)
+            gone = partial(_disconnected, request)
+            found = await self.pool.answer(query, document, LIMITS, gone=gone)
         media_type, body, number = found
         if not media_type:
             raise _refusal(406, "The answer has no form that is accepted.")
