@@ -9,13 +9,13 @@ order; `features`, `functor` and `lower` are required. A semicolon separates sev
 
 import csv
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from functools import lru_cache
+from functools import lru_cache, partial
 from operator import itemgetter
 from typing import Any, TextIO, TypeVar, get_args
 
 from ...ontology.errors import DataError, HiltError, ValidationError
-from ..bulk.nquads_reader import remember
-from ..interval import DIGITS, Interval
+from ..interval import DIGITS, VACUOUS, Interval
+from ..rdf.rule_mapping import ANY as ANY_OBJECT
 from ..rdf.terms import read_time, write_time
 from ..rule import ARGUMENT_KINDS, DEFAULT_SPEAKER, Atom, Rule, Status
 
@@ -103,15 +103,9 @@ def read_source(speaker: str, status: str, time: str) -> dict[str, Any]:
 def read_rule(cells: Sequence[str]) -> Rule:
     """Return the rule of texts, one for each of `COLUMNS`; HiltError if one is malformed."""
     features, contexts, functor, argument, lower, upper, *source = map(str.strip, cells)
-    kind = ARGUMENT_KINDS.get(functor)
-    return Rule(
-        split_atoms(features, FEATURE_KIND),
-        split_atoms(contexts, CONTEXT_KIND),
-        functor,
-        read_atom(argument, kind) if argument else None,
-        read_interval(lower, upper),
-        **read_source(*source),
-    )
+    seen, interval = split_atoms(features, FEATURE_KIND), read_interval(lower, upper)
+    rule = _rule_about_any(contexts, functor, argument, *source)
+    return rule.restated(seen, interval.rounded(), time=rule.time)
 
 
 def write_texts(rule: Rule, *, bare: bool) -> tuple[str, ...]:
@@ -154,7 +148,12 @@ def read_table(lines: Iterable[str], *, source: str) -> Iterator[Rule]:
     """
     rows = _rows(lines, source)
     _, first = next(rows, (1, []))
-    yield from read_all(rows, _RowReader(_header(first, source), source).read)
+    names = _header(first, source)
+    # A column that is missing is found behind the last one.
+    places = (names.index(name) if name in names else len(names) for name in COLUMNS)
+    in_order = itemgetter(*places)
+    read = partial(_read_row, width=len(names), in_order=in_order, source=source)
+    yield from read_all(rows, read)
 
 
 def write_table(target: TextIO, rules: Iterable[Rule]) -> None:
@@ -162,6 +161,19 @@ def write_table(target: TextIO, rules: Iterable[Rule]) -> None:
     writer = csv.writer(target, lineterminator="\n")
     writer.writerow(COLUMNS)
     writer.writerows(write_texts(rule, bare=True) for rule in rules)
+
+
+@lru_cache(maxsize=2**16)
+def _rule_about_any(contexts: str, functor: str, argument: str, *source: str) -> Rule:
+    kind = ARGUMENT_KINDS.get(functor)
+    return Rule(
+        frozenset([ANY_OBJECT]),
+        split_atoms(contexts, CONTEXT_KIND),
+        functor,
+        read_atom(argument, kind) if argument else None,
+        VACUOUS,
+        **read_source(*source),
+    )
 
 
 def _number(text: str, column: str) -> float:
@@ -200,29 +212,14 @@ def _header(names: Sequence[str], source: str) -> list[str]:
     return found
 
 
-class _RowReader:
-    """Makes rules of rows; what several rows share is read once."""
-
-    def __init__(self, names: Sequence[str], source: str) -> None:
-        self._count, self._source = len(names), source
-        # A column that is missing is found behind the last one.
-        places = (names.index(name) if name in names else len(names) for name in COLUMNS)
-        self._in_order = itemgetter(*places)
-        self._known: dict[tuple[str, ...], Rule] = {}
-
-    def read(self, numbered: tuple[int, list[str]]) -> Rule:
-        line, row = numbered
-        try:
-            if len(row) != self._count:
-                raise ValidationError(
-                    [f"expected {self._count} cells, one for each column, found {len(row)}."]
-                )
-            cells = self._in_order((*row, ""))
-            features, *shared, lower, upper, speaker, status, time = cells
-            known = self._known.get(key := (*shared, speaker, status, time))
-            if known is None:
-                return remember(self._known, key, read_rule(cells))
-            seen = split_atoms(features.strip(), FEATURE_KIND)
-            return known.restated(seen, read_interval(lower, upper).rounded(), time=known.time)
-        except HiltError as error:
-            raise DataError(str(error), source=self._source, line=line) from error
+def _read_row(
+    numbered: tuple[int, list[str]], *, width: int, in_order: Callable[..., Any], source: str
+) -> Rule:
+    line, row = numbered
+    try:
+        if len(row) != width:
+            problem = f"expected {width} cells, one for each column, found {len(row)}."
+            raise ValidationError([problem])
+        return read_rule(in_order((*row, "")))
+    except HiltError as error:
+        raise DataError(str(error), source=source, line=line) from error
