@@ -28,9 +28,18 @@ from ..history import ASSERTS, HISTORY, SEQUENCE, Utterance, import_utterance, u
 from ..invariants import check_invariants
 from ..knowledge_base import KnowledgeBase
 from ..rdf import rule_mapping
-from ..rdf.annotated_turtle import ReifyingTriple
 from ..rdf.rule_mapping import BELIEFS, CONTEXT, DERIVED, FEATURE, LABEL, RULE_NODE
-from ..rdf.terms import BASE_GRAPH, BASE_NODE, Properties, Quad, Term
+from ..rdf.terms import (
+    BASE_GRAPH,
+    BASE_NODE,
+    Properties,
+    Quad,
+    ReifyingTriple,
+    StatementGroup,
+    Statements,
+    Term,
+    ungrouped,
+)
 from ..reader import RuleReader
 from ..rule import Rule
 from ..stores.base import EmbeddedStore, Store, batched
@@ -38,7 +47,6 @@ from ..validation import ValidationFinding, raise_findings
 from ..writer import to_milliseconds
 from . import reconciliation
 from .exporter import statements
-from .nquads_reader import StatementGroup, Statements, read_groups, read_quads
 from .reconciliation import AncillaryWrites, ImportConflict, ImportSummary
 from .rule_nquads import NQuadsWriter
 
@@ -86,7 +94,7 @@ def merge(
     The source names the other base in the history; a dry run only finds out what would change.
     ValidationError if the other base breaks a law; nothing has changed.
     """
-    from ..stores.rdf_text import write_rdf_to
+    from ..stores.rdf_text import read_groups, write_rdf_to
 
     with tempfile.SpooledTemporaryFile(_MAX_SPOOLED, prefix="hilt-") as spool:
         stream = cast(BinaryIO, spool)
@@ -294,6 +302,8 @@ def _foreign(keys: tuple[Iri, ...], features: int, contexts: int, argument: str)
 
 
 def _write(store: Store, lines: Iterator[bytes], plan: AncillaryWrites, source: str) -> None:
+    from ..stores.rdf_text import read_groups
+
     # The old sequence number never counts beside the new one, which is higher.
     before = set(store.quads(BASE_NODE, SEQUENCE, None, BASE_GRAPH))
     first, size = list[bytes](), 0
@@ -304,7 +314,7 @@ def _write(store: Store, lines: Iterator[bytes], plan: AncillaryWrites, source: 
             store.load(chain(first, lines))
             first.clear()
     text = io.BytesIO(b"".join(first))
-    read = read_quads(read_groups(text, format="nquads", source=source, default=BELIEFS))
+    read = ungrouped(read_groups(text, format="nquads", source=source, default=BELIEFS))
     insert = [one for one in read if isinstance(one, Quad)]
     store.apply(insert=insert, delete={*plan.delete, *before} - {*plan.insert})
 

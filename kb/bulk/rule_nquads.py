@@ -17,8 +17,8 @@ from ..rdf.rule_mapping import ANY, BELIEFS, DERIVED, FEATURE, GENERATED_AT, LOW
 from ..rdf.terms import DECIMAL, Quad, Term, as_sparql
 from ..rule import Atom, Rule, Status
 from ..stores.base import is_first
-from .nquads_reader import MAX_KNOWN
 
+_MAX_KNOWN = 2**18  # lines of each kind that are remembered
 _MAX_HELD = 2**20  # characters that are passed on at once
 _RULES, _UTTERANCES = PREFIXES["rule"], PREFIXES["utterance"]
 _END, _HISTORY_END, _DERIVED_END = (
@@ -60,9 +60,9 @@ class NQuadsWriter:
     def __init__(self) -> None:
         self._edges: set[object] = set()  # features, with lines of edges
         self._labelled: set[object] = set()  # lines
-        self._name = lru_cache(MAX_KNOWN)(as_sparql)
-        self._shared_lines = lru_cache(MAX_KNOWN)(_shared_lines)
-        self._feature_lines = lru_cache(MAX_KNOWN)(_feature_lines)
+        self._name = lru_cache(_MAX_KNOWN)(as_sparql)
+        self._shared_lines = lru_cache(_MAX_KNOWN)(_shared_lines)
+        self._feature_lines = lru_cache(_MAX_KNOWN)(_feature_lines)
         self._held: list[str] = []
         self._size = 0
 
@@ -86,7 +86,7 @@ class NQuadsWriter:
         if rule.status == "active":
             lines += f"{shared.node}{_RULE}{node}{_DERIVED_END}"
             edges = (rule.features, shared.edges)
-            if asserts and shared.edges and is_first(edges, self._edges, MAX_KNOWN):
+            if asserts and shared.edges and is_first(edges, self._edges, _MAX_KNOWN):
                 if is_single:
                     lines += "".join([features.nodes[0] + edge for edge in shared.edges])
                 else:
@@ -94,7 +94,7 @@ class NQuadsWriter:
         if asserts:
             relation = shared.relation if is_single else _lines(rule_mapping.relation_quads(rule))
         named = (relation, features.labels, shared.labels)
-        new = [some for some in named if is_first(some, self._labelled, MAX_KNOWN)]
+        new = [some for some in named if is_first(some, self._labelled, _MAX_KNOWN)]
         self._write(lines + "".join(new))
 
     def write_property(self, numbers: Iterable[int], key: Iri, value: Term) -> None:

@@ -43,16 +43,6 @@ class CheckedStream(io.RawIOBase):
         """Return True."""
         return True
 
-    def seekable(self) -> bool:
-        """Whether it can be read again."""
-        return self._stream.seekable()
-
-    def seek(self, offset: int, whence: int = 0) -> int:
-        """Move to another place, and count from there."""
-        self._read = self._since_statement = 0
-        self._tail = b""
-        return self._stream.seek(offset, whence)
-
     def report_statement(self) -> None:
         """Note that a statement is complete."""
         self._since_statement = 0

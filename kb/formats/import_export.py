@@ -14,11 +14,11 @@ from typing import BinaryIO, TypeVar, cast
 from ...ontology.vocabulary import split
 from ..bulk.exporter import MAX_SORTED, Progress, scan_rules, statements
 from ..bulk.importer import import_rules, import_statements, merge
-from ..bulk.nquads_reader import StatementGroup, Statements, read_groups, read_quads
 from ..bulk.reconciliation import ImportSummary
 from ..knowledge_base import KnowledgeBase
-from ..rdf.annotated_turtle import ReifyingTriple, expand_annotations, write_annotated
+from ..rdf.annotated_turtle import expand_annotations, write_annotated
 from ..rdf.rule_mapping import BELIEFS, RULE_NODE, rule_quads
+from ..rdf.terms import ReifyingTriple, StatementGroup, Statements, ungrouped
 from ..rule import Rule
 from ..stores.base import Store
 from ..validation import MAX_SHACL, findings, raise_findings, stage
@@ -150,6 +150,8 @@ def read_rules(source: CheckedStream, chosen: FileFormat) -> Iterator[Rule]:
 
 def read_statements(source: CheckedStream, chosen: FileFormat) -> Iterator[Statements]:
     """The statements of an RDF file; those that name no graph are among the beliefs."""
+    from ..stores.rdf_text import read_groups
+
     name = chosen.name.removesuffix("12")
     stream = cast(BinaryIO, source)
     for item in read_groups(stream, format=name, source=source.name, default=BELIEFS):
@@ -170,7 +172,7 @@ def _is_in_order(items: Iterable[Statements]) -> bool:
 
 
 def _staged(items: Iterable[Statements], source: str) -> Store:
-    return stage(expand_annotations(read_quads(items), source=source), source=source)
+    return stage(expand_annotations(ungrouped(items), source=source), source=source)
 
 
 def _write_rules(rules: Iterable[Rule], stream: BinaryIO, name: str) -> None:

@@ -17,11 +17,10 @@ from urllib.parse import quote
 
 from ...ontology.errors import DataError, extra_required
 from ...ontology.vocabulary import INDIVIDUALS, Iri, external, ontology_graph, prefixed
-from ..bulk.nquads_reader import read_groups, read_quads
 from ..history import import_utterance
 from ..knowledge_base import KnowledgeBase
 from ..rdf.rule_mapping import LABEL, TYPE
-from ..rdf.terms import Literal, Quad, Term, is_blank
+from ..rdf.terms import Literal, Quad, Term, is_blank, ungrouped
 from ..writer import to_milliseconds
 from .file_streams import open_input
 from .registry import FileFormat, format_of
@@ -77,6 +76,8 @@ def import_ontology(
 
 
 def _read(file: str, given: str | None, graph: Iri) -> Iterator[Quad]:
+    from ..stores.rdf_text import read_groups
+
     suffix = Path(file.lower().removesuffix(".gz")).suffix
     if given is None and suffix in _TABLES:
         with open_input(file, FileFormat("table", (suffix,))) as source:
@@ -100,7 +101,7 @@ def _read(file: str, given: str | None, graph: Iri) -> Iterator[Quad]:
                 except (ValueError, UnicodeDecodeError) as error:
                     raise DataError(f"cannot be read: {error}", source=file) from error
             stream, form = io.BytesIO(data), "rdfxml"
-        for one in read_quads(read_groups(stream, format=form, source=file, default=graph)):
+        for one in ungrouped(read_groups(stream, format=form, source=file, default=graph)):
             if not isinstance(one, Quad):
                 raise DataError("statements about statements (RDF 1.2) are not kept.", source=file)
             yield one

@@ -11,14 +11,13 @@ import re
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import groupby
-from typing import NamedTuple
 
 from ...ontology.errors import DataError
 from ...ontology.vocabulary import PREFIXES, Iri, external, iri, prefixed, shortened, split, term
 from ..rule import DEFAULT_SPEAKER, GRASP_OBJECT, USED_FOR
 from . import rule_mapping
 from .rule_mapping import BELIEFS
-from .terms import Properties, Quad, Term, as_sparql, is_blank
+from .terms import AnnotatedEdge, Properties, Quad, ReifyingTriple, Term, as_sparql, is_blank
 
 REIFIES = external("rdf:reifies")
 _FUNCTORS = {term("usedFor"): USED_FOR, term("graspedBy"): GRASP_OBJECT}
@@ -28,23 +27,6 @@ _CLASSES: Mapping[tuple[str | None, Iri], str] = {
 }
 _BOUNDS = (rule_mapping.LOWER, rule_mapping.UPPER)
 _LOCAL = re.compile(r"[A-Za-z0-9_-]+(\.[A-Za-z0-9_-]+)*")
-
-
-class AnnotatedEdge(NamedTuple):
-    """A statement that is annotated; it need not be asserted."""
-
-    subject: Iri
-    predicate: Iri
-    object: Term
-
-
-class ReifyingTriple(NamedTuple):
-    """The statement that a node reifies an edge."""
-
-    subject: Iri
-    predicate: Iri
-    edge: AnnotatedEdge
-    graph: Iri | None = None
 
 
 def expand_annotations(statements: Iterable[Quad | ReifyingTriple], *, source: str) -> list[Quad]:

@@ -8,7 +8,7 @@ Literals are compared by value: engines write the decimal 1.0 as 1, and 1.50 as 
 """
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from datetime import datetime, timedelta, timezone
 from decimal import Decimal, InvalidOperation
@@ -57,6 +57,44 @@ class Quad(NamedTuple):
 # A predicate and an object, and all those of a node.
 Property: TypeAlias = "tuple[Iri, Term]"
 Properties: TypeAlias = "list[Property]"
+
+
+class StatementGroup(NamedTuple):
+    """Consecutive statements about one subject in one graph."""
+
+    node: Iri
+    graph: Iri
+    pairs: Properties
+
+
+class AnnotatedEdge(NamedTuple):
+    """A statement that is annotated; it need not be asserted."""
+
+    subject: Iri
+    predicate: Iri
+    object: Term
+
+
+class ReifyingTriple(NamedTuple):
+    """The statement that a node reifies an edge."""
+
+    subject: Iri
+    predicate: Iri
+    edge: AnnotatedEdge
+    graph: Iri
+
+
+# What an RDF text is read into.
+Statements: TypeAlias = "StatementGroup | ReifyingTriple"
+
+
+def ungrouped(items: "Iterable[Statements]") -> "Iterator[Quad | ReifyingTriple]":
+    """Iterate over the statements of items."""
+    for item in items:
+        if isinstance(item, ReifyingTriple):
+            yield item
+        else:
+            yield from (Quad(item.node, key, value, item.graph) for key, value in item.pairs)
 
 
 def is_blank(term: "Term | None") -> bool:

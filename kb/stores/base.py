@@ -136,6 +136,25 @@ def is_first(thing: object, known: set[object], most: int) -> bool:
     return True
 
 
+class ChunkReader:
+    """A file of chunks of bytes, as pyoxigraph reads it."""
+
+    def __init__(self, chunks: Iterable[bytes]) -> None:
+        self._chunks = iter(chunks)
+        self._held = memoryview(b"")
+
+    def read(self, size: int = -1) -> bytes:
+        """At most `size` bytes, or those of a chunk; none at the end."""
+        while not self._held:
+            chunk = next(self._chunks, None)
+            if chunk is None:
+                return b""
+            self._held = memoryview(chunk)
+        end = len(self._held) if size < 0 else size
+        found, self._held = bytes(self._held[:end]), self._held[end:]
+        return found
+
+
 def batched(things: Iterable[T], size: int) -> Iterator[list[T]]:
     """Iterate over lists of so many things; the last may be shorter."""
     rest = iter(things)

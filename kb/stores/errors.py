@@ -40,8 +40,6 @@ def translated_text_errors(source: str) -> Generator[None]:
         yield
     except MemoryError as error:
         raise DataError("has a text or name of more than 16 MB.", source=source) from error
-    except UnicodeDecodeError as error:
-        raise DataError("expected UTF-8 text.", source=source) from error
     except HiltError:
         raise
     except (ValueError, OSError) as error:
@@ -74,15 +72,17 @@ def open_error(folder: Path, error: Exception) -> StoreError:
     return StoreError(f'The knowledge base "{folder}" cannot be created: {_short(error)}')
 
 
-def syntax_error(error: SyntaxError, source: str, text: str, line: int = 0) -> DataError:
-    """The error in an RDF text; `line` where pyoxigraph was given only that line."""
+def syntax_error(error: SyntaxError, source: str, text: str) -> DataError:
+    """The error in an RDF text; `text` is the line with it."""
     problem = error.msg.partition(": ")[2] or error.msg  # the position stands before it
     if _REMOTE_CONTEXT in problem:
         problem = "a context from elsewhere is refused; write it into the file"
+    if problem.startswith("Invalid UTF-8"):
+        problem = "expected UTF-8 text"
     return DataError(
         problem.rstrip(".") + ".",
         source=source,
-        line=line or error.lineno or 0,
+        line=error.lineno or 0,
         column=error.offset or 0,
         text=text.rstrip()[:500],
     )

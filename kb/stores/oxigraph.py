@@ -27,7 +27,7 @@ from ..rdf.terms import Properties, Quad, Term
 from ..sparql import results
 from ..sparql.query_text import delete_insert, keywords
 from . import directory
-from .base import MEMORY, last_utterance
+from .base import MEMORY, ChunkReader, last_utterance
 from .errors import open_error, translated_errors
 from .mark import WriteAheadLogSync, check_files, check_number
 from .query_subprocess import WorkerProcess
@@ -183,7 +183,7 @@ class OxigraphStore:
         the generator is passed on, and nothing is added.
         """
         with self._changing() as store:
-            stream = cast(BinaryIO, _ChunkReader(lines))
+            stream = cast(BinaryIO, ChunkReader(lines))
             try:
                 # Lenient: Hilt has checked the lines; checking them again takes a tenth longer.
                 form = engine.RdfFormat.N_QUADS
@@ -300,22 +300,6 @@ class OxigraphStore:
             yield store
             if self._log and not self._log.sync(last_utterance(self)):
                 self._write_tables(store)
-
-
-class _ChunkReader:
-    def __init__(self, chunks: Iterable[bytes]) -> None:
-        self._chunks = iter(chunks)
-        self._held = memoryview(b"")
-
-    def read(self, size: int = -1) -> bytes:
-        while not self._held:
-            chunk = next(self._chunks, None)
-            if chunk is None:
-                return b""
-            self._held = memoryview(chunk)
-        end = len(self._held) if size < 0 else size
-        found, self._held = bytes(self._held[:end]), self._held[end:]
-        return found
 
 
 def open_memory(*, read_only: bool = False) -> OxigraphStore:

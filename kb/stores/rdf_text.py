@@ -6,21 +6,34 @@ Rows are JSON, CSV, TSV or XML of SPARQL 1.1, booleans JSON or XML, statements a
 import io
 import json
 import re
+from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import lru_cache
-from itertools import islice
+from itertools import groupby
+from operator import attrgetter
 from typing import Any, BinaryIO, cast
 
 import pyoxigraph as engine
 
 from ...ontology.errors import DataError, QueryError
 from ...ontology.vocabulary import PREFIXES, Iri, shortened
-from ..rdf.annotated_turtle import AnnotatedEdge, ReifyingTriple
 from ..rdf.rule_mapping import KEYS, TYPE
-from ..rdf.terms import LANGUAGE_TEXT, STRING, Quad, Term, lexical, literal
+from ..rdf.terms import (
+    LANGUAGE_TEXT,
+    STRING,
+    AnnotatedEdge,
+    Property,
+    Quad,
+    ReifyingTriple,
+    StatementGroup,
+    Statements,
+    Term,
+    lexical,
+    literal,
+)
 from ..sparql.results import RDF_12_UNSUPPORTED, BooleanResult, ConstructResult, QueryResult
-from .base import EmbeddedStore, EngineQuad, Store, batched
-from .errors import syntax_error, translated_errors
+from .base import ChunkReader, EmbeddedStore, EngineQuad, Store, batched
+from .errors import syntax_error, translated_errors, translated_text_errors
 
 RDF_FORMATS = {
     "turtle": engine.RdfFormat.TURTLE,
@@ -30,10 +43,8 @@ RDF_FORMATS = {
     "jsonld": engine.RdfFormat.JSON_LD,
     "rdfxml": engine.RdfFormat.RDF_XML,
 }
-_LINE_FORMATS = frozenset({"nquads", "ntriples"})  # one statement a line
-_MAX_LINE = 2**20  # bytes of a line that an error message looks at
+MAX_GROUP = 10_000  # statements; many more rules than that may hang on one node
 _CHUNK = 2**18  # bytes that are read at once
-_BATCH = 10_000  # statements that are made into text at once
 _NOT_IN_XML = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\ufffe\uffff]")
 
 
@@ -61,7 +72,7 @@ def quad_from_engine(quad: engine.Quad) -> Quad:
 
 
 @lru_cache(maxsize=2**16)
-def property_from_engine(predicate: engine.NamedNode, value: Any) -> tuple[Iri, Term]:
+def property_from_engine(predicate: engine.NamedNode, value: Any) -> Property:
     """The property that a pyoxigraph predicate and object are; errors as for `from_engine`."""
     return shared_iri(predicate.value), from_engine(value)
 
@@ -99,39 +110,37 @@ def quad_to_engine(quad: Quad) -> engine.Quad:
     )
 
 
-def read_line(
-    line: str, *, format: str, source: str, default: Iri, number: int
-) -> list[Quad | ReifyingTriple]:
-    """The statements of a line, in the graph `default` if they name none; DataError if wrong."""
-    try:
-        return [
-            _statement(quad, default) for quad in engine.parse(line, format=RDF_FORMATS[format])
-        ]
-    except SyntaxError as error:
-        raise syntax_error(error, source, line, number) from error
+def read_groups(
+    stream: BinaryIO, *, format: str, source: str, default: Iri
+) -> Iterator[Statements]:
+    """Iterate over the statements of an RDF text, those about one subject together.
+
+    The text is UTF-8 in one of `RDF_FORMATS`; statements without a graph are of `default`.
+    DataError if the text is malformed; says where.
+    """
+    text = _RecentLines(stream)
+    with translated_text_errors(source):
+        try:
+            found = engine.parse(cast(BinaryIO, text), format=RDF_FORMATS[format])
+            for (node, graph), some in groupby(found, attrgetter("subject", "graph_name")):
+                place = default if isinstance(graph, engine.DefaultGraph) else from_engine(graph)
+                for part in batched(some, MAX_GROUP):
+                    yield from _grouped(cast(Iri, from_engine(node)), cast(Iri, place), part)
+        except SyntaxError as error:
+            raise syntax_error(error, source, text.line(error.lineno or 0)) from error
 
 
-def line_format(format: str) -> str:
-    """The line-based format that holds what an RDF format holds: "nquads" or "ntriples"."""
-    if format in _LINE_FORMATS:
-        return format
-    return "nquads" if RDF_FORMATS[format].supports_datasets else "ntriples"
-
-
-def read_lines(stream: BinaryIO, *, format: str, source: str) -> Iterator[bytes]:
-    """Chunks of an RDF text, in its `line_format`; a DataError says where it is wrong."""
-    chosen = RDF_FORMATS[format]
-    if format in _LINE_FORMATS:
-        while chunk := stream.read(_CHUNK):
-            yield chunk
-        return
-    lines = RDF_FORMATS[line_format(format)]
-    try:
-        for some in batched(engine.parse(stream, format=chosen), _BATCH):
-            written = some if chosen.supports_datasets else [quad.triple for quad in some]
-            yield cast(bytes, engine.serialize(written, format=lines))
-    except SyntaxError as error:
-        raise syntax_error(error, source, _line(stream, error.lineno or 0)) from error
+def _grouped(node: Iri, graph: Iri, quads: Iterable[engine.Quad]) -> Iterator[Statements]:
+    pairs = list[Property]()
+    for quad in quads:
+        key, value = quad.predicate, quad.object
+        if isinstance(value, engine.Triple):
+            edge = AnnotatedEdge(*cast("list[Any]", [from_engine(part) for part in value]))
+            yield ReifyingTriple(node, shared_iri(key.value), edge, graph)
+        else:
+            pairs.append(property_from_engine(key, value))
+    if pairs:
+        yield StatementGroup(node, graph, pairs)
 
 
 def read_triples(data: bytes, *, source: str) -> list[Quad]:
@@ -201,23 +210,23 @@ def write_result(found: QueryResult, format: str) -> str:
     return RESULT_FORMATS[format](found)
 
 
-def _statement(quad: engine.Quad, default: Iri) -> Quad | ReifyingTriple:
-    graph: Any = quad.graph_name
-    subject, predicate = cast(Iri, from_engine(quad.subject)), shared_iri(quad.predicate.value)
-    place = default if isinstance(graph, engine.DefaultGraph) else shared_iri(graph.value)
-    value: Any = quad.object
-    if isinstance(value, engine.Triple):
-        parts = cast("list[Any]", [from_engine(part) for part in value])
-        return ReifyingTriple(subject, predicate, AnnotatedEdge(*parts), place)
-    return Quad(subject, predicate, from_engine(value), place)
+class _RecentLines(ChunkReader):
+    """A text that is read in chunks, of which the last two are kept for messages."""
 
+    def __init__(self, stream: BinaryIO) -> None:
+        super().__init__(self._noted(iter(lambda: stream.read(_CHUNK), b"")))
+        self._recent, self._first = deque[bytes](), 1  # the number of their first line
 
-def _line(stream: BinaryIO, number: int) -> str:
-    if not number or not stream.seekable():
-        return ""
-    stream.seek(0)
-    text = next(islice(iter(lambda: stream.readline(_MAX_LINE), b""), number - 1, None), b"")
-    return text.decode("utf-8", "replace")
+    def line(self, number: int) -> str:
+        lines = b"".join(self._recent).split(b"\n")[max(0, number - self._first) :]
+        return lines[0].decode("utf-8", "replace") if lines and number >= self._first else ""
+
+    def _noted(self, chunks: Iterable[bytes]) -> Iterator[bytes]:
+        for chunk in chunks:
+            if len(self._recent) == 2:
+                self._first += self._recent.popleft().count(b"\n")
+            self._recent.append(chunk)
+            yield chunk
 
 
 def _checked_for_xml(quad: engine.Quad) -> engine.Quad:

@@ -8,7 +8,6 @@ from pathlib import Path
 
 import pytest
 
-from hilt.kb.bulk.nquads_reader import read_groups, read_quads
 from hilt.kb.formats.import_export import export_file, import_file
 from hilt.kb.interval import Interval
 from hilt.kb.knowledge_base import (
@@ -21,10 +20,10 @@ from hilt.kb.knowledge_base import (
     version_quad,
 )
 from hilt.kb.rdf.rule_mapping import BELIEFS, DERIVED
-from hilt.kb.rdf.terms import Quad
+from hilt.kb.rdf.terms import Quad, ungrouped
 from hilt.kb.rule import Atom
 from hilt.kb.stores.oxigraph import OxigraphStore, save_quads
-from hilt.kb.stores.rdf_text import write_rdf
+from hilt.kb.stores.rdf_text import read_groups, write_rdf
 from hilt.kb.validation import check_invariants, check_shapes
 from hilt.ontology.errors import StoreError
 from hilt.ontology.vocabulary import external, iri, split, term
@@ -98,7 +97,7 @@ def statements(file: Path) -> list[Quad]:
     """The statements of a file."""
     form = "nquads" if file.suffix == ".nq" else "trig"
     text = io.BytesIO(file.read_bytes())
-    found = read_quads(read_groups(text, format=form, source="x", default=iri("graph", "base")))
+    found = ungrouped(read_groups(text, format=form, source="x", default=iri("graph", "base")))
     return [each for each in found if isinstance(each, Quad)]
 
 

@@ -19,15 +19,15 @@ from hypothesis import strategies as st
 
 from hilt.kb.bulk import exporter
 from hilt.kb.bulk.exporter import scan_rules
-from hilt.kb.bulk.nquads_reader import read_groups, read_quads
 from hilt.kb.formats import import_export
 from hilt.kb.formats.import_export import write_base
 from hilt.kb.rdf import rule_mapping
 from hilt.kb.rdf.rule_mapping import BELIEFS
-from hilt.kb.rdf.terms import Literal, Quad, Term, as_sparql
+from hilt.kb.rdf.terms import Literal, Quad, Term, as_sparql, ungrouped
 from hilt.kb.rule import Rule, Status
 from hilt.kb.stores.base import Store
 from hilt.kb.stores.oxigraph import open_folder, open_memory
+from hilt.kb.stores.rdf_text import read_groups
 from hilt.ontology.errors import ValidationError
 from hilt.ontology.vocabulary import Iri, iri, term
 
@@ -84,7 +84,7 @@ def written(
     with filled(kind, quads) as store:
         count = write_base(store, stream, format=form, rules_only=rules_only)
     stream.seek(0)
-    found = read_quads(read_groups(stream, format=form, source="x", default=BELIEFS))
+    found = ungrouped(read_groups(stream, format=form, source="x", default=BELIEFS))
     return spelled(quad for quad in found if isinstance(quad, Quad)), count
 
 

@@ -9,13 +9,12 @@ from decimal import Decimal
 import pytest
 
 from hilt.kb.bulk.importer import import_statements
-from hilt.kb.bulk.nquads_reader import read_groups
 from hilt.kb.knowledge_base import KnowledgeBase
 from hilt.kb.rdf import rule_mapping
 from hilt.kb.rdf.rule_mapping import ATTRIBUTED_TO, BELIEFS, FUNCTOR, LOWER, PART, STATUS, UPPER
 from hilt.kb.rdf.terms import Quad, Term
 from hilt.kb.rule import Atom, Rule
-from hilt.kb.stores.rdf_text import write_rdf
+from hilt.kb.stores.rdf_text import read_groups, write_rdf
 from hilt.ontology.errors import ValidationError
 from hilt.ontology.vocabulary import Iri, iri, term
 

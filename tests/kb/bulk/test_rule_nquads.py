@@ -11,12 +11,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hilt.kb.bulk.nquads_reader import StatementGroup, Statements, read_groups, read_quads
 from hilt.kb.bulk.rule_nquads import NQuadsWriter
 from hilt.kb.rdf import rule_mapping
 from hilt.kb.rdf.rule_mapping import BELIEFS, rule_quads
+from hilt.kb.rdf.terms import StatementGroup, Statements, ungrouped
 from hilt.kb.rule import Rule
-from hilt.kb.stores.rdf_text import write_rdf
+from hilt.kb.stores.rdf_text import read_groups, write_rdf
 from hilt.ontology.errors import ValidationError
 
 from ..conftest import BLADE
@@ -45,7 +45,7 @@ def written(some: list[Rule]) -> set[object]:
     for rule in some:
         writer.write_rule(rule)
     stream = io.BytesIO(b"".join(writer.taken(0)))
-    return set(read_quads(read_groups(stream, format="nquads", source="x", default=BELIEFS)))
+    return set(ungrouped(read_groups(stream, format="nquads", source="x", default=BELIEFS)))
 
 
 def mapped(some: list[Rule]) -> set[object]:

@@ -14,12 +14,11 @@ from pathlib import Path
 
 import pytest
 
-from hilt.kb.bulk.nquads_reader import read_groups, read_quads
-from hilt.kb.rdf.terms import Quad
+from hilt.kb.rdf.terms import Quad, ungrouped
 from hilt.kb.stores import directory
 from hilt.kb.stores.base import EmbeddedStore
 from hilt.kb.stores.opening import open_store
-from hilt.kb.stores.rdf_text import write_rdf
+from hilt.kb.stores.rdf_text import read_groups, write_rdf
 from hilt.ontology.errors import DataError, StoreError
 from hilt.ontology.vocabulary import Iri
 
@@ -141,7 +140,7 @@ def test_store_is_not_used_after_a_fork(tmp_path: Path):
 def read(text: bytes) -> list[object]:
     """The statements of a text of Turtle."""
     return list(
-        read_quads(read_groups(io.BytesIO(text), format="turtle", source="x.ttl", default=G))
+        ungrouped(read_groups(io.BytesIO(text), format="turtle", source="x.ttl", default=G))
     )
 
 
