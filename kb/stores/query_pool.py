@@ -14,11 +14,11 @@ from collections.abc import Callable, Coroutine, Mapping
 from contextlib import suppress
 from typing import Any, TypeAlias, cast
 
-from ...ontology.errors import BusyError, HiltError
+from ...ontology.errors import BusyError
 from ..sparql.results import QueryLimits
 from .directory import Snapshot
 from .oxigraph import OxigraphStore
-from .query_subprocess import COMMAND, SIZE_BYTES, exit_error
+from .query_subprocess import COMMAND, SIZE_BYTES, checked_answer, exit_error
 
 PROCESSES = 4
 LONG_S = 1.0  # from here on a query counts as one that takes long
@@ -58,11 +58,7 @@ class QueryPool:
         snapshot = await self._current()
         request = {"query": query, "document": document, "megabytes": limits.megabytes}
         answer = await self._ask({**request, "source": str(snapshot.path)}, limits, gone)
-        if isinstance(answer, MemoryError):
-            raise limits.memory_error()
-        if isinstance(answer, HiltError):
-            raise answer
-        return *answer, snapshot.number
+        return *checked_answer(answer, limits), snapshot.number
 
     async def close(self) -> None:
         """End the processes, when no query runs any more."""

@@ -35,11 +35,7 @@ class WorkerProcess:
         """
         with self._lock:
             answer = self._answer({**fields, "megabytes": limits.megabytes}, limits)
-        if isinstance(answer, MemoryError):
-            raise limits.memory_error()
-        if isinstance(answer, HiltError):
-            raise answer
-        return answer
+        return checked_answer(answer, limits)
 
     def close(self) -> None:
         """End the process."""
@@ -77,6 +73,15 @@ class WorkerProcess:
                 COMMAND, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL
             )
         return self._process
+
+
+def checked_answer(answer: Any, limits: QueryLimits) -> Any:
+    """The answer of a process; raises it if it is an error."""
+    if isinstance(answer, MemoryError):
+        raise limits.memory_error()
+    if isinstance(answer, HiltError):
+        raise answer
+    return answer
 
 
 def exit_error(code: int, limits: QueryLimits, *, was_stopped: bool) -> QueryError:
