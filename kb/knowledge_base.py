@@ -28,7 +28,7 @@ from .history import HISTORY, read_utterance, utterance_quads
 from .interval import CERTAIN
 from .rdf.domain import DOMAIN, DOMAIN_HASH, content_hash, domain_quads
 from .rdf.rule_mapping import BELIEFS, DERIVED, TYPE, read_rule, rule_quads
-from .rdf.terms import BASE_GRAPH, BASE_NODE, Properties, Quad, Term, as_sparql
+from .rdf.terms import BASE_GRAPH, BASE_NODE, Properties, Quad, Term, as_line, as_sparql
 from .rule import DEFAULT_SPEAKER
 from .sparql import query_text
 from .sparql.named_queries import named_query
@@ -223,7 +223,7 @@ class KnowledgeBase(RuleWriter, AbstractContextManager["KnowledgeBase"]):
             seen = set[object]()
             new = batched((q for q in derived_quads(store) if is_first(q, seen, _MAX_SEEN)), _BATCH)
             if isinstance(store, EmbeddedStore):
-                store.load("".join(map(_line, some)).encode() for some in new)
+                store.load("".join(map(as_line, some)).encode() for some in new)
             else:
                 for some in new:
                     store.apply(insert=some)
@@ -284,7 +284,3 @@ _SOURCES: Mapping[Iri, tuple[str, Callable[[Iri, Properties], Iterable[Quad]]]] 
     HISTORY: ("utterance", lambda _, found: utterance_quads(read_utterance(found))),
     EPISODES: ("", observation_quads),
 }
-
-
-def _line(quad: Quad) -> str:
-    return " ".join(as_sparql(part) for part in quad if part is not None) + " .\n"

@@ -141,6 +141,11 @@ def as_sparql(term: Term) -> str:
     return quoted if datatype == STRING else f"{quoted}^^{as_sparql(Iri(datatype))}"
 
 
+def as_line(quad: Quad) -> str:
+    """A statement, with its graph if it has one, as a line of N-Quads; as `as_sparql`."""
+    return " ".join(as_sparql(part) for part in quad if part is not None) + " .\n"
+
+
 def write_time(time: datetime) -> str:
     """The xsd:dateTime in UTC of a time, with milliseconds if any; ValueError without a zone."""
     if time.tzinfo is None:

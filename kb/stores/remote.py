@@ -19,7 +19,7 @@ from urllib.parse import urlencode, urljoin
 
 from ...ontology.errors import QueryError, StoreError
 from ...ontology.vocabulary import GRAPH_NAMES, Iri, iri, is_ontology
-from ..rdf.terms import Quad, Term, as_sparql
+from ..rdf.terms import Quad, Term, as_line, as_sparql
 from ..sparql import query_text
 from ..sparql.results import (
     BooleanResult,
@@ -265,7 +265,7 @@ class RemoteStore(ReadableStore):
 
     def _insert(self, graph: Iri, quads: Sequence[Quad]) -> None:
         if self._address.graphs:
-            lines = (" ".join(map(as_sparql, quad[:3])) + " .\n" for quad in quads)
+            lines = (as_line(quad._replace(graph=None)) for quad in quads)
             self._transport.post(
                 f"{self._address.graphs}?{urlencode({'graph': graph})}",
                 content="".join(lines).encode(),
