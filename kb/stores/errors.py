@@ -33,19 +33,6 @@ def translated_errors(location: str, text: str = "") -> Generator[None]:
         raise QueryError(syntax_message(str(error), text)) from error
 
 
-@contextmanager
-def translated_text_errors(source: str) -> Generator[None]:
-    """Raise what goes wrong while an RDF text is read as DataError, with the text's name."""
-    try:
-        yield
-    except MemoryError as error:
-        raise DataError("has a text or name of more than 16 MB.", source=source) from error
-    except HiltError:
-        raise
-    except (ValueError, OSError) as error:
-        raise DataError(_short(error), source=source) from error
-
-
 def open_error(folder: Path, error: Exception) -> StoreError:
     """The error that says why a folder cannot be opened, and what to do."""
     if isinstance(error, StoreError):
@@ -72,8 +59,12 @@ def open_error(folder: Path, error: Exception) -> StoreError:
     return StoreError(f'The knowledge base "{folder}" cannot be created: {_short(error)}')
 
 
-def syntax_error(error: SyntaxError, source: str, text: str) -> DataError:
-    """The error in an RDF text; `text` is the line with it."""
+def text_error(error: Exception, source: str, text: str = "") -> DataError:
+    """The error that says what is wrong with an RDF text; `text` is the line with it."""
+    if isinstance(error, MemoryError):
+        return DataError("has a text or name of more than 16 MB.", source=source)
+    if not isinstance(error, SyntaxError):
+        return DataError(_short(error), source=source)
     problem = error.msg.partition(": ")[2] or error.msg  # the position stands before it
     if _REMOTE_CONTEXT in problem:
         problem = "a context from elsewhere is refused; write it into the file"

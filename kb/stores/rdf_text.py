@@ -15,7 +15,7 @@ from typing import Any, BinaryIO, cast
 
 import pyoxigraph as engine
 
-from ...ontology.errors import DataError, QueryError
+from ...ontology.errors import DataError, HiltError, QueryError
 from ...ontology.vocabulary import PREFIXES, Iri, shortened
 from ..rdf.rule_mapping import KEYS, TYPE
 from ..rdf.terms import (
@@ -33,7 +33,7 @@ from ..rdf.terms import (
 )
 from ..sparql.results import RDF_12_UNSUPPORTED, BooleanResult, ConstructResult, QueryResult
 from .base import ChunkReader, EmbeddedStore, EngineQuad, Store, batched
-from .errors import syntax_error, translated_errors, translated_text_errors
+from .errors import text_error, translated_errors
 
 RDF_FORMATS = {
     "turtle": engine.RdfFormat.TURTLE,
@@ -119,15 +119,16 @@ def read_groups(
     DataError if the text is malformed; says where.
     """
     text = _RecentLines(stream)
-    with translated_text_errors(source):
-        try:
-            found = engine.parse(cast(BinaryIO, text), format=RDF_FORMATS[format])
-            for (node, graph), some in groupby(found, attrgetter("subject", "graph_name")):
-                place = default if isinstance(graph, engine.DefaultGraph) else from_engine(graph)
-                for part in batched(some, MAX_GROUP):
-                    yield from _grouped(cast(Iri, from_engine(node)), cast(Iri, place), part)
-        except SyntaxError as error:
-            raise syntax_error(error, source, text.line(error.lineno or 0)) from error
+    try:
+        found = engine.parse(cast(BinaryIO, text), format=RDF_FORMATS[format])
+        for (node, graph), some in groupby(found, attrgetter("subject", "graph_name")):
+            place = default if isinstance(graph, engine.DefaultGraph) else from_engine(graph)
+            for part in batched(some, MAX_GROUP):
+                yield from _grouped(cast(Iri, from_engine(node)), cast(Iri, place), part)
+    except HiltError:
+        raise
+    except (SyntaxError, MemoryError, ValueError, OSError) as error:
+        raise text_error(error, source, text.line(getattr(error, "lineno", 0) or 0)) from error
 
 
 def _grouped(node: Iri, graph: Iri, quads: Iterable[engine.Quad]) -> Iterator[Statements]:
@@ -159,7 +160,7 @@ def as_ntriples(data: bytes, *, media_type: str, base: str) -> str:
         found = engine.parse(data, format=chosen, base_iri=base, rename_blank_nodes=True)
         triples = [quad.triple for quad in found]
     except SyntaxError as error:
-        raise syntax_error(error, media_type, "") from error
+        raise text_error(error, media_type) from error
     return cast(bytes, engine.serialize(triples, format=engine.RdfFormat.N_TRIPLES)).decode()
 
 
