@@ -10,7 +10,7 @@ from dataclasses import replace
 from itertools import chain
 
 from ...inference.taxonomy import Taxonomy
-from ...kb.interval import VACUOUS
+from ...kb.interval import CERTAIN, VACUOUS
 from ...kb.rule import Atom, Rule
 from ...nlu.lexicon.vocabulary import NewWord
 from ...nlu.semantics import meaning
@@ -129,10 +129,12 @@ class BeliefRevision:
     def open_topic(self, turn: UnderstoodTurn, said: meaning.TopicStatement) -> Reply:
         """Ask about what the speaker wants to speak of, which may be a new thing."""
         conversation = self._conversation
-        spoken = conversation.say(AnswerContent("topic", {"object": said.topic}))
+        conversation.noted[said.topic] |= {Atom("property", name): CERTAIN for name in said.props}
+        key, slots = "noted" if said.props else "topic", {"properties": said.props}
+        spoken = conversation.say(AnswerContent(key, {"object": said.topic, **slots}))
         conversation.believe(turn, (), spoken, turn.understood.new_words, kind="topic")
         conversation.wait_for(turn)
-        return conversation.reply(turn, spoken)
+        return conversation.reply(turn, spoken, "asked" if said.props else "done")
 
     def _new_names(self, said: Lesson, turn: UnderstoodTurn) -> Iterator[NewWord]:
         known = {meaning.ANY_OBJECT, *(word.word for word in turn.understood.new_words)}

@@ -3,6 +3,7 @@
 The parts of the dialogue manager share one `Conversation`, and change its state between turns.
 """
 
+from collections import defaultdict
 from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass, replace
 from typing import Any, Literal
@@ -11,7 +12,7 @@ from ...kb.history import IMPORT
 from ...kb.interval import Interval
 from ...kb.knowledge_base import KnowledgeBase
 from ...kb.learned import LearnedPhrase
-from ...kb.rule import Rule
+from ...kb.rule import Atom, Rule
 from ...nlu.language import Language
 from ...nlu.lexicon.vocabulary import NewWord
 from ...nlu.offers.meaning_shapes import MeaningShape
@@ -79,7 +80,8 @@ class Conversation:
         self.listener = self.unanswered = self.last_said = ""
         self.last_done: Reply | None = None  #: the reply to the last command
         self.control_done: AnswerContent | None = None  #: what a control did since then
-        #: the utterance because of which the last command was not carried out
+        self.noted = defaultdict[str, dict[Atom, Interval]](dict)  #: what kinds at hand are like
+        #: the utterance because of which the last command was not carried out, or was ended
         self.prohibition: Understanding | None = None
 
     def notice_others(self) -> bool:

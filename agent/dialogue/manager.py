@@ -208,7 +208,8 @@ class DialogueManager:
 
     def _start(self, turn: UnderstoodTurn, requests: Sequence[Request]) -> Reply:
         conversation = self.conversation
-        first, *rest = (replace(each, contexts=self.contexts) for each in requests)
+        held = ({**self.contexts, **conversation.noted[each.name("object")]} for each in requests)
+        first, *rest = (replace(r, contexts=c) for r, c in zip(requests, held, strict=True))
         for each in requests:
             if self.lessons.lacks_objects(each):
                 return conversation.answered(turn, "on_what", "asked", goal=each.action)
@@ -253,6 +254,8 @@ class DialogueManager:
         if before:
             result = result.after(before)
             spoken = " ".join(map(conversation.say, (*result.setbacks, result.answer)))
+        if result.answer.ending == "done" and self._names_several(turn):
+            spoken = f"{conversation.say(AnswerContent('one_only'))} {spoken}"
         spoken = self._asking_for_use(turn, result, spoken)
         self._last = (turn, request)
         reply = replace(conversation.reply(turn, spoken, result.answer.ending), result=result)
@@ -286,6 +289,12 @@ class DialogueManager:
         elif reply.ending == "asked":
             self._wait_for_answer(turn, request, result, rest)
         return reply
+
+    def _names_several(self, turn: UnderstoodTurn) -> bool:
+        said = turn.understood.meaning
+        name = (chosen_by(said).object or "") if isinstance(said, SimpleCommand) else ""
+        several = self.conversation.language.inflection.form(name, "plural")
+        return several != name and f" {several} " in f" {' '.join(turn.understood.words)} "
 
     def _wait_for_answer(
         self, turn: UnderstoodTurn, request: Request, result: GoalResult, rest: Sequence[Request]
@@ -322,6 +331,7 @@ class DialogueManager:
     def _obey(self, turn: UnderstoodTurn, said: meaning.Control) -> Reply:
         conversation = self.conversation
         pending, conversation.open_question = conversation.open_question, None
+        conversation.prohibition = None if said.control == "continue" else turn.understood
         stopped, self._just_stopped = self._just_stopped, None
         if said.control == "stop" and stopped:
             return conversation.spoken(turn, replace(stopped, ending="done"))

@@ -13,7 +13,7 @@ from ...inference.rule_analysis import Hypothesis, find_hypotheses
 from ...inference.taxonomy import Taxonomy
 from ...inference.types import Conclusion, Goal, Inference, Observation, Target
 from ...kb.interval import CERTAIN
-from ...kb.rdf.rule_mapping import atom_iri, rule_id
+from ...kb.rdf.rule_mapping import atom_from_iri, atom_iri, rule_id
 from ...kb.rule import GRASP_OBJECT, KIND_OF, USED_FOR, Atom, Rule
 from ...nlu.parsing.understanding import Understanding
 from ...nlu.semantics.meaning import Command, KindRelation, Question, ToolCommand
@@ -30,6 +30,8 @@ _ABOUT_ANY = """SELECT ?rule {
     GRAPH graph:beliefs { ?rule hilt:context ?context ; hilt:part ?part ; hilt:status ?status
         FILTER (?status = hilt:active && NOT EXISTS { ?rule hilt:feature ?feature }) } }"""
 """The rules on how to grasp any object, by a part that this object has."""
+
+_PARTS = "SELECT ?part { GRAPH graph:domain { ?part hilt:partOf ?object } } ORDER BY ?part"
 
 SURE = (0.6, 0.9)
 """From these certainties on Hilt says that it is fairly sure, and quite sure."""
@@ -78,6 +80,17 @@ def _best_for(question: Question, known: Conversation) -> Answered:
     return spoken("best_for", done=True, object=best.object, affordance=use), best.rules
 
 
+def _parts(question: Question, known: Conversation) -> Answered:
+    name = question.object or ""
+    found = known.base.select(_PARTS, {"object": [atom_iri(Atom("object", name))]})
+    told = (rule.part for rule in known.base.rules(object=name) if rule.asserts and rule.part)
+    parts = tuple(dict.fromkeys([*(atom_from_iri(cast(Iri, row[0])).name for row in found), *told]))
+    if not parts:
+        return spoken("no_parts", done=True, object=name), ()
+    key = "has_part" if question.part in parts else "lacks_part" if question.part else "parts"
+    return spoken(key, done=True, object=name, parts=parts, part=question.part), ()
+
+
 def _how(question: Question, known: Conversation) -> Answered:
     of_kinds = ([r for r in rules if r.kind == "action"] for rules in _by_kind(question, known))
     rules = next(filter(None, of_kinds), [])
@@ -86,6 +99,8 @@ def _how(question: Question, known: Conversation) -> Answered:
         asked = {"context": [atom_iri(action)], "object": [atom_iri(named)]}
         found = known.base.select(_ABOUT_ANY, asked)
         rules = [known.base.rule(rule_id(cast(Iri, row[0]))) for row in found]
+    if not rules and question.context == "grasp":  # "where do you hold it?": whatever for
+        return _how(Question("how", question.object, question.affordance), known)
     grasps = _strongest(rules, "part")
     taught = {each.name: each for each in known.base.actions()}.get(question.context or "")
     if taught:
@@ -451,6 +466,7 @@ _ANSWERS: Mapping[str, Callable[[Question, Conversation], Answered]] = {
     "is_kind_of": _is_kind_of,
     "is_used_for": _is_used_for,
     "objects_for": _objects_for,
+    "parts": _parts,
     "see": _see,
     "source": _source,
     "trust": _trust,

@@ -55,7 +55,9 @@ def rule_from_answer(
         return meaning.FunctionalRule(name, asked.affordance, sure, named.props, material=on)
     if asked.object and asked.context:
         return meaning.ActionRule(asked.object, asked.context, name, sure)
-    return meaning.FunctionalRule(asked.object, name, sure) if asked.object else None
+    if asked.object is None or asked.ask in {"why", "why_not"}:
+        return None
+    return meaning.FunctionalRule(asked.object, name, sure, material=named.material)
 
 
 def meaning_from_rule(rule: Rule) -> meaning.Rule | meaning.KindRelation | meaning.Norm | None:

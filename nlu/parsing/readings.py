@@ -232,7 +232,9 @@ def features_of_names(
         elif "object" in new and "affordance" in new:
             yield "thing", frozenset({"new"})
         uses = (rule for rule in meaning.rules if isinstance(rule, FunctionalRule))
-        if any(rule.material and rule.affordance in reader.words["acts"] for rule in uses):
+        denied = "context" in new and any(rule.denies for rule in meaning.rules)
+        acts = reader.words["acts"]
+        if denied or any(rule.material and rule.affordance in acts for rule in uses):
             yield "use", frozenset({"act"})
     elif isinstance(meaning, NormStatement):
         if "place" in new and not reader.is_place(new["place"].word):

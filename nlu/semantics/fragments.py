@@ -74,7 +74,7 @@ def complete(fragment: FragmentValues, discourse: Discourse) -> Meaning:
             return _as_rule(fragment, rule)
         case Question() as question:
             return _as_question(fragment, question)
-        case Command() as command if not fragment.asks:
+        case Command() as command if fragment.target or not fragment.asks:
             return _as_command(fragment, command, discourse)
         case ToolCommand() as command if not fragment.asks and (fragment.target or fragment.tool):
             patient = _kind(fragment.target)[0] if fragment.target else command.patient
@@ -100,7 +100,8 @@ def _completed(
     fragment: FragmentValues, discourse: Discourse
 ) -> Rule | Question | Command | ToolCommand | None:
     rule, last = discourse.rule, discourse.last
-    if isinstance(last, Question) and discourse.command and _is_other(fragment):
+    is_why = isinstance(last, Question) and last.ask == "why" and fragment.asks
+    if isinstance(last, Question) and discourse.command and (_is_other(fragment) or is_why):
         last = discourse.command  # "why that one?", "no, the other one"
     if fragment.context and fragment.part:  # how the object of the last rule is held
         return rule if rule == last and isinstance(rule, ActionRule) else None
@@ -228,9 +229,15 @@ def _with_use_of(last: object, fragment: FragmentValues) -> FragmentValues:
     return replace(fragment, use=last.affordance)
 
 
-def _as_command(
+def _as_command(  # noqa: PLR0911 - a case per slot
     fragment: FragmentValues, command: Command, discourse: Discourse
-) -> Command | AskBack:
+) -> Command | Question | AskBack:
+    if fragment.asks and fragment.target:
+        if command.target.object is None:  # Hilt chose the object, and is asked for its reason
+            return Question("why_not", object=_kind(fragment.target)[0])
+        return AskBack(
+            choices=(replace(command, target=fragment.target, part=None, negated=False),)
+        )
     other = _other_of_pair(discourse)
     if (
         fragment.mode in {"also", "other"}
@@ -249,6 +256,9 @@ def _as_command(
             props = target.props or command.target.props
             target = replace(command.target, props=props, other=target.other)
         return replace(command, target=target, part=fragment.part, negated=False)
+    if fragment.part and fragment.confidence:  # "not by the handle"
+        name, props = _kind(command.target)
+        return _offered(ActionRule(name, command.goal, fragment.part, fragment.confidence, props))
     if fragment.part:
         return replace(command, part=fragment.part)
     if fragment.recipient and command.goal == "pass":

@@ -35,8 +35,9 @@ from .predicates import PredicateForm, UninterpretableError, UnlearnableError, l
 
 GOALS = ("pass", "pickUp", "pointTo", "grasp", "use", "putDown", "putBack", "release")
 
+_UNLEARNABLE = {"noPast": "no_past", "noRule": "not_a_rule"}  # each with its answer
 _CHOICES = {"noneOf": "none", "anyOf": "any", "unsure": "unknown"}
-_EXPLAINED = frozenset({"holding", "graspObject", "pass", "pickUp", "pointTo", "use"})
+_EXPLAINED = frozenset({"holding", "graspObject", *GOALS})
 _NAMELESS = frozenset({"self", "speaker", "someone", "it", "both", "butNot"})
 
 KIND_FORMS = frozenset({"kindOf", "isA"})
@@ -70,10 +71,12 @@ class Interpreter:
                 return self._fragment(content, discourse)
             case "wantBelieve" if content.name in load_predicates().fragments:
                 return self._fragment(content, discourse)
-            case "wantBelieve" if content.name == "noPast":
-                raise UnlearnableError("no_past")
+            case "wantBelieve" if content.name in _UNLEARNABLE:
+                raise UnlearnableError(_UNLEARNABLE[content.name])
             case "wantBelieve" if content.name == "topic":
                 return TopicStatement(_kind(content.arguments[0]))
+            case "wantBelieve" if content.name == "stateOf":
+                return TopicStatement(*kind_and_properties(content.arguments[0]))
             case "wantBelieve":
                 return self._statement(content)
             case "want":
@@ -306,6 +309,8 @@ class Interpreter:
                 return Question(ask)
             case (_, (thing, *_)) if kind:
                 return self._question_naming(ask, kind, thing)
+            case "hasPart", (thing, part):
+                return Question(ask, object=_kind(thing), part=part_and_owner(part)[0])
             case "howSure", (PredicateForm(arguments=()) as thing, *_):
                 return Question(ask, object=_kind(thing))
             case "isTrue", (PredicateForm(name="kindOf" | "isA", arguments=(thing, above, _)), *_):
@@ -406,8 +411,10 @@ def short_answer(form: PredicateForm) -> Answer:
     """
     if form.name in _CHOICES:
         return Answer(choice=_CHOICES[form.name])
-    name, props = kind_and_properties(form.arguments[0])
-    return Answer(name, props, is_use=form.name == "chosenUse")
+    if form.name == "chosenUse":
+        use, material = _use(form.arguments[0])
+        return Answer(use, is_use=True, material=material)
+    return Answer(*kind_and_properties(form.arguments[0]))
 
 
 def _kind(form: PredicateForm) -> str:

@@ -34,7 +34,7 @@ LICENCE_FILE = Path(__file__).parents[2] / "ontology" / "licence.yaml"
 ACCEPT = "accept"
 ABSENT = "none"  # stands in a row for the absence of a feature
 
-KINDS = ("use", "holding", "correction", "retraction", "command", "norm")
+KINDS = ("use", "holding", "correction", "retraction", "command", "prohibition", "norm")
 
 AnyRule = TypeVar("AnyRule", Rule, KindRelation)
 
@@ -76,8 +76,8 @@ class LicenceTable:
                 kinds = frozenset({"norm"})
             case Retraction():
                 kinds = frozenset({"retraction"})
-            case Command(negated=False) | ToolCommand(negated=False):
-                kinds = frozenset({"command"})
+            case Command(negated=negated) | ToolCommand(negated=negated):
+                kinds = frozenset({"prohibition" if negated else "command"})
             case _:
                 return ACCEPT
         return next(row.then for row in self.rows if row.applies(kinds, features))

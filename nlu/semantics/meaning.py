@@ -302,9 +302,9 @@ class Question(_Record):
     kind: ClassVar[str] = "question"
     #: `about`, `best_for`, `capabilities`, `confidence`, `exceptions`, `first_told`, `hearing`,
     #: `holding`, `how`, `identity`, `is_kind_of`, `is_used_for`, `known`, `last_asked`,
-    #: `last_done`, `last_spoken_of`, `last_told`, `objects_for`, `repeated`, `see`, `source`,
-    #: `told`, `trust`, `uses_of`, `wellbeing`, `what_if`, `which_context`, `why`, `why_not`,
-    #: `forbidden` or `may`
+    #: `last_done`, `last_spoken_of`, `last_told`, `objects_for`, `parts`, `repeated`, `see`,
+    #: `source`, `told`, `trust`, `uses_of`, `wellbeing`, `what_if`, `which_context`,
+    #: `why`, `why_not`, `forbidden` or `may`
     ask: str
     #: object, affordance, context, part, speaker: what the question names, else None
     object: str | None = None
@@ -339,10 +339,19 @@ class Retraction:
 
 @dataclass(frozen=True)
 class TopicStatement(_Record):
-    """The kind of object that comes next: "I'm going to teach you about a soldering iron"."""
+    """What is spoken of: "I'm going to teach you about a soldering iron", "the mug is hot"."""
 
-    kind: ClassVar[str] = "topic"
-    topic: str
+    topic: str  # a kind of object
+    props: tuple[str, ...] = ()  # the properties that the one at hand is said to have, sorted
+
+    @property
+    def kind(self) -> str:
+        """`"ask_back"` for what one thing is like: no rule, so Hilt asks what follows from it."""
+        return "ask_back" if self.props else "topic"
+
+    def as_json(self) -> Json:
+        """Return the topic as a JSON object, which says whether Hilt asks back."""
+        return ({"ask_back": True} if self.props else {}) | super().as_json()
 
 
 @dataclass(frozen=True)
@@ -388,6 +397,7 @@ class Answer(_Record):
     props: tuple[str, ...] = ()  # the properties that it names, sorted
     is_use: bool = False  # whether the name is that of a use
     number: int | None = None  # which of the choices that were offered, from 1
+    material: str | None = None  # what the use that it names is for ("paper", for cutting)
     choice: str | None = None  # `none`, `any` or `unknown` ("I don't know")
 
     @property
