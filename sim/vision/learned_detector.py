@@ -33,7 +33,7 @@ from .segmentation import Segment, describe_points, describe_segment, segment_im
 CLASSIFIERS_FILE = Path(__file__).with_name("recognition.npz")
 MIN_PART_POINTS = 12  # fewer are errors of the part classifier
 SMOOTHING = 0.006  # [m], voxels in which points share their part
-SAME_PLACE = 0.04  # [m], between the centre of a percept and that of an object
+SAME_PLACE = 0.04  # [m], between the centre of a percept and where an object was seen last
 
 MAX_DEVIATIONS = 6.0  # standardised inputs are clipped to it, so that none decides alone
 STEEPNESS = 6.0  # at 1.5 times the limit a twelfth of the confidence is left
@@ -164,8 +164,8 @@ def point_inputs(segment: Segment, kind: int, count: int) -> Array:
 class LearnedDetector(ObjectDetector):
     """Detects objects by trained classifiers; only the types that they know.
 
-    The names of percepts are those of the nearest objects of the world, in place of the tracking by
-    which a robot would keep them. A recogniser of types that the world does not have is a
+    The names of percepts are those of the objects of the scene that were last seen nearest; the
+    first places are those of the scene. A recogniser of types that the world does not have is a
     `DataError`.
     """
 
@@ -179,6 +179,7 @@ class LearnedDetector(ObjectDetector):
     ) -> None:
         super().__init__(world, noise=noise, cameras=cameras)
         self._recogniser = recogniser or Recogniser.default()
+        self._places = {name: world.top(name)[:2] for name in world.kinds}
         missing = [kind for kind in self._recogniser.kinds if kind not in world.objects]
         if missing:
             raise DataError(
@@ -187,13 +188,15 @@ class LearnedDetector(ObjectDetector):
                 source="classifiers",
             )
 
-    def detect(self, images: Sequence[CameraImage]) -> Iterator[Percept]:
+    def detect(self, images: Sequence[CameraImage]) -> list[Percept]:
         """Return the objects that the images seem to show; alike ones get numbered names."""
         segments = segment_images(images, noise=self.noise.depth_error)
         percepts = [percept for segment in segments for percept in self._percepts(segment)]
         percepts.sort(key=lambda percept: -percept.confidence)
         names = numbered(map(self._nearest_object, percepts))
-        return (replace(each, name=name) for each, name in zip(percepts, names, strict=True))
+        named = [replace(each, name=name) for each, name in zip(percepts, names, strict=True)]
+        self._places |= {each.name: each.centre[:2] for each in named if each.name in self._places}
+        return named
 
     def _percepts(self, segment: Segment) -> Iterator[Percept]:
         objects = self.world.objects
@@ -212,8 +215,8 @@ class LearnedDetector(ObjectDetector):
                 yield Percept(each, each, confidence, visible, objects[each].properties)
 
     def _nearest_object(self, percept: Percept) -> str:
-        world = self.world
-        gaps = {n: np.linalg.norm((world.top(n) - percept.centre)[:2]) for n in world.kinds}
-        alike = [name for name, kind in world.kinds.items() if kind.name == percept.object]
+        kinds = self.world.kinds
+        gaps = {n: np.linalg.norm(at - percept.centre[:2]) for n, at in self._places.items()}
+        alike = [name for name in gaps if kinds[name].name == percept.object]
         near = [name for name in alike if gaps[name] < SAME_PLACE]
-        return min(near or gaps, key=lambda name: gaps[name], default=percept.object)
+        return min(near or alike or gaps, key=lambda name: gaps[name], default=percept.object)
