@@ -14,7 +14,7 @@ from hilt.sim import poses
 from hilt.sim.body import Body
 from hilt.sim.manipulation.hand_motions import AHEAD, TAKEN
 from hilt.sim.manipulation.pick_and_place import MAX_SLIP, MAX_TURN, MIN_LIFT
-from hilt.sim.robot.robot import MIN_FORCE, NAME
+from hilt.sim.robot.robot import MIN_FORCE, NAME, Robot
 
 BUMP = 0.01  # [m], a neighbour that moved more was bumped
 LOST_GAP = 0.05  # [m], what is farther from where the receiver's hand should be was lost
@@ -66,6 +66,7 @@ class GroundTruth:
 
     def lift(self) -> Lift:
         """What can be said of the object in the hand now."""
+        touched = frozenset().union(*finger_contacts(self._body.robot))
         now = poses.inverse(self._body.robot.world_from_hand) @ self._body.world.pose(self._name)
         motion, grip = now @ poses.inverse(self._at_closing), self._body.robot.hand_from_grip
         moved = poses.transform(motion, grip[None, :3, 3]) - grip[:3, 3]
@@ -73,7 +74,7 @@ class GroundTruth:
             float((self._body.world.pose(self._name) - self._before[self._name])[2, 3]),
             float(np.linalg.norm(moved)),
             float(poses.angle_between(np.eye(3), motion[:3, :3])),
-            tuple(sorted(part for name, part in self._touched() if name == self._name)),
+            tuple(sorted({part for name, part in touched if name == self._name})),
         )
 
     def bumped(self, put_aside: Collection[str]) -> tuple[str, ...]:
@@ -101,16 +102,17 @@ class GroundTruth:
 
     def _closing(self, force: float = np.inf) -> None:
         self._close(force)
-        sides = [self._side(link) for link in self._body.robot.gripper.links]
+        sides = finger_contacts(self._body.robot)
         if self._aim == self._name and all(sides):
             self._closed.append(sides[0] | sides[1])
             hand = poses.inverse(self._body.robot.world_from_hand)
             self._at_closing = hand @ self._body.world.pose(self._name)
 
-    def _touched(self) -> frozenset[tuple[str, str]]:
-        return frozenset().union(*map(self._side, self._body.robot.gripper.links))
 
-    def _side(self, link: str) -> frozenset[tuple[str, str]]:
-        found = self._body.world.engine.bodies.contacts(NAME, link)
-        felt = (each for each in found if each.force > MIN_FORCE and each.other != NAME)
-        return frozenset((each.other, each.other_link) for each in felt)
+def finger_contacts(robot: Robot) -> list[frozenset[tuple[str, str]]]:
+    """Return the bodies and links that each finger touches."""
+    found = (robot.engine.bodies.contacts(NAME, link) for link in robot.gripper.links)
+    return [
+        frozenset((c.other, c.other_link) for c in each if c.force > MIN_FORCE and c.other != NAME)
+        for each in found
+    ]
