@@ -32,6 +32,7 @@ CHECK_INTERVAL = 12  # steps between two checks of the finger contacts
 LOST_CHECKS = 2  # without contact, after which an object is lost
 ALIGNED = 0.004  # [m], fingers that close by this much more or less than planned have turned it
 PAD_MARGINS = (-0.001, 0.003, -0.001)  # [m], of the space between the pads in which parts are held
+OFF_HAND = 0.008  # [m] from the spheres of the hand, for its depths and shape are not exact
 PRESSED, MIN_POINTS = 0.002, 3  # [m] below the outermost point there; of a part that is touched
 NOTHING = np.zeros((0, 3))
 HELD_CELL, HELD_RADIUS = 0.015, 0.008  # [m], spheres that stand for a held object
@@ -136,13 +137,23 @@ class HandMotion:
 
     def seen(self, held: HeldObject) -> HeldObject:
         """The held object where it is seen in the hand now; where it was if it is not seen."""
-        after = self.vision.look(held.name)
-        if after is None:
-            return held
-        world_from_hand = self.robot.world_from_hand
+        world_from_hand, percept = self.robot.world_from_hand, held.context.percept
         guess = world_from_hand @ held.hand_from_seen
-        motion = motion_between(held.context.percept, after, guess)
+        moved = {name: poses.transform(guess, cloud) for name, cloud in percept.parts.items()}
+        after = self.vision.look(replace(percept, parts=moved))
+        seen = {n: self._off_hand(cloud) for n, cloud in after.parts.items()} if after else {}
+        if not (free := {name: cloud for name, cloud in seen.items() if len(cloud)}):
+            return held
+        motion = motion_between(percept, replace(percept, parts=free), guess)
         return replace(held, hand_from_seen=poses.inverse(world_from_hand) @ motion)
+
+    def _off_hand(self, cloud: Array) -> Array:
+        """Those of the points (n, 3) in the world that are not the hand's own [m]."""
+        spheres = self.robot.body_spheres(self.robot.opening)
+        own = spheres.link == len(self.robot.chain.links) - 1
+        centres = poses.transform(self.robot.world_from_hand, spheres.centre[own])
+        gaps = np.linalg.norm(cloud[:, None] - centres, axis=-1) - spheres.radius[own]
+        return cloud[(gaps > OFF_HAND).all(axis=1)]
 
     def touched(self, held: HeldObject, others: Array = NOTHING) -> tuple[str, ...]:
         """The parts that the pads press on, from where the object was seen last.

@@ -111,7 +111,7 @@ class PickAndPlace:
         try:
             return move()
         except MotionInterruptedError:
-            if not self.robot.is_holding:
+            if self.in_hand and not self.robot.is_holding:
                 self.in_hand = None
             self._is_interrupted = True
             return self._report(action, "interrupted")

@@ -13,24 +13,35 @@ class, and lowers the confidence beyond a distance that hardly any known input e
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cache
+from itertools import product
 from pathlib import Path
 from typing import TypeVar
 from zipfile import BadZipFile
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import KDTree
 
 from ...ontology.errors import DataError
-from ..poses import Array, voxel_keys
+from ..poses import Array, voxel_downsample, voxel_keys
 from ..scene.scene import numbered
 from ..scene.world import World
 from .camera import CAMERAS_ROUND_TABLE, Camera, CameraImage
 from .object_detector import ObjectDetector
 from .percept import Percept
 from .perception_noise import NoiseLevels
-from .segmentation import Segment, describe_points, describe_segment, segment_images
+from .registration import SPACING
+from .segmentation import (
+    NOISE_MARGIN,
+    TABLE_MARGIN,
+    Segment,
+    describe_points,
+    describe_segment,
+    segment_images,
+)
 
 CLASSIFIERS_FILE = Path(__file__).with_name("recognition.npz")
+NEAR = 0.03  # [m], to where an object should be, of its points
 MIN_PART_POINTS = 12  # fewer are errors of the part classifier
 SMOOTHING = 0.006  # [m], voxels in which points share their part
 SAME_PLACE = 0.04  # [m], between the centre of a percept and where an object was seen last
@@ -198,6 +209,23 @@ class LearnedDetector(ObjectDetector):
         self._places |= {each.name: each.centre[:2] for each in named if each.name in self._places}
         return named
 
+    def look(self, expected: Percept) -> Percept | None:
+        """The points near where an object should be, as of the parts that should be nearest.
+
+        In a hand it is not one segment any more; other things there are seen with it.
+        """
+        low, high = expected.cloud.min(axis=0) - NEAR, expected.cloud.max(axis=0) + NEAR
+        low[2] = max(low[2], TABLE_MARGIN + NOISE_MARGIN * self.noise.depth_error)
+        images = self.capture(self.cameras[:2])
+        seen = np.vstack([image.points(_shown_box(image, low, high)) for image in images])
+        seen = seen[((seen > low) & (seen < high)).all(axis=1)]
+        seen = seen[voxel_downsample(seen, SPACING)]
+        gaps = [KDTree(cloud).query(seen)[0] for cloud in expected.parts.values()]
+        nearest = np.where(np.min(gaps, axis=0) < NEAR, np.argmin(gaps, axis=0), -1)
+        parts = {name: seen[nearest == i] for i, name in enumerate(expected.parts)}
+        shown = {name: cloud for name, cloud in parts.items() if len(cloud) >= MIN_PART_POINTS}
+        return replace(expected, parts=shown) if shown else None
+
     def _percepts(self, segment: Segment) -> Iterator[Percept]:
         objects = self.world.objects
         kind, confidence = self._recogniser.recognise(segment)
@@ -220,3 +248,14 @@ class LearnedDetector(ObjectDetector):
         alike = [name for name in gaps if kinds[name].name == percept.object]
         near = [name for name in alike if gaps[name] < SAME_PLACE]
         return min(near or alike or gaps, key=lambda name: gaps[name], default=percept.object)
+
+
+def _shown_box(image: CameraImage, low: Array, high: Array) -> NDArray[np.bool_]:
+    """The pixels with a depth that may show what is between two corners (3,) of a box [m]."""
+    ends = np.array(list(product(*zip(low, high, strict=True))))
+    (left, top), (right, bottom) = (
+        end(image.camera.pixels(ends), axis=0).astype(int) for end in (np.nanmin, np.nanmax)
+    )
+    mask = np.zeros(image.depth.shape, dtype=bool)
+    mask[max(top, 0) : bottom + 1, max(left, 0) : right + 1] = True
+    return mask & np.isfinite(image.depth)

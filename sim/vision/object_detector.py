@@ -94,10 +94,13 @@ class ObjectDetector(ABC):
         alike = self.search([f"object:{kind.name}"]) if kind else ()
         return next((percept for percept in alike if percept.name == name), None)
 
-    def look(self, name: str) -> Percept | None:
-        """An object as the first two cameras see it now, which is faster; None if they do not."""
+    def look(self, expected: Percept) -> Percept | None:
+        """An object as the first two cameras, which is faster, see it now; None if they do not.
+
+        `expected` is the object where it should be.
+        """
         found = self.detect(self.capture(self.cameras[:2]))
-        return next((percept for percept in found if percept.name == name), None)
+        return next((percept for percept in found if percept.name == expected.name), None)
 
     def obstacles(self, exclude: str) -> Array:
         """Return points (n, 3) on all objects in view but `exclude`, in the world [m]."""

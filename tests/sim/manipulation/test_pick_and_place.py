@@ -10,7 +10,7 @@ import pytest
 
 from hilt.ontology.objects import load_household, load_objects
 from hilt.sim import poses
-from hilt.sim.body import Body
+from hilt.sim.body import VISIONS, Body
 from hilt.sim.grasping.planner import MAX_ATTEMPTS
 from hilt.sim.manipulation import hand_motions
 from hilt.sim.manipulation.motion_report import MotionReport
@@ -67,9 +67,10 @@ def body_at(*placements: Placement, robot: str = "panda") -> Body:
     return Body(Scene(placements, 1, gap=0.002), OBJECTS, seed=1, robot=robot)
 
 
-def body_with(spec: str, *, seed: int) -> Body:
+def body_with(spec: str, *, seed: int, vision: str = "mask") -> Body:
     """A body at a table with these objects."""
-    return Body(parse_scene(spec, seed=seed, objects=OBJECTS), OBJECTS, seed=seed)
+    scene = parse_scene(spec, seed=seed, objects=OBJECTS)
+    return Body(scene, OBJECTS, seed=seed, vision=vision)
 
 
 def grasped(body: Body, name: str, part: str) -> MotionReport:
@@ -215,9 +216,10 @@ def test_object_that_turns_in_the_hand_is_not_held(tmp_path: Path):
         assert np.linalg.norm((body.world.pose("rod") - before)[:3, 3]) < 0.01
 
 
-def test_object_that_slid_in_the_hand_is_grasped_again():
+@pytest.mark.parametrize("vision", VISIONS)
+def test_object_that_slid_in_the_hand_is_grasped_again(vision: str):
     """A knife that was shifted by 3 cm between the fingers is put down, and taken once more."""
-    with body_with("objects:knife", seed=7) as body:
+    with body_with("objects:knife", seed=7, vision=vision) as body:
         assert grasped(body, "knife", "handle").ok
         assert body.lift().ok
         along = poses.translation(0.03, 0, 0)

@@ -65,7 +65,7 @@ def test_another_view_of_a_moved_object_shows_how_it_moved(
     moved = motion((share, -share, 0.15), (share * 10, 0.0, share * 10), before[:3, 3])
     detector.world.engine.bodies.place("hammer", moved @ before)
 
-    now = detector.look("hammer")
+    now = detector.look(seen)
 
     assert now is not None
     found = motion_between(seen, now, poses.translation(0, 0, 0.15))
