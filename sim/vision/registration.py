@@ -18,7 +18,7 @@ OVERLAP = 0.75  # share of the points of the later view that the earlier one sho
 NEIGHBOURS = 10  # points round one whose plane is the tangent plane there
 PART_GAP = 1.0  # [m] between parts in the space in which points are paired
 LEVER = 0.05  # [m], where turns count as much as shifts
-WORSE, EXACT = 1.3, 2e-4  # times the mean distance after all, and [m], that are hardly worse
+WORSE = 1.15  # times the mean gap between pairs, up to which a guess is hardly worse
 DAMPING = 0.005  # of what the points hardly determine, such as the roll of a thin rod
 
 
@@ -32,16 +32,16 @@ def motion_between(before: Percept, after: Percept, guess: Array) -> Array:
     tree, before_from_after = KDTree(old), poses.inverse(guess)
     near = old[np.asarray(tree.query(old, min(NEIGHBOURS, len(old)))[1]), :3]
     normals = np.linalg.svd(near - near.mean(axis=1, keepdims=True), full_matrices=False)[2][:, 2]
-    residuals = list[float]()
+    mean_gaps = list[float]()
     for _ in range(ROUNDS):
         moved = poses.transform(before_from_after, new[:, :3])
         gaps, index = map(np.asarray, tree.query(np.column_stack([moved, new[:, 3]])))
         kept = gaps <= np.quantile(gaps, OVERLAP)
         ahead, across = old[index[kept], :3] - moved[kept], normals[index[kept]]
-        residuals.append(float(np.abs((ahead * across).sum(axis=1)).mean()))
+        mean_gaps.append(float(gaps.mean()))
         before_from_after = _step(moved[kept], ahead, across) @ before_from_after
-    is_clear = residuals[0] > WORSE * residuals[-1] + EXACT
-    return poses.inverse(before_from_after) if is_clear else guess
+    is_moved = mean_gaps[0] > WORSE * mean_gaps[-1]
+    return poses.inverse(before_from_after) if is_moved else guess
 
 
 def _labelled(percept: Percept, parts: list[str]) -> Array:
