@@ -23,7 +23,8 @@ type, the one that is seen best is taken. The settings:
 
 The table counts: `right part`, closings of both fingers that touched only that part; `held`,
 objects lifted by 10 cm or more and held for a second after up to three closings, `first` of these
-after one; `given`, objects handed over and still held then; `facing`, those of them whose free part
+after one; `judged`, lifts that the robot, by sight and touch, judges as they were; `given`, objects
+handed over and still held then; `facing`, those of them whose free part
 leads from the grip towards the receiver, within 45 degrees of the level direction. This is taken
 from the poses in the world; objects whose free part is less than 1 cm aside of the grip, such as
 upright glasses, have no such direction and do not count. `taken`, of those handed over, those that
@@ -40,7 +41,7 @@ from __future__ import annotations
 import argparse
 import os
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from secrets import randbelow
@@ -52,6 +53,7 @@ from zlib import crc32
 import numpy as np
 from grasping_scenes import heap, recoloured, scene_of
 from grasping_tables import Episode, contrast_table, pair_table, summary_table, time_table
+from grasping_truth import GroundTruth, Lift
 from scanned_meshes import scanned_objects
 from stopwatch import Stopwatch
 from trimesh.convex import convex_hull
@@ -190,14 +192,20 @@ def _timed(
     with Stopwatch() as watch, Body(scene, objects, seed=seed, **options) as body:
         _pile(body.world, piled)
         body.movable = lambda _: (None,)  # anything in the way, by any part
-        reports = _reports(body, name, part or None)
+        allowed = (part,) if part else tuple(objects[name].parts)
+        truth = GroundTruth(body, name, allowed)
+        reports, lift = _reports(body, truth, name, part or None)
         steps, facing_deg, taken = body.world.engine.steps, None, False
         cpu_s = process_time() - started
+        put_aside = [kind for report in reports for kind in report.moved]
+        bumped = truth.bumped(put_aside)
         if reports[-1].action == "hand_over" and reports[-1].ok:
-            facing_deg, taken = _facing_deg(body), body.release().taken
+            facing_deg, taken = _facing_deg(body, truth.lift().touched), truth.release()
     shares = {**watch.seconds, "other": cpu_s - sum(watch.seconds.values())}
     bare_s = _bare_s(setting, scene, objects, piled, steps) if bare else None
-    return Episode(name, part, seed, reports, facing_deg, taken, cpu_s, shares, steps, bare_s)
+    seen = (lift, lift is not None and lift.is_good(allowed), truth.closed, truth.wrong, bumped)
+    costs = (cpu_s, shares, steps, bare_s)
+    return Episode(name, part, seed, reports, *seen, facing_deg, taken, *costs)
 
 
 def _pile(world: World, piled: Mapping[str, poses.Array]) -> None:
@@ -223,25 +231,30 @@ def _bare_s(
         return process_time() - started
 
 
-def _reports(body: Body, name: str, part: str | None) -> tuple[MotionReport, ...]:
-    """Return the reports of grasp, lift and hand-over, up to the first that failed."""
+def _reports(
+    body: Body, truth: GroundTruth, name: str, part: str | None
+) -> tuple[tuple[MotionReport, ...], Lift | None]:
+    """Return the reports of grasp, lift and hand-over, up to a failure, and the lift itself."""
     percepts = body.search([f"object:{name}"])
     if not percepts:
-        return (MotionReport("grasp", ok=False, reason="nothing_seen"),)
+        return (MotionReport("grasp", ok=False, reason="nothing_seen"),), None
     reports = [body.grasp(percepts[0], part)]
-    for act in (body.lift, body.hand_over):
-        if reports[-1].ok:
-            reports.append(act())
-    return tuple(reports)
+    if not reports[0].ok:
+        return tuple(reports), None
+    reports.append(body.lift())
+    lift = truth.lift()
+    if reports[-1].ok:
+        reports.append(body.hand_over())
+    return tuple(reports), lift
 
 
-def _facing_deg(body: Body) -> float | None:
+def _facing_deg(body: Body, touched: Collection[str]) -> float | None:
     """Return the level angle from the free part of the held object to the receiver [deg].
 
-    The free part is what the fingers do not touch. None where there is none, or it is not aside.
+    The free part is what the fingers have not `touched`. None where there is none, or it is not
+    aside.
     """
     name = body.holding or ""
-    touched = body.robot.finger_contacts().parts(name)
     corners = body.world.models[body.world.kinds[name].name].corners
     free = [points for part, points in corners.items() if part not in touched]
     if not free:

@@ -6,6 +6,8 @@ from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
+from grasping_truth import Lift
+
 from hilt.sim.manipulation.motion_report import MotionReport
 
 FACING_DEG = 45.0  # within which a free part faces the receiver
@@ -19,6 +21,10 @@ class Episode:
         object, part: the object to grasp, and the part to grasp it by; an empty part is any.
         seed: of the scene.
         reports: of grasp, lift and hand-over, up to the first that failed.
+        truth: where the object really was after the lift; None where nothing was grasped.
+        is_held: whether it was held high and firmly then, by the part only.
+        closed, wrong: number of closings on anything, and on something other than the part.
+        bumped: the neighbours that were moved, but not put aside.
         facing_deg: angle from the free part to the receiver when handed over [deg]; None without.
         taken: whether the receiver, who pulls, had it after the hand opened.
         cpu_s: processor time [s], up to the handover.
@@ -31,6 +37,11 @@ class Episode:
     part: str
     seed: int
     reports: tuple[MotionReport, ...]
+    truth: Lift | None
+    is_held: bool
+    closed: int
+    wrong: int
+    bumped: tuple[str, ...]
     facing_deg: float | None
     taken: bool
     cpu_s: float
@@ -49,28 +60,19 @@ class Episode:
         return self.reports[1] if len(self.reports) > 1 else None
 
     @property
-    def wrong(self) -> int:
-        """The number of closings on something other than the part."""
-        return self._failures.count("wrong_part")
-
-    @property
-    def closed(self) -> int:
-        """The number of closings on anything."""
-        return self.last.attempts - self._failures.count("missed")
-
-    @property
-    def _failures(self) -> tuple[str, ...]:
-        return self.last.failures
-
-    @property
     def ok(self) -> bool:
-        """Whether the object was lifted and held by the part."""
-        return self.lift is not None and self.lift.ok
+        """Whether the object was lifted and held by the part, and the robot knows it."""
+        return self.is_held and self.is_judged_right
+
+    @property
+    def is_judged_right(self) -> bool:
+        """Whether the robot judged the lift as it was."""
+        return self.is_held == (self.lift is not None and self.lift.ok)
 
     @property
     def first(self) -> bool:
         """Whether it was lifted and held after a single closing."""
-        return self.lift is not None and self.lift.ok and self.lift.attempts == 1
+        return self.ok and self.closed == 1
 
     @property
     def given(self) -> bool:
@@ -85,21 +87,25 @@ class Episode:
     @property
     def trouble(self) -> str:
         """All failures, recovered ones included; empty when there were none."""
-        what = [*self._failures]
+        what = [*self.last.failures]
+        if not self.is_judged_right:
+            what.append("judged wrongly")
         if not self.last.ok:
             what.append(f"{self.last.action}: {self.last.reason}")
         if self.put_aside:
             what.append(f"put aside {', '.join(self.put_aside)}")
-        if self.last.bumped:
-            what.append(f"bumped {', '.join(self.last.bumped)}")
+        if self.bumped:
+            what.append(f"bumped {', '.join(self.bumped)}")
         return "; ".join(what)
 
     def __str__(self) -> str:
+        really = self.truth.slip_m if self.truth else 0.0
         facing = "none" if self.facing_deg is None else f"{self.facing_deg:.0f} degrees"
         return (
             f"{self.object}/{self.part} seed {self.seed}: {self.trouble or 'ok'}; "
             f"touched {'+'.join(self.last.touched) or 'nothing'}, score {self.last.score:.2f}, "
-            f"slip {self.last.slip_m * 1e3:.1f} mm, facing {facing}, {self.cpu_s:.2f} s"
+            f"slip {self.last.slip_m * 1e3:.1f} mm, really {really * 1e3:.1f} mm, "
+            f"facing {facing}, {self.cpu_s:.2f} s"
         )
 
 
@@ -126,9 +132,9 @@ def pair_table(episodes: Sequence[Episode]) -> str:
 def summary_table(measured: Mapping[str, Sequence[Episode]]) -> str:
     """Return a table with a row for each setting."""
     rows = [
-        "| setting | episodes | right part | first | held | given | facing | taken | slip p95 "
-        "| tries | put aside | bumped | CPU |",
-        "|---" * 13 + "|",
+        "| setting | episodes | right part | first | held | judged | given | facing | taken "
+        "| slip p95 | tries | put aside | bumped | CPU |",
+        "|---" * 14 + "|",
     ]
     for title, group in measured.items():
         n, closed = len(group), sum(e.closed for e in group)
@@ -136,11 +142,12 @@ def summary_table(measured: Mapping[str, Sequence[Episode]]) -> str:
             (closed - sum(e.wrong for e in group), closed),
             (sum(e.first for e in group), n),
             (sum(e.ok for e in group), n),
+            (sum(e.is_judged_right for e in group), n),
             (sum(e.given for e in group), n),
             _facing(group),
             (sum(e.taken for e in group), sum(e.given for e in group)),
         )
-        bumped = sum(bool(e.last.bumped) for e in group)
+        bumped = sum(bool(e.bumped) for e in group)
         put_aside = _mean(len(e.put_aside) for e in group)
         cpu_s = _mean(e.cpu_s for e in group)
         rows.append(
@@ -185,7 +192,7 @@ def _facing(episodes: Sequence[Episode]) -> tuple[int, int]:
 
 def _slip_mm(episodes: Sequence[Episode]) -> float:
     """Return the 95th percentile of the slip of lift and hold [mm]."""
-    slips = sorted(e.lift.slip_m for e in episodes if e.lift is not None and e.lift.ok)
+    slips = sorted(e.truth.slip_m for e in episodes if e.truth is not None and e.is_held)
     return slips[round(0.95 * (len(slips) - 1))] * 1e3 if slips else 0.0
 
 

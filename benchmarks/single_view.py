@@ -17,6 +17,7 @@ from collections.abc import Mapping
 from time import process_time
 
 import numpy as np
+from grasping_truth import finger_contacts
 
 from hilt.ontology.objects import ObjectType, load_objects
 from hilt.sim import Body, grasps_on_cloud, poses
@@ -26,6 +27,7 @@ from hilt.sim.physics.engine import TIME_STEP
 from hilt.sim.robot.path_planner import PathPlanner
 from hilt.sim.scene.scene import graspable, scene_with
 from hilt.sim.vision.camera import CAMERAS_ROUND_TABLE, Camera
+from hilt.sim.vision.object_detector import MaskDetector
 
 
 def main() -> None:
@@ -70,11 +72,12 @@ def run(
         if path is None:
             return counts | {"planned": int(bool(plan.grasps))}
         before = body.world.pose(name)[2, 3]
-        touched = HandMotion(body.robot).grasp(path, force=body.robot.gripper.force)
+        HandMotion(body.robot, MaskDetector(body.world)).grasp(path, force=body.robot.gripper.force)
+        touched = frozenset().union(*finger_contacts(body.robot))
         body.robot.follow(path.lift, pace=LIFT_PACE)
         body.robot.advance(round(HOLD_TIME / TIME_STEP))
         lifted = body.world.pose(name)[2, 3] - before > MIN_LIFT
-        right = touched.both == {(name, part)}
+        right = touched == {(name, part)}
         return counts | {"planned": 1, "closed": 1, "right": int(right), "lifted": int(lifted)}
 
 

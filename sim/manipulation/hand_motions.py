@@ -1,11 +1,13 @@
 """Motions of the hand: grasp, lift, hold, carry, hand over, put down and point at objects.
 
-Success is judged by the contacts of the fingers and the height of the object, never by what was
-commanded. A motion that fails returns the reason and raises nothing.
+Success is judged by sight and touch, never by what was commanded: by what the fingers feel, how far
+they are open, and where the object is seen in the hand. A motion that fails returns the reason and
+raises nothing.
 """
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import product
 
 import numpy as np
@@ -13,12 +15,13 @@ import shapely
 
 from .. import poses
 from ..grasping.context import GraspContext
-from ..models.object_models import object_model
 from ..physics.engine import GRAVITY, TIME_STEP
 from ..poses import Array, voxel_downsample
 from ..robot.collision import finger_spheres, hand_spheres
 from ..robot.path_planner import MAX_PACE, GraspPath, PathPlanner, hand_orientations
-from ..robot.robot import FingerContacts, Robot
+from ..robot.robot import Robot
+from ..vision.object_detector import ObjectDetector
+from ..vision.registration import motion_between
 
 TRANSIT_PACE = MAX_PACE  # shares of the joints' speed limits
 APPROACH_PACE = 0.45
@@ -27,6 +30,11 @@ CARRY_PACE = MAX_PACE
 CAREFUL_TORQUE = 0.25  # [N m] of gravity in the hand at which objects are carried at half the pace
 CHECK_INTERVAL = 12  # steps between two checks of the finger contacts
 LOST_CHECKS = 2  # without contact, after which an object is lost
+ALIGNED = 0.004  # [m], fingers that close by this much more or less than planned have turned it
+PAD_MARGINS = (-0.001, 0.003, -0.001)  # [m], of the space between the pads in which parts are held
+OFF_HAND = 0.008  # [m] from the spheres of the hand, for its depths and shape are not exact
+PRESSED, MIN_POINTS = 0.002, 3  # [m] below the outermost point there; of a part that is touched
+NOTHING = np.zeros((0, 3))
 HELD_CELL, HELD_RADIUS = 0.015, 0.008  # [m], spheres that stand for a held object
 HELD_GAP = 0.006  # [m] between a held object and obstacles
 RELEASE_HEIGHT = 0.003  # [m] above where it was taken up, an object is released
@@ -45,7 +53,7 @@ HEADINGS = 24  # turns about the vertical that are tried for handing over
 FACING = (-0.5, 0.0, 0.7, 0.9)  # cosines to the receiver; between two of them all are as good
 PULL, FELT = 20.0, 5.0  # [N], of the receiver at the object, and from which on the hand opens
 PULL_SPEED, PULL_TIME = 0.25, 1.0  # [m/s], [s] of that pull
-TAKEN, LOST_GAP = 0.5, 0.05  # [m] that the receiver takes it away; further off it was lost
+TAKEN = 0.5  # [m] that the receiver takes it away
 OFFSETS = (0.0, -0.06, 0.06, -0.12)  # [m] from the meeting point towards the receiver
 
 
@@ -56,12 +64,9 @@ class HeldObject:
     context: GraspContext  #: the object and its surroundings as seen before the grasp
     planner: PathPlanner  #: of paths among these surroundings
     path: GraspPath  #: the path to the grasp
-    world_from_start: Array  #: pose (4, 4) of the object before the grasp
-    hand_from_object: Array  #: pose (4, 4) of the object in the hand when the fingers had closed
-    points: Array  #: point cloud of the object (n, 3) in the hand frame [m]
-    torque: float  #: largest torque of gravity about the line between the fingers [N m]
-    others: Array  #: points of the other parts (n, 3) in the hand frame [m]
-    free: Array  #: from the grip to their middle (3,), in the hand frame; zero without any [m]
+    hand_from_grip: Array  #: the grip frame in the hand frame (4, 4)
+    hand_from_closed: Array  #: `hand_from_seen` when the fingers had closed (4, 4)
+    hand_from_seen: Array  #: the world before the grasp, moved as the object since then (4, 4)
     is_offered: bool = False  #: whether it was brought to the receiver last
 
     @property
@@ -69,44 +74,107 @@ class HeldObject:
         """The name of the object."""
         return self.context.percept.name
 
+    @cached_property
+    def points(self) -> Array:
+        """Its point cloud (n, 3) in the hand frame [m]."""
+        cloud = self.context.percept.cloud
+        return poses.transform(self.hand_from_seen, cloud[voxel_downsample(cloud, HELD_CELL)])
+
+    @cached_property
+    def others(self) -> Array:
+        """Points of the other parts (n, 3) in the hand frame [m]."""
+        return poses.transform(self.hand_from_seen, self.context.other_parts)
+
+    @property
+    def free(self) -> Array:
+        """From the grip to the middle of the other parts (3,), in the hand; or zero [m]."""
+        grip = self.hand_from_grip[:3, 3]
+        return self.others.mean(axis=0) - grip if len(self.others) else np.zeros(3)
+
+    @property
+    def torque(self) -> float:
+        """The largest torque of gravity about the line between the fingers [N m]."""
+        centre = self.context.centre_of_mass[None]
+        arm = poses.transform(self.hand_from_seen, centre)[0] - self.hand_from_grip[:3, 3]
+        return GRAVITY * self.context.kind.mass * float(np.hypot(arm[0], arm[2]))
+
+    @property
+    def slip(self) -> tuple[float, float]:
+        """How far it has moved at the grip [m] and turned [rad] since the fingers closed."""
+        now_from_then = self.hand_from_seen @ poses.inverse(self.hand_from_closed)
+        grip = self.hand_from_grip[None, :3, 3]
+        moved = np.linalg.norm(poses.transform(now_from_then, grip) - grip)
+        return float(moved), float(poses.angle_between(np.eye(3), now_from_then[:3, :3]))
+
 
 @dataclass(frozen=True)
 class HandMotion:
-    """Moves a robot with a gripper among objects on a table."""
+    """Moves a robot with a gripper among objects on a table, and sees what it holds."""
 
     robot: Robot
+    vision: ObjectDetector
 
-    def grasp(self, path: GraspPath, *, force: float) -> FingerContacts:
-        """Follow a path to a grasp, close with at most a force [N]; return what is touched."""
+    def grasp(self, path: GraspPath, *, force: float) -> None:
+        """Follow a path to a grasp, and close with at most a force [N]."""
         self.robot.open(path.grasp.opening)
         self.robot.follow(path.transit, pace=TRANSIT_PACE)
         self.robot.follow(path.approach, pace=APPROACH_PACE)
         self.robot.close(force)
-        return self.robot.finger_contacts()
 
     def held_object(
-        self, context: GraspContext, planner: PathPlanner, path: GraspPath, before: Array
+        self, context: GraspContext, planner: PathPlanner, path: GraspPath
     ) -> HeldObject:
-        """Describe an object on which the gripper has closed; `before` was its pose then (4, 4)."""
-        touched = self.robot.finger_contacts().parts(context.percept.name)
-        context = replace(context, part=touched[0] if len(touched) == 1 else context.part)
-        hand_from_object = self.hand_from_object(context.percept.name)
-        hand_from_seen = hand_from_object @ poses.inverse(before)
-        grip = self.robot.gripper.hand_from_grip[:3, 3]
-        other_parts = poses.transform(hand_from_seen, context.other_parts)
-        cloud = poses.transform(hand_from_seen, context.percept.cloud)
-        arm = poses.transform(hand_from_seen, context.centre_of_mass[None])[0] - grip
-        return HeldObject(
-            context,
-            planner,
-            path,
-            before,
-            hand_from_object,
-            cloud[voxel_downsample(cloud, HELD_CELL)],
-            GRAVITY * context.kind.mass * float(np.hypot(arm[0], arm[2])),
-            other_parts,
-            other_parts.mean(axis=0) - grip if len(other_parts) else np.zeros(3),
-        )
+        """Describe an object on which the gripper has closed."""
+        hand_from_world = poses.inverse(self.robot.world_from_hand)
+        at = self.robot.hand_from_grip, hand_from_world, hand_from_world
+        held = HeldObject(context, planner, path, *at)
+        if abs(self.robot.opening - path.grasp.width) > ALIGNED:  # the fingers have turned it
+            held = self.seen(held)
+        touched = self.touched(held)
+        part = touched[0] if len(touched) == 1 else context.part
+        context = replace(context, part=part)
+        return replace(held, context=context, hand_from_closed=held.hand_from_seen)
+
+    def seen(self, held: HeldObject) -> HeldObject:
+        """The held object where it is seen in the hand now; where it was if it is not seen."""
+        world_from_hand, percept = self.robot.world_from_hand, held.context.percept
+        guess = world_from_hand @ held.hand_from_seen
+        moved = {name: poses.transform(guess, cloud) for name, cloud in percept.parts.items()}
+        after = self.vision.look(replace(percept, parts=moved))
+        seen = {n: self._off_hand(cloud) for n, cloud in after.parts.items()} if after else {}
+        if not (free := {name: cloud for name, cloud in seen.items() if len(cloud)}):
+            return held
+        motion = motion_between(percept, replace(percept, parts=free), guess)
+        return replace(held, hand_from_seen=poses.inverse(world_from_hand) @ motion)
+
+    def _off_hand(self, cloud: Array) -> Array:
+        """Those of the points (n, 3) in the world that are not the hand's own [m]."""
+        spheres = self.robot.body_spheres(self.robot.opening)
+        own = spheres.link == len(self.robot.chain.links) - 1
+        centres = poses.transform(self.robot.world_from_hand, spheres.centre[own])
+        gaps = np.linalg.norm(cloud[:, None] - centres, axis=-1) - spheres.radius[own]
+        return cloud[(gaps > OFF_HAND).all(axis=1)]
+
+    def touched(self, held: HeldObject, others: Array = NOTHING) -> tuple[str, ...]:
+        """The parts that the pads press on, from where the object was seen last.
+
+        "" is among them where that is one of `others`, points (n, 3) in the world [m].
+        """
+        grip_from_seen = poses.inverse(held.hand_from_grip) @ held.hand_from_seen
+        clouds = {
+            name: poses.transform(grip_from_seen, cloud)
+            for name, cloud in held.context.percept.parts.items()
+        }
+        clouds[""] = poses.transform(poses.inverse(self.robot.world_from_grip), others)
+        gripper = self.robot.gripper
+        half = np.array([gripper.pad_width, self.robot.opening, gripper.pad_length]) / 2
+        between = {n: c[(np.abs(c) < half + PAD_MARGINS).all(axis=1), 1] for n, c in clouds.items()}
+        found = set[str]()
+        for side in (-1, 1):
+            outermost = max((side * y).max(initial=-np.inf) for y in between.values())
+            pressed = {n: (side * y > outermost - PRESSED).sum() for n, y in between.items()}
+            found |= {name for name, count in pressed.items() if count >= MIN_POINTS}
+        return tuple(sorted(found))
 
     def release(self, planner: PathPlanner, opening: float) -> None:
         """Open the gripper to `opening` [m], retreat, and go home if there is a free path."""
@@ -126,32 +194,23 @@ class HandMotion:
         above = poses.translation(0, 0, height) @ self.robot.world_from_grip
         path = held.planner.plan_straight(above)
         path = held.path.lift if path is None else path
-        return self.robot.follow(path, pace=LIFT_PACE, stop=self.loss_check(held.name))
-
-    def slip(self, held: HeldObject) -> tuple[float, float]:
-        """How far the object has moved at the grip [m] and turned [rad] since it was grasped."""
-        now_from_then = self.hand_from_object(held.name) @ poses.inverse(held.hand_from_object)
-        grip = self.robot.hand_from_grip[None, :3, 3]
-        moved = np.linalg.norm(poses.transform(now_from_then, grip) - grip)
-        return float(moved), float(poses.angle_between(np.eye(3), now_from_then[:3, :3]))
+        return self.robot.follow(path, pace=LIFT_PACE, stop=self.loss_check())
 
     def height_gained(self, held: HeldObject) -> float:
-        """How far the object is above where it lay [m]."""
-        return float((self.robot.engine.bodies.pose(held.name) - held.world_from_start)[2, 3])
+        """How far the middle of the object is above where it lay [m]."""
+        middle = held.context.percept.centre[None]
+        now = poses.transform(self.robot.world_from_hand @ held.hand_from_seen, middle)
+        return float((now - middle)[0, 2])
 
-    def hand_from_object(self, name: str) -> Array:
-        """The pose of an object in the hand frame (4, 4)."""
-        return poses.inverse(self.robot.world_from_hand) @ self.robot.engine.bodies.pose(name)
-
-    def loss_check(self, name: str) -> Callable[[], bool]:
-        """A function for each step: whether an object is lost. One check may miss contacts."""
+    def loss_check(self) -> Callable[[], bool]:
+        """A function for each step: whether the hand is empty. One check may miss contacts."""
         step = missing = 0
 
         def is_lost() -> bool:
             nonlocal step, missing
             step += 1
             if step % CHECK_INTERVAL == 0:
-                missing = 0 if self.robot.finger_contacts().holds(name) else missing + 1
+                missing = 0 if self.robot.is_holding else missing + 1
             return missing >= LOST_CHECKS
 
         return is_lost
@@ -169,7 +228,7 @@ class HandMotion:
     def carry(self, held: HeldObject, path: Array) -> str:
         """Follow a path, slower where the object could turn; return "dropped" if it is, or ""."""
         pace = CARRY_PACE / (1 + held.torque / CAREFUL_TORQUE)
-        is_there = self.robot.follow(path, pace=pace, stop=self.loss_check(held.name))
+        is_there = self.robot.follow(path, pace=pace, stop=self.loss_check())
         return "" if is_there else "dropped"
 
     def hand_over(self, held: HeldObject) -> str:
@@ -203,7 +262,6 @@ class HandMotion:
         joints, ahead = self.robot.engine.joints, np.array(AHEAD)
         grip = self.robot.hand_from_grip[:3, 3] + held.free
         start = poses.transform(self.robot.world_from_hand, grip[None])[0]
-        object_from_world = poses.inverse(self.robot.engine.bodies.pose(held.name))
         at_rest, tether = self.robot.force_on_hand(), joints.tether(held.name, start, force=PULL)
         for step in range(round(PULL_TIME / TIME_STEP)):
             joints.move_tether(tether, start + PULL_SPEED * TIME_STEP * step * ahead)
@@ -218,9 +276,7 @@ class HandMotion:
         for step in range(round(TAKEN / PULL_SPEED / TIME_STEP)):
             joints.move_tether(tether, start + PULL_SPEED * TIME_STEP * step * ahead)
             self.robot.advance(1)
-        now_from_start = self.robot.engine.bodies.pose(held.name) @ object_from_world
-        moved = poses.transform(now_from_start, start[None])[0] - start
-        return bool(np.linalg.norm(moved - TAKEN * ahead) < LOST_GAP)
+        return not self.robot.is_touching()
 
     def put_back(self, held: HeldObject) -> str:
         """Put the held object down where it lay; return the reason of failure, or ""."""
@@ -241,9 +297,9 @@ class HandMotion:
     def _put_at(self, held: HeldObject, above: Array, shift: Array) -> str:
         if reason := self.carry(held, above):
             return reason
-        down = poses.translation(*np.add(shift, (0, 0, RELEASE_HEIGHT))) @ held.world_from_start
+        down = poses.translation(*np.add(shift, (0, 0, RELEASE_HEIGHT)))
         # As the object is in the hand now: it may have slipped.
-        goal = down @ poses.inverse(self.hand_from_object(held.name)) @ self.robot.hand_from_grip
+        goal = down @ poses.inverse(held.hand_from_seen) @ held.hand_from_grip
         path, opening = held.planner.plan_straight(goal), held.path.grasp.opening
         if path is None or not held.planner.is_clear(path, opening):
             return "unreachable"
@@ -260,13 +316,12 @@ class HandMotion:
         places = np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, 2)
         far = np.linalg.norm(places - self.robot.world_from_grip[:2, 3], axis=1)
         clouds = (held.context.percept.cloud, held.planner.obstacles)
-        cloud, others = (each[voxel_downsample(each, HELD_CELL), :2] for each in clouds)
-        taken = shapely.MultiPoint(others)
-        corners = poses.transform(held.world_from_start, object_model(held.context.kind).points)
-        drop = held.planner.table - corners[:, 2].min()
+        cloud, others = (each[voxel_downsample(each, HELD_CELL)] for each in clouds)
+        taken = shapely.MultiPoint(others[:, :2])
+        drop = held.planner.table - cloud[:, 2].min()
         shifts = places[np.argsort(far, kind="stable")] - start
         for gap, shift in product(PLACE_GAPS, shifts):
-            if not shapely.dwithin(taken, shapely.MultiPoint(cloud + shift), gap):
+            if not shapely.dwithin(taken, shapely.MultiPoint(cloud[:, :2] + shift), gap):
                 yield np.array([*shift, drop])
 
     def _hand_over_postures(self, held: HeldObject) -> Iterator[Array]:

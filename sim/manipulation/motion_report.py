@@ -20,7 +20,6 @@ class MotionReport:
     slip_rad: float = 0.0  #: how far it turned there [rad]; at most 15 degrees are firm
     moved: tuple[str, ...] = ()  #: the kinds of neighbours that were put aside for it, in order
     barred_by: tuple[str, ...] = ()  #: the kinds of those that leave no room, if that is why
-    bumped: tuple[str, ...] = ()  #: other neighbours that were moved by more than a centimetre
     depth_m: float = 0.0  #: how deep the struck object stands in the other one [m]; 0 without one
     driven: bool = False  #: whether it is driven in completely
     facing_rad: float | None = None  #: level angle at the handover, free part to receiver [rad]

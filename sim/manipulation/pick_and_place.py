@@ -16,7 +16,6 @@ from .. import poses
 from ..grasping.context import GraspContext
 from ..grasping.planner import GraspAttempts, RankedGrasps, plan_grasps, select_grasp
 from ..physics.engine import TIME_STEP
-from ..poses import Array
 from ..robot.path_planner import Grasp, GraspPath, PathPlanner
 from ..robot.robot import Robot
 from ..scene.world import World
@@ -33,7 +32,6 @@ OFFER_TIME = 0.5  # [s], at the receiver
 MAX_SLIP, MAX_TURN = 0.01, np.radians(15)  # [m], [rad] in the hand; more is no firm hold
 WAYS, MAX_MOVED = 8, 5  # paths that are checked for what bars them; neighbours put aside at once
 ROOM, TOUCHING = 0.01, 0.012  # [m] from a path to what bars it; from an object to what may hide it
-BUMP = 0.01  # [m], a neighbour that moved more was bumped
 LOST = {"slipped", "dropped"}  # reasons to take the object again, if it is not in the hand firmly
 
 PlanListener: TypeAlias = Callable[[str, str | None, RankedGrasps, Grasp | None], None]
@@ -49,7 +47,7 @@ class PickAndPlace:
         #: called, if not None, before each closing of the gripper, with the name of the object, the
         #: part to grasp it by, the last grasp plan, and the selected grasp
         self.on_plan: PlanListener | None = None
-        self._motion, self._vision = HandMotion(robot), vision
+        self._motion, self._vision = HandMotion(robot, vision), vision
         self._rng = np.random.default_rng(seed)
         #: returns the parts by one of which something in the way may be taken and put aside (None
         #: for any); none until somebody says so
@@ -57,7 +55,6 @@ class PickAndPlace:
         self._task = GraspAttempts("", None)
         self._wanted: set[str] = set()  # names of all that was to be taken for the task
         self._put_aside, self._barred_by = tuple[str, ...](), tuple[str, ...]()  # kinds
-        self._before: dict[str, Array] = {}  # poses of all objects before the task
         self._is_interrupted = False  # since the last motion, which left the arm where it was
 
     @property
@@ -114,21 +111,19 @@ class PickAndPlace:
         try:
             return move()
         except MotionInterruptedError:
-            if self.in_hand and not self.robot.finger_contacts().holds(self.in_hand.name):
+            if self.in_hand and not self.robot.is_holding:
                 self.in_hand = None
             self._is_interrupted = True
             return self._report(action, "interrupted")
 
     def _report(self, action: str, reason: str, *, held_s: float = 0.0) -> MotionReport:
         held = self.in_hand
-        slip_m, slip_rad = self._motion.slip(held) if held else (0.0, 0.0)
-        others = {name: at for name, at in self._before.items() if name not in self._wanted}
-        moves = {n: np.linalg.norm((self.world.pose(n) - at)[:3, 3]) for n, at in others.items()}
+        slip_m, slip_rad = held.slip if held else (0.0, 0.0)
         return MotionReport(
             action,
             ok=not reason,
             reason=reason,
-            touched=self.robot.finger_contacts().parts(held.name) if held else (),
+            touched=self._motion.touched(held) if held else (),
             lifted_m=self._motion.height_gained(held) if held else 0.0,
             held_s=held_s,
             attempts=len(self._task.tried),
@@ -138,7 +133,6 @@ class PickAndPlace:
             slip_rad=slip_rad,
             moved=self._put_aside,
             barred_by=self._barred_by if reason == "blocked" else (),
-            bumped=tuple(name for name, move in moves.items() if move > BUMP),
         )
 
     def _take(self, percept: Percept, part: str | None) -> MotionReport:
@@ -149,7 +143,6 @@ class PickAndPlace:
         self._clear_hand()
         self._task = GraspAttempts(percept.name, part)
         self._wanted = {percept.name}
-        self._before = {name: self.world.pose(name) for name in self.world.kinds}
         return self._grasp()
 
     def _put(self, held: HeldObject, action: str) -> MotionReport:
@@ -160,7 +153,7 @@ class PickAndPlace:
         return self._report(action, reason)
 
     def _put_away(self, held: HeldObject) -> None:
-        is_held = self.robot.finger_contacts().holds(held.name)
+        is_held = self.robot.is_holding
         if not is_held or not (self._put(held, "put_back").ok or self._put(held, "put_down").ok):
             self._drop(held)
 
@@ -186,7 +179,7 @@ class PickAndPlace:
         if not held.is_offered:
             return self._drop(held)
         is_taken = self._motion.give(held)
-        if not is_taken and self.robot.finger_contacts().holds(held.name):
+        if not is_taken and self.robot.is_holding:
             return self._report("release", "not_taken")
         return replace(self._drop(held), taken=is_taken)
 
@@ -272,21 +265,19 @@ class PickAndPlace:
         self._task = task
 
     def _close_on(self, path: GraspPath, context: GraspContext, planner: PathPlanner) -> str:
-        name = self._task.name
-        before = self.world.pose(name)
         try:
-            contacts = self._motion.grasp(path, force=context.force)
+            self._motion.grasp(path, force=context.force)
         except MotionInterruptedError:
-            if self.robot.finger_contacts().holds(name):
-                self.in_hand = self._motion.held_object(context, planner, path, before)
+            if self.robot.is_holding:
+                self.in_hand = self._motion.held_object(context, planner, path)
             raise
         self._task = replace(self._task, tried=(*self._task.tried, path.grasp))
-        allowed = {(name, part) for part in context.allowed_parts}
-        if contacts.both - allowed:
-            return "wrong_part"
-        if not contacts.holds(name):
+        if not self.robot.is_holding:
             return "missed"
-        self.in_hand = self._motion.held_object(context, planner, path, before)
+        held = self._motion.held_object(context, planner, path)
+        if not {*self._motion.touched(held, context.neighbours)} <= {*context.allowed_parts}:
+            return "wrong_part"
+        self.in_hand = held
         return ""
 
     def _retry(
@@ -317,21 +308,23 @@ class PickAndPlace:
         if rest and not self._motion.lift(held, rest):
             return self._report("lift", "slipped")
         report = self._hold(held, "lift", HOLD_TIME)
-        if report.ok and self._motion.height_gained(held) < MIN_LIFT:
+        if report.ok and report.lifted_m < MIN_LIFT:
             return replace(report, ok=False, reason="slipped")
         return report
 
     def _hold(self, held: HeldObject, action: str, seconds: float) -> MotionReport:
-        steps, is_lost, done = round(seconds / TIME_STEP), self._motion.loss_check(held.name), 0
+        steps, is_lost, done = round(seconds / TIME_STEP), self._motion.loss_check(), 0
         while done < steps:
             self.robot.advance(1)
             if is_lost():
                 break
             done += 1
-        slip_m, slip_rad = self._motion.slip(held)
+        if done < steps:
+            return self._report(action, "dropped", held_s=done * TIME_STEP)
+        self.in_hand = held = self._motion.seen(held)
+        slip_m, slip_rad = held.slip
         is_loose = slip_m > MAX_SLIP or slip_rad > MAX_TURN
-        reason = "dropped" if done < steps else "slipped" if is_loose else ""
-        return self._report(action, reason, held_s=done * TIME_STEP)
+        return self._report(action, "slipped" if is_loose else "", held_s=seconds)
 
     def _grasp_and_lift(self) -> MotionReport:
         grasped = self._grasp()
@@ -344,7 +337,7 @@ class PickAndPlace:
         report = self._hold(held, "hand_over", OFFER_TIME)
         grip = self.robot.world_from_grip
         at = (*grip[:3, 3].tolist(), *poses.quaternion(grip[:3, :3]))
-        self.in_hand = replace(held, is_offered=report.ok)
+        self.in_hand = held = replace(self.in_hand or held, is_offered=report.ok)
         facing_rad, clearance_m = self._motion.offered(held)
         offered = replace(report, at=at, facing_rad=facing_rad, clearance_m=clearance_m)
         return offered if report.ok else report

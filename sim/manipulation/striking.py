@@ -100,6 +100,7 @@ class Striking(PickAndPlace):
         return "unreachable" if path is None else self._motion.carry(held, path)
 
     def _raise(self, held: HeldObject, start: Array) -> str:
+        self.in_hand = held = self._motion.seen(held)  # a blow may have turned it
         now = self.robot.world_from_grip[:3, :3]
         same_face = [
             strike
@@ -116,7 +117,7 @@ class Striking(PickAndPlace):
         detours = (self._plan_strike(held, goal) for goal in goals[:MAX_DETOURS])
         for path in chain(best, detours, (path for _, path in straight)):
             if path is not None:
-                is_lost = self._motion.loss_check(held.name)
+                is_lost = self._motion.loss_check()
                 held_on = self.robot.follow(path, pace=RAISE_PACE, stop=is_lost)
                 return "" if held_on else "dropped"
         return "unreachable"
@@ -138,7 +139,7 @@ class Striking(PickAndPlace):
             return after > FOLLOW_STEPS
 
         self.robot.follow(path, pace=BLOW_PACE, stop=is_done)
-        reason = "" if self.robot.finger_contacts().holds(held.name) else "dropped"
+        reason = "" if self.robot.is_holding else "dropped"
         self.robot.advance(round(AFTER_BLOW / TIME_STEP))
         return reason
 
@@ -152,9 +153,7 @@ class Striking(PickAndPlace):
 
     def _points_in_grip(self, held: HeldObject) -> Array:
         """The points (n, 3) of the object as it was seen, in the grip frame now [m]."""
-        grip_from_hand = poses.inverse(self.robot.gripper.hand_from_grip)
-        grip_from_object = grip_from_hand @ self._motion.hand_from_object(held.name)
-        grip_from_seen = grip_from_object @ poses.inverse(held.world_from_start)
+        grip_from_seen = poses.inverse(held.hand_from_grip) @ held.hand_from_seen
         return poses.transform(grip_from_seen, held.context.percept.cloud)
 
     def _plan_strike(self, held: HeldObject, goal: Array) -> Array | None:

@@ -6,7 +6,6 @@ holds by friction alone; a gear couples its fingers, as in the real hand.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -21,6 +20,7 @@ from .trajectory import pack
 
 NAME = "robot"
 MIN_FORCE = 0.01  # [N], weaker contacts are ignored
+CLOSED = 5e-4  # [m], a gripper that is open by less holds nothing
 FINGER_SPEED = 0.05  # [m/s] of each finger, as the real hand's
 CLOSING_TIME = 1.6  # [s], longer than the fingers ever need
 STILL = 2e-4  # [m/s], a slower finger has met something or its end
@@ -37,27 +37,6 @@ SAMPLE_STEPS = 5  # at most, between two samples of a trajectory: 48 a second
 MIN_DURATION = 0.12  # [s], of a path
 ROUNDING = 0.1  # [s] over which corners, starts and ends are rounded, which bounds the jerk
 LEAST_STRETCH = 1.02  # of a path that asks for too much acceleration
-
-
-@dataclass(frozen=True)
-class FingerContacts:
-    """What the one and the other finger touch, as (body, link)."""
-
-    first: frozenset[tuple[str, str]]
-    second: frozenset[tuple[str, str]]
-
-    @property
-    def both(self) -> frozenset[tuple[str, str]]:
-        """Everything that either finger touches."""
-        return self.first | self.second
-
-    def holds(self, body: str) -> bool:
-        """Whether both fingers touch this body."""
-        return all(any(name == body for name, _ in side) for side in (self.first, self.second))
-
-    def parts(self, body: str) -> tuple[str, ...]:
-        """The links of this body that are touched."""
-        return tuple(sorted({link for name, link in self.both if name == body}))
 
 
 class Robot:
@@ -212,18 +191,18 @@ class Robot:
         for joint in self.gripper.joints:
             self.engine.joints.drive_at(NAME, joint, speed, force=force, to=to)
 
-    def finger_contacts(self) -> FingerContacts:
-        """What both fingers touch now."""
-        return FingerContacts(*map(self._touched, self.gripper.links))
+    @property
+    def is_holding(self) -> bool:
+        """Whether both fingers press on something between them."""
+        return self.opening > CLOSED and all(map(self._feels, self.gripper.links))
 
     def is_touching(self) -> bool:
         """Whether the fingers, or the hand without gripper, touch anything."""
-        links = self.gripper.links if self.kind.gripper else (self.kind.hand,)
-        return any(self._touched(link) for link in links)
+        return any(map(self._feels, self.gripper.links if self.kind.gripper else (self.kind.hand,)))
 
-    def _touched(self, link: str) -> frozenset[tuple[str, str]]:
-        found = (c for c in self.engine.bodies.contacts(NAME, link) if c.force > MIN_FORCE)
-        return frozenset((c.other, c.other_link) for c in found if c.other != NAME)
+    def _feels(self, link: str) -> bool:
+        found = self.engine.bodies.contacts(NAME, link)
+        return any(each.force > MIN_FORCE and each.other != NAME for each in found)
 
     def force_on_hand(self) -> Array:
         """The force (3,) that the hand exerts, with the arm's own weight, by its motors [N]."""

@@ -13,27 +13,38 @@ class, and lowers the confidence beyond a distance that hardly any known input e
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cache
+from itertools import product
 from pathlib import Path
 from typing import TypeVar
 from zipfile import BadZipFile
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import KDTree
 
 from ...ontology.errors import DataError
-from ..poses import Array, voxel_keys
+from ..poses import Array, voxel_downsample, voxel_keys
 from ..scene.scene import numbered
 from ..scene.world import World
 from .camera import CAMERAS_ROUND_TABLE, Camera, CameraImage
 from .object_detector import ObjectDetector
 from .percept import Percept
 from .perception_noise import NoiseLevels
-from .segmentation import Segment, describe_points, describe_segment, segment_images
+from .registration import SPACING
+from .segmentation import (
+    NOISE_MARGIN,
+    TABLE_MARGIN,
+    Segment,
+    describe_points,
+    describe_segment,
+    segment_images,
+)
 
 CLASSIFIERS_FILE = Path(__file__).with_name("recognition.npz")
+NEAR = 0.03  # [m], to where an object should be, of its points
 MIN_PART_POINTS = 12  # fewer are errors of the part classifier
 SMOOTHING = 0.006  # [m], voxels in which points share their part
-SAME_PLACE = 0.04  # [m], between the centre of a percept and that of an object
+SAME_PLACE = 0.04  # [m], between the centre of a percept and where an object was seen last
 
 MAX_DEVIATIONS = 6.0  # standardised inputs are clipped to it, so that none decides alone
 STEEPNESS = 6.0  # at 1.5 times the limit a twelfth of the confidence is left
@@ -164,8 +175,8 @@ def point_inputs(segment: Segment, kind: int, count: int) -> Array:
 class LearnedDetector(ObjectDetector):
     """Detects objects by trained classifiers; only the types that they know.
 
-    The names of percepts are those of the nearest objects of the world, in place of the tracking by
-    which a robot would keep them. A recogniser of types that the world does not have is a
+    The names of percepts are those of the objects of the scene that were last seen nearest; the
+    first places are those of the scene. A recogniser of types that the world does not have is a
     `DataError`.
     """
 
@@ -179,6 +190,7 @@ class LearnedDetector(ObjectDetector):
     ) -> None:
         super().__init__(world, noise=noise, cameras=cameras)
         self._recogniser = recogniser or Recogniser.default()
+        self._places = {name: world.top(name)[:2] for name in world.kinds}
         missing = [kind for kind in self._recogniser.kinds if kind not in world.objects]
         if missing:
             raise DataError(
@@ -187,13 +199,32 @@ class LearnedDetector(ObjectDetector):
                 source="classifiers",
             )
 
-    def detect(self, images: Sequence[CameraImage]) -> Iterator[Percept]:
+    def detect(self, images: Sequence[CameraImage]) -> list[Percept]:
         """Return the objects that the images seem to show; alike ones get numbered names."""
         segments = segment_images(images, noise=self.noise.depth_error)
         percepts = [percept for segment in segments for percept in self._percepts(segment)]
         percepts.sort(key=lambda percept: -percept.confidence)
         names = numbered(map(self._nearest_object, percepts))
-        return (replace(each, name=name) for each, name in zip(percepts, names, strict=True))
+        named = [replace(each, name=name) for each, name in zip(percepts, names, strict=True)]
+        self._places |= {each.name: each.centre[:2] for each in named if each.name in self._places}
+        return named
+
+    def look(self, expected: Percept) -> Percept | None:
+        """The points near where an object should be, as of the parts that should be nearest.
+
+        In a hand it is not one segment any more; other things there are seen with it.
+        """
+        low, high = expected.cloud.min(axis=0) - NEAR, expected.cloud.max(axis=0) + NEAR
+        low[2] = max(low[2], TABLE_MARGIN + NOISE_MARGIN * self.noise.depth_error)
+        images = self.capture(self.cameras[:2])
+        seen = np.vstack([image.points(_shown_box(image, low, high)) for image in images])
+        seen = seen[((seen > low) & (seen < high)).all(axis=1)]
+        seen = seen[voxel_downsample(seen, SPACING)]
+        gaps = [KDTree(cloud).query(seen)[0] for cloud in expected.parts.values()]
+        nearest = np.where(np.min(gaps, axis=0) < NEAR, np.argmin(gaps, axis=0), -1)
+        parts = {name: seen[nearest == i] for i, name in enumerate(expected.parts)}
+        shown = {name: cloud for name, cloud in parts.items() if len(cloud) >= MIN_PART_POINTS}
+        return replace(expected, parts=shown) if shown else None
 
     def _percepts(self, segment: Segment) -> Iterator[Percept]:
         objects = self.world.objects
@@ -212,8 +243,19 @@ class LearnedDetector(ObjectDetector):
                 yield Percept(each, each, confidence, visible, objects[each].properties)
 
     def _nearest_object(self, percept: Percept) -> str:
-        world = self.world
-        gaps = {n: np.linalg.norm((world.top(n) - percept.centre)[:2]) for n in world.kinds}
-        alike = [name for name, kind in world.kinds.items() if kind.name == percept.object]
+        kinds = self.world.kinds
+        gaps = {n: np.linalg.norm(at - percept.centre[:2]) for n, at in self._places.items()}
+        alike = [name for name in gaps if kinds[name].name == percept.object]
         near = [name for name in alike if gaps[name] < SAME_PLACE]
-        return min(near or gaps, key=lambda name: gaps[name], default=percept.object)
+        return min(near or alike or gaps, key=lambda name: gaps[name], default=percept.object)
+
+
+def _shown_box(image: CameraImage, low: Array, high: Array) -> NDArray[np.bool_]:
+    """The pixels with a depth that may show what is between two corners (3,) of a box [m]."""
+    ends = np.array(list(product(*zip(low, high, strict=True))))
+    (left, top), (right, bottom) = (
+        end(image.camera.pixels(ends), axis=0).astype(int) for end in (np.nanmin, np.nanmax)
+    )
+    mask = np.zeros(image.depth.shape, dtype=bool)
+    mask[max(top, 0) : bottom + 1, max(left, 0) : right + 1] = True
+    return mask & np.isfinite(image.depth)

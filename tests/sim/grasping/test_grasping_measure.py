@@ -44,7 +44,7 @@ def test_object_is_grasped_by_the_part_and_handed_over(
     episode = measure.run(measure.SETTINGS[setting], name, part, 905, objects=OBJECTS)
 
     assert episode.ok and episode.given
-    assert (episode.wrong, episode.last.touched, episode.last.bumped) == (0, (part,), ())
+    assert (episode.wrong, episode.last.touched, episode.bumped) == (0, (part,), ())
 
 
 @pytest.mark.parametrize(("setting", "part"), [("alone", "handle"), ("free", "")])

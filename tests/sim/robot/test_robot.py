@@ -15,6 +15,7 @@ from hilt.sim.physics.engine import PhysicsEngine
 from hilt.sim.poses import Array
 from hilt.sim.robot.models import find_robot
 from hilt.sim.robot.robot import NAME, Robot, resample, time_path
+from tests.sim.contacts import finger_contacts
 
 STEP = 1 / 240
 SPEEDS, ACCELERATIONS = np.array([2.0, 1.0]), np.array([15.0, 7.5])
@@ -118,12 +119,12 @@ def test_closed_gripper_senses_what_is_between_its_fingers(robot: Robot, tmp_pat
     robot.engine.bodies.load("block", urdf, poses.pose(np.eye(3), robot.world_from_grip[:3, 3]))
 
     robot.close()
-    touched = robot.finger_contacts()
+    touched, is_holding = finger_contacts(robot), robot.is_holding
     pressed = robot.engine.bodies.contacts("robot", robot.gripper.links[0])
     robot.advance(120)
 
-    assert touched.holds("block")
-    assert {body for body, _ in touched.both} == {"block"}
+    assert is_holding
+    assert touched == [{("block", "core")}] * 2
     assert sum(c.force for c in pressed) == pytest.approx(robot.gripper.force, rel=0.3)
     assert abs(robot.engine.bodies.pose("block")[2, 3] - robot.world_from_grip[2, 3]) < 0.02
 
@@ -133,7 +134,8 @@ def test_empty_gripper_senses_nothing(robot: Robot):
     """The fingers that meet each other do not count."""
     robot.close()
 
-    assert not robot.finger_contacts().both
+    assert not robot.is_touching()
+    assert not robot.is_holding
 
 
 @given(postures, st.floats(0.1, 1.0))
