@@ -30,7 +30,9 @@ from the poses in the world; objects whose free part is less than 1 cm aside of 
 upright glasses, have no such direction and do not count. `taken`, of those handed over, those that
 the receiver had after pulling at them, when the hand had felt it and opened. `tries` is the mean
 number of closings, `put aside` that of neighbours that were in the way; `bumped` are other
-neighbours that moved by a centimetre or more.
+neighbours that moved by a centimetre or more; `hits` are episodes in which another link
+of the robot than its fingers touched anything but an object of the type to be grasped, and `palm`
+those in which it touched one of these.
 Processor time is that of a whole episode, from building the world (heaps are there before) to the
 handover, in a process that has run one before. For comparison, the same number of steps is timed
 with a robot that stands still in the same scene.
@@ -65,7 +67,7 @@ from hilt.sim.manipulation.hand_motions import AHEAD
 from hilt.sim.manipulation.motion_report import MotionReport
 from hilt.sim.models.object_models import object_model
 from hilt.sim.robot.models import find_robot
-from hilt.sim.robot.robot import Robot
+from hilt.sim.robot.robot import MIN_FORCE, NAME, Robot
 from hilt.sim.scene.scene import Scene, graspable
 from hilt.sim.scene.world import World
 from hilt.sim.vision.perception_noise import NoiseLevels
@@ -191,6 +193,7 @@ def _timed(
     started = process_time()
     with Stopwatch() as watch, Body(scene, objects, seed=seed, **options) as body:
         _pile(body.world, piled)
+        hits = _watch_links(body)
         body.movable = lambda _: (None,)  # anything in the way, by any part
         allowed = (part,) if part else tuple(objects[name].parts)
         truth = GroundTruth(body, name, allowed)
@@ -204,8 +207,27 @@ def _timed(
     shares = {**watch.seconds, "other": cpu_s - sum(watch.seconds.values())}
     bare_s = _bare_s(setting, scene, objects, piled, steps) if bare else None
     seen = (lift, lift is not None and lift.is_good(allowed), truth.closed, truth.wrong, bumped)
-    costs = (cpu_s, shares, steps, bare_s)
-    return Episode(name, part, seed, reports, *seen, facing_deg, taken, *costs)
+    rest = (facing_deg, taken, tuple(sorted(hits)), cpu_s, shares, steps, bare_s)
+    return Episode(name, part, seed, reports, *seen, *rest)
+
+
+def _watch_links(body: Body) -> set[tuple[str, str]]:
+    """Return a set that gathers, from now on, links but the fingers and the types they touch."""
+    contacts, arm, fingers = body.world.engine.bodies.contacts, body.robot.chain.links, ()
+    if body.robot.kind.gripper:
+        fingers = body.robot.gripper.links
+    hits, kinds = set[tuple[str, str]](), body.world.kinds
+
+    def look() -> None:
+        if len(contacts(NAME)) > sum(len(contacts(NAME, finger)) for finger in fingers):
+            for link in arm:
+                found = (each for each in contacts(NAME, link) if each.force > MIN_FORCE)
+                hits.update(
+                    (link, kinds[c.other].name if c.other in kinds else c.other) for c in found
+                )
+
+    body.world.watchers.append(look)
+    return hits
 
 
 def _pile(world: World, piled: Mapping[str, poses.Array]) -> None:

@@ -27,6 +27,7 @@ class Episode:
         bumped: the neighbours that were moved, but not put aside.
         facing_deg: angle from the free part to the receiver when handed over [deg]; None without.
         taken: whether the receiver, who pulls, had it after the hand opened.
+        touches: links other than the fingers that touched something, and the type of that.
         cpu_s: processor time [s], up to the handover.
         shares: kind of work -> processor time [s].
         steps: number of simulator steps.
@@ -44,6 +45,7 @@ class Episode:
     bumped: tuple[str, ...]
     facing_deg: float | None
     taken: bool
+    touches: tuple[tuple[str, str], ...]
     cpu_s: float
     shares: Mapping[str, float]
     steps: int
@@ -85,6 +87,16 @@ class Episode:
         return tuple(kind for report in self.reports for kind in report.moved)
 
     @property
+    def hit(self) -> bool:
+        """Whether a link other than the fingers touched what was not to be grasped."""
+        return any(kind != self.object for _, kind in self.touches)
+
+    @property
+    def touched_palm(self) -> bool:
+        """Whether a link other than the fingers touched what was to be grasped."""
+        return any(kind == self.object for _, kind in self.touches)
+
+    @property
     def trouble(self) -> str:
         """All failures, recovered ones included; empty when there were none."""
         what = [*self.last.failures]
@@ -96,6 +108,7 @@ class Episode:
             what.append(f"put aside {', '.join(self.put_aside)}")
         if self.bumped:
             what.append(f"bumped {', '.join(self.bumped)}")
+        what += [f"{link} touched {kind}" for link, kind in self.touches]
         return "; ".join(what)
 
     def __str__(self) -> str:
@@ -133,8 +146,8 @@ def summary_table(measured: Mapping[str, Sequence[Episode]]) -> str:
     """Return a table with a row for each setting."""
     rows = [
         "| setting | episodes | right part | first | held | judged | given | facing | taken "
-        "| slip p95 | tries | put aside | bumped | CPU |",
-        "|---" * 14 + "|",
+        "| slip p95 | tries | put aside | bumped | hits | palm | CPU |",
+        "|---" * 16 + "|",
     ]
     for title, group in measured.items():
         n, closed = len(group), sum(e.closed for e in group)
@@ -148,12 +161,14 @@ def summary_table(measured: Mapping[str, Sequence[Episode]]) -> str:
             (sum(e.taken for e in group), sum(e.given for e in group)),
         )
         bumped = sum(bool(e.bumped) for e in group)
+        hits, palm = sum(e.hit for e in group), sum(e.touched_palm for e in group)
         put_aside = _mean(len(e.put_aside) for e in group)
         cpu_s = _mean(e.cpu_s for e in group)
         rows.append(
             f"| {title} | {n} | {' | '.join(_share(*count) for count in counts)} "
             f"| {_slip_mm(group):.1f} mm | {_mean(e.last.attempts for e in group):.2f} "
-            f"| {put_aside:.2f} | {_share(bumped, n)} | {cpu_s:.2f} s |"
+            f"| {put_aside:.2f} | {_share(bumped, n)} | {_share(hits, n)} | {_share(palm, n)} "
+            f"| {cpu_s:.2f} s |"
         )
     return "\n".join(rows)
 
