@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from ..ontology.errors import DataError, HiltError
 from ..ontology.logs import timed
 from ..ontology.plugins import plugin_names
-from ..ontology.yaml_reader import YamlNode, read_yaml
+from ..ontology.yaml_reader import YamlNode, read_toml, read_yaml
 
 if TYPE_CHECKING:  # at run time only where they are needed, so that `hilt --help` is fast
     from ..inference.settings import Settings
@@ -137,11 +137,8 @@ OPTIONS: Mapping[str, ConfigOption] = {
 
 def read_nodes(path: Path, known: Collection[str]) -> Mapping[str, YamlNode]:
     """Return the entries of a YAML or TOML file with known keys; errors as of `from_yaml`."""
-    if path.suffix != ".toml":
-        return read_yaml(path).entries(optional=known)
-    from ..ontology.toml_reader import read_toml
-
-    return read_toml(path).entries(optional=known)
+    read = read_toml if path.suffix == ".toml" else read_yaml
+    return read(path).entries(optional=known)
 
 
 def read_values(path: Path) -> dict[str, Any]:

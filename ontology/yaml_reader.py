@@ -1,16 +1,19 @@
-"""Reader for YAML that keeps positions, so that errors name file, line and column.
+"""Reader for YAML and flat TOML that keeps positions: errors name file, line and column.
 
-`read_yaml` returns a `YamlNode`: a value with its position. A loader requests the expected type
-(`field.text()`, `field.number(low=0)`, `field.entries(required={...})`) and gets a plain Python
-value or a `DataError` that states what was expected and what was found.
+`read_yaml` and `read_toml` return a `YamlNode`: a value with its position. A loader requests the
+expected type (`field.text()`, `field.number(low=0)`, `field.entries(required={...})`) and gets a
+plain Python value or a `DataError` that states what was expected and what was found.
 
 Rejected are tags, aliases (a small file could expand to gigabytes), duplicate keys, and files
 larger than `MAX_BYTES`.
 """
 
 import dataclasses
+import re
+import sys
 from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +21,7 @@ from .errors import DataError
 
 MAX_BYTES = 64 * 2**20
 MAX_DEPTH = 64
+_PLACE = re.compile(r" \(at (?:line (\d+), column (\d+)|end of document)\)$")  # in a TOML
 
 
 @dataclass(frozen=True)
@@ -222,3 +226,39 @@ class _NodeReader:
         line: int = mark.line
         text = self.lines[line] if line < len(self.lines) else ""
         return YamlNode(value, self.source, line + 1, mark.column + 1, text, keys)
+
+
+def read_toml(path: Path) -> YamlNode:
+    """Read a mapping of values with their places; `DataError` if it is no TOML or has a table."""
+    text, source = read_text(path), str(path)
+    keys: list[YamlNode] = []
+    entries: dict[str, YamlNode] = {}
+    for key, value in _parse(text, source).items():
+        beginning = re.compile(rf"^\s*\[*\s*[\"']?{re.escape(key)}\b")
+        lines = enumerate(text.split("\n"), start=1)
+        number, line = next(((n, line) for n, line in lines if beginning.match(line)), (1, ""))
+        keys.append(YamlNode(key, source, number, len(line) - len(line.lstrip()) + 1, line))
+        if isinstance(value, dict):
+            problem = "expected KEY = VALUE; tables and keys with dots are not used here."
+            raise keys[-1].fail(problem)
+        column = len(line) - len(line.partition("=")[2].lstrip()) + 1
+        node = partial(YamlNode, source=source, line=number, column=column, text_line=line)
+        entries[key] = node(tuple(map(node, value)) if isinstance(value, list) else value)
+    return YamlNode(entries, source, 1, 1, keys=tuple(keys))
+
+
+def _parse(text: str, source: str) -> dict[str, Any]:
+    if sys.version_info >= (3, 11):
+        import tomllib  # here: YAML does not need it
+    else:
+        import tomli as tomllib  # pyright: ignore[reportMissingImports]
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        lines = text.splitlines() or [""]
+        place = _PLACE.search(str(error))
+        at_end = (len(lines), len(lines[-1]) + 1)
+        line, column = map(int, place.groups()) if place and place[1] else at_end
+        problem = f"is not TOML: {_PLACE.sub('', str(error))}."
+        shown = lines[min(line, len(lines)) - 1]
+        raise DataError(problem, source=source, line=line, column=column, text=shown) from error

@@ -104,11 +104,9 @@ class OxigraphStore:
         None, both parts of the answer are empty. `dataset` has the graphs that are its default
         graph, and the named ones. By default the query says them, or, with `is_union`, all are.
         """
-        graphs = dict[str, list[engine.NamedNode]]()
-        if dataset:
-            with translated_errors(self.location):
-                default, named = (list(map(named_node, given)) for given in dataset)
-            graphs = {"default_graph": default, "named_graphs": named}
+        names = zip(("default_graph", "named_graphs"), dataset or (), strict=bool(dataset))
+        with translated_errors(self.location):
+            graphs = {key: list(map(named_node, given)) for key, given in names}
         is_union = is_union and not graphs
         with timed(__name__, "query %s", query), translated_errors(self.location, query):
             found: Any = self._run(query, base_iri=base, is_union=is_union, **graphs)

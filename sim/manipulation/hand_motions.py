@@ -125,15 +125,15 @@ class HandMotion:
         self, context: GraspContext, planner: PathPlanner, path: GraspPath
     ) -> HeldObject:
         """Describe an object on which the gripper has closed."""
-        hand_from_world = poses.inverse(self.robot.world_from_hand)
-        at = self.robot.hand_from_grip, hand_from_world, hand_from_world
-        held = HeldObject(context, planner, path, *at)
+        at = poses.inverse(self.robot.world_from_hand)
+        held = HeldObject(context, planner, path, self.robot.hand_from_grip, at, at)
         if abs(self.robot.opening - path.grasp.width) > ALIGNED:  # the fingers have turned it
             held = self.seen(held)
         touched = self.touched(held)
         part = touched[0] if len(touched) == 1 else context.part
-        context = replace(context, part=part)
-        return replace(held, context=context, hand_from_closed=held.hand_from_seen)
+        return replace(
+            held, context=replace(context, part=part), hand_from_closed=held.hand_from_seen
+        )
 
     def seen(self, held: HeldObject) -> HeldObject:
         """The held object where it is seen in the hand now; where it was if it is not seen."""
@@ -141,8 +141,8 @@ class HandMotion:
         guess = world_from_hand @ held.hand_from_seen
         moved = {name: poses.transform(guess, cloud) for name, cloud in percept.parts.items()}
         after = self.vision.look(replace(percept, parts=moved))
-        seen = {n: self._off_hand(cloud) for n, cloud in after.parts.items()} if after else {}
-        if not (free := {name: cloud for name, cloud in seen.items() if len(cloud)}):
+        seen = [(n, self._off_hand(cloud)) for n, cloud in after.parts.items()] if after else []
+        if not (free := {name: cloud for name, cloud in seen if len(cloud)}):
             return held
         motion = motion_between(percept, replace(percept, parts=free), guess)
         return replace(held, hand_from_seen=poses.inverse(world_from_hand) @ motion)
@@ -161,10 +161,8 @@ class HandMotion:
         "" is among them where that is one of `others`, points (n, 3) in the world [m].
         """
         grip_from_seen = poses.inverse(held.hand_from_grip) @ held.hand_from_seen
-        clouds = {
-            name: poses.transform(grip_from_seen, cloud)
-            for name, cloud in held.context.percept.parts.items()
-        }
+        parts = held.context.percept.parts.items()
+        clouds = {name: poses.transform(grip_from_seen, cloud) for name, cloud in parts}
         clouds[""] = poses.transform(poses.inverse(self.robot.world_from_grip), others)
         gripper = self.robot.gripper
         half = np.array([gripper.pad_width, self.robot.opening, gripper.pad_length]) / 2

@@ -91,8 +91,8 @@ class ObjectDetector(ABC):
     def find(self, name: str) -> Percept | None:
         """The percept of an object of the world; None when it is not visible as what it is."""
         kind = self.world.kinds.get(name)
-        alike = self.search([f"object:{kind.name}"]) if kind else ()
-        return next((percept for percept in alike if percept.name == name), None)
+        found = (p for p in self.percepts if kind and (p.name, p.object) == (name, kind.name))
+        return next(found, None)
 
     def look(self, expected: Percept) -> Percept | None:
         """An object as the first two cameras, which is faster, see it now; None if they do not.

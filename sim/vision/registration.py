@@ -45,12 +45,10 @@ def motion_between(before: Percept, after: Percept, guess: Array) -> Array:
 
 
 def _labelled(percept: Percept, parts: list[str]) -> Array:
-    rows = list[Array]()
-    for number, name in enumerate(parts):
-        cloud = percept.parts[name]
-        cloud = cloud[voxel_downsample(cloud, SPACING)]
-        rows.append(np.column_stack([cloud, np.full(len(cloud), number * PART_GAP)]))
-    return np.vstack(rows)
+    clouds = [percept.parts[name] for name in parts]
+    thinned = [cloud[voxel_downsample(cloud, SPACING)] for cloud in clouds]
+    labels = np.repeat(np.arange(len(parts)) * PART_GAP, list(map(len, thinned)))
+    return np.column_stack([np.vstack(thinned), labels])
 
 
 def _step(points: Array, ahead: Array, normals: Array) -> Array:

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from hilt.ontology.errors import DataError
-from hilt.ontology.toml_reader import read_toml
+from hilt.ontology.yaml_reader import read_toml
 
 FILE = """# who I am
 speaker = "anna"   # as Hilt calls me
