@@ -47,8 +47,8 @@ def motion_between(before: Percept, after: Percept, guess: Array) -> Array:
 def _labelled(percept: Percept, parts: list[str]) -> Array:
     clouds = [percept.parts[name] for name in parts]
     thinned = [cloud[voxel_downsample(cloud, SPACING)] for cloud in clouds]
-    labels = np.repeat(np.arange(len(parts)) * PART_GAP, list(map(len, thinned)))
-    return np.column_stack([np.vstack(thinned), labels])
+    labels = np.repeat(np.arange(len(parts)) * PART_GAP, [len(each) for each in thinned])
+    return np.insert(np.vstack(thinned), 3, labels, axis=1)
 
 
 def _step(points: Array, ahead: Array, normals: Array) -> Array:
