@@ -71,10 +71,13 @@ def quad_from_engine(quad: engine.Quad) -> Quad:
     )
 
 
-@lru_cache(maxsize=2**16)
+_shared_literal = lru_cache(maxsize=2**16)(from_engine)  # numbers and times take long to read
+
+
 def property_from_engine(predicate: engine.NamedNode, value: Any) -> Property:
     """The property that a pyoxigraph predicate and object are; errors as for `from_engine`."""
-    return shared_iri(predicate.value), from_engine(value)
+    is_node = type(value) is engine.NamedNode
+    return shared_iri(predicate.value), Iri(value.value) if is_node else _shared_literal(value)
 
 
 def to_engine(term: Term) -> engine.NamedNode | engine.Literal:
@@ -135,7 +138,7 @@ def _grouped(node: Iri, graph: Iri, quads: Iterable[engine.Quad]) -> Iterator[St
     pairs = list[Property]()
     for quad in quads:
         key, value = quad.predicate, quad.object
-        if isinstance(value, engine.Triple):
+        if type(value) is engine.Triple:
             edge = AnnotatedEdge(*cast("list[Any]", [from_engine(part) for part in value]))
             yield ReifyingTriple(node, shared_iri(key.value), edge, graph)
         else:
