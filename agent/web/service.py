@@ -63,10 +63,7 @@ class LiveScene:
     """The scene of one body, which tells readers of events where everything is."""
 
     def __init__(self, body: "Body", number: int, hub: Hub, *, pace: float) -> None:
-        """Make its model, and watch it.
-
-        `pace`: seconds of the world in one of the clock, while somebody looks; 0 for any.
-        """
+        """Make its model, and watch it; `pace`: seconds of the world in one of who looks, or 0."""
         from ...sim.media.gltf import pose_frame, scene_model
 
         self._engine, self._number, self._hub = body.world.engine, number, hub
