@@ -115,11 +115,13 @@ class BeliefRevision:
         is_of_told = said.is_of_told or conversation.topic_from == "deed"
         topic = () if is_of_told and not is_just_told else conversation.topic
         rules = self._rules_to_retract(said, turn.speaker, topic)
+        noted = conversation.noted.pop(said.about or "", None)
         own = [rule for rule in rules if conversation.people.may_end(turn.speaker, rule)]
         if rules and not own:
             return conversation.answered(turn, "not_yours", "failed", speaker=rules[0].speaker)
         if not own:
-            return conversation.answered(turn, "nothing_to_forget", "failed")
+            nothing = ("dismissed", "done") if noted else ("nothing_to_forget", "failed")
+            return conversation.answered(turn, *nothing)
         if said in _BARE and not topic:
             conversation.wait_for(turn, lambda: self._retract(turn, own))
             described = conversation.describe(own[-1])

@@ -130,10 +130,8 @@ class HandMotion:
         if abs(self.robot.opening - path.grasp.width) > ALIGNED:  # the fingers have turned it
             held = self.seen(held)
         touched = self.touched(held)
-        part = touched[0] if len(touched) == 1 else context.part
-        return replace(
-            held, context=replace(context, part=part), hand_from_closed=held.hand_from_seen
-        )
+        context = replace(context, part=touched[0] if len(touched) == 1 else context.part)
+        return replace(held, context=context, hand_from_closed=held.hand_from_seen)
 
     def seen(self, held: HeldObject) -> HeldObject:
         """The held object where it is seen in the hand now; where it was if it is not seen."""

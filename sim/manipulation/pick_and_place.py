@@ -322,8 +322,7 @@ class PickAndPlace:
         if done < steps:
             return self._report(action, "dropped", held_s=done * TIME_STEP)
         self.in_hand = held = self._motion.seen(held)
-        slip_m, slip_rad = held.slip
-        is_loose = slip_m > MAX_SLIP or slip_rad > MAX_TURN
+        is_loose = bool(np.greater(held.slip, (MAX_SLIP, MAX_TURN)).any())
         return self._report(action, "slipped" if is_loose else "", held_s=seconds)
 
     def _grasp_and_lift(self) -> MotionReport:

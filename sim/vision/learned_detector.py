@@ -19,7 +19,6 @@ from zipfile import BadZipFile
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import KDTree
 
 from ...ontology.errors import DataError
 from ..poses import Array, voxel_downsample, voxel_keys
@@ -210,6 +209,8 @@ class LearnedDetector(ObjectDetector):
 
     def look(self, expected: Percept) -> Percept | None:
         """The points near where an object should be, of the parts that should be nearest."""
+        from scipy.spatial import KDTree  # here: it takes half a second to import
+
         low, high = expected.cloud.min(axis=0) - NEAR, expected.cloud.max(axis=0) + NEAR
         low[2] = max(low[2], TABLE_MARGIN + NOISE_MARGIN * self.noise.depth_error)
         clouds = list[Array]()

@@ -6,7 +6,6 @@ points of their own part.
 """
 
 import numpy as np
-from scipy.spatial import KDTree
 
 from .. import poses
 from ..poses import Array, voxel_downsample
@@ -27,6 +26,8 @@ def motion_between(before: Percept, after: Percept, guess: Array) -> Array:
 
     It is the guess where that explains the points hardly worse.
     """
+    from scipy.spatial import KDTree  # here: it takes half a second to import
+
     shown = [name for name in before.parts if name in after.parts]
     old, new = (_labelled(each, shown) for each in (before, after))
     tree, before_from_after = KDTree(old), poses.inverse(guess)
