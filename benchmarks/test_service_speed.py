@@ -5,9 +5,10 @@
 The figure to reach: 95 % of queries with 20 rows among 500,000 statements are answered within 20 ms
 while three others run into their limit of 30 seconds, and any request within 120 ms while the robot
 moves. How many such queries are answered a second to 16 connections is compared with `oxigraph
-serve`, whose share is to be half: to the client of the standard library, and to one that does as
-little as it can, which leaves that program in Rust most of the machine; there the share may only
-not fall.
+serve`: a query that many ask, and queries that nobody has asked before, since Hilt keeps answers
+until something is written. The share is to be half with the client of the standard library. One
+that does as little as it can leaves that program in Rust most of the machine; for new queries the
+share may only not fall there.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing
+from itertools import cycle, islice, repeat
 from pathlib import Path
 from statistics import median, quantiles
 from urllib.parse import urlencode, urlsplit
@@ -36,7 +38,12 @@ STATEMENTS, OF_A_NODE = 500_000, 20
 CONNECTIONS, QUERIES, ROUNDS = 16, 3_000, 5
 QUICK = "SELECT ?p ?o WHERE { GRAPH <urn:g> { <urn:s%d> ?p ?o } }"
 SLOW = "SELECT (COUNT(*) AS ?n) { ?a ?b ?c . ?d ?e ?f . ?g ?h ?i }"
-LEAST_SHARES = {"of the standard library": 0.4, "that does little": 0.2}  # single runs vary
+LEAST_SHARES = {  # single runs vary
+    ("of the standard library", "one query"): 0.5,
+    ("of the standard library", "new queries"): 0.4,
+    ("that does little", "one query"): 0.4,
+    ("that does little", "new queries"): 0.2,
+}
 MOST_MS, MOST_BESIDE_ROBOT_MS = 20, 120
 JSON = "application/sparql-results+json"
 
@@ -103,13 +110,12 @@ class Connection:
         return body
 
 
-async def rate(address: str) -> float:
-    """Answers a second to many connections."""
-    numbers = iter(range(QUERIES))
+async def rate(address: str, nodes: Iterator[int]) -> float:
+    """Answers a second about so many nodes to many connections."""
 
     async def ask() -> None:
         async with Connection(address) as connection:
-            for number in numbers:
+            for number in nodes:
                 assert (await connection.ask(QUICK % number)).count(b'"p"') == OF_A_NODE + 1
 
     start = time.perf_counter()
@@ -117,13 +123,13 @@ async def rate(address: str) -> float:
     return QUERIES / (time.perf_counter() - start)
 
 
-def rate_of_threads(address: str) -> float:
+def rate_of_threads(address: str, nodes: Iterator[int]) -> float:
     """Answers a second to as many connections of the client of the standard library."""
-    numbers, place = iter(range(QUERIES)), urlsplit(address)
+    place = urlsplit(address)
 
     def ask(_: int) -> None:
         with closing(http.client.HTTPConnection(place.hostname or "", place.port)) as connection:
-            while (number := next(numbers, None)) is not None:
+            while (number := next(nodes, None)) is not None:
                 path = f"{place.path}?{urlencode({'query': QUICK % number})}"
                 connection.request("GET", path, headers={"Accept": JSON})
                 assert connection.getresponse().read().count(b'"p"') == OF_A_NODE + 1
@@ -134,18 +140,24 @@ def rate_of_threads(address: str) -> float:
     return QUERIES / (time.perf_counter() - start)
 
 
-CLIENTS: dict[str, Callable[[str], float]] = {
+CLIENTS: dict[str, Callable[[str, Iterator[int]], float]] = {
     "of the standard library": rate_of_threads,
-    "that does little": lambda address: asyncio.run(rate(address)),
+    "that does little": lambda address, nodes: asyncio.run(rate(address, nodes)),
 }
+NEW = cycle(range(STATEMENTS // OF_A_NODE))  # comes back to a node after more than are kept
 
 
-@pytest.mark.parametrize("client", CLIENTS)
+@pytest.mark.parametrize(("client", "asked"), LEAST_SHARES)
 def test_share_of_the_answers_that_the_server_of_the_engine_gives(
-    client: str, hilt: str, oxigraph: str
+    client: str, asked: str, hilt: str, oxigraph: str
 ):
     """By turns, so that what else the machine does meets both."""
-    rate_for = CLIENTS[client]
+
+    def rate_for(address: str) -> float:
+        return CLIENTS[client](
+            address, islice(NEW if asked == "new queries" else repeat(7), QUERIES)
+        )
+
     for address in (hilt, oxigraph):
         rate_for(address)  # to warm up
 
@@ -153,8 +165,8 @@ def test_share_of_the_answers_that_the_server_of_the_engine_gives(
 
     share = median(ours / theirs for ours, theirs in rates)
     ours, theirs = (median(one) for one in zip(*rates, strict=True))
-    print(f"\na client {client}: {ours:.0f} and {theirs:.0f} a second; share {share:.2f}")
-    assert share >= LEAST_SHARES[client]
+    print(f"\na client {client}, {asked}: {ours:.0f} and {theirs:.0f} a second; share {share:.2f}")
+    assert share >= LEAST_SHARES[client, asked]
 
 
 async def times_beside_slow_ones(address: str) -> tuple[list[float], list[bytes]]:

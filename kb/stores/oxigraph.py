@@ -10,6 +10,7 @@ one with limits runs in another process (`query_subprocess`).
 
 import contextlib
 import os
+import re
 import shutil
 import threading
 from collections import deque
@@ -34,6 +35,7 @@ from .query_subprocess import WorkerProcess
 from .rdf_text import from_engine, named_node, quad_from_engine, quad_to_engine, to_engine
 
 _PREFIXES = dict(PREFIXES)
+_UNPREFIXED = re.compile(r"(?:[^<:]++|<[\w:/.#%~+-]*+>)*+")  # has no colon but in plain IRIs
 _Found: TypeAlias = "engine.QuerySolutions | engine.QueryBoolean | engine.QueryTriples"
 # The places in a statement that choose each of the engine's indexes, but for the one by which it
 # goes through all statements.
@@ -61,6 +63,7 @@ class OxigraphStore:
         self._folder = folder
         self._log = WriteAheadLogSync(folder) if folder else None
         self._snapshot = snapshot  # what is read, by a worker too; None where that would be old
+        self.changes = 0  # units that were written here; an answer holds until there is one more
         self.location = location
         self.read_only = read_only
 
@@ -105,10 +108,9 @@ class OxigraphStore:
         graph, and the named ones. By default the query says them, or, with `is_union`, all are.
         """
         names = zip(("default_graph", "named_graphs"), dataset or (), strict=bool(dataset))
-        with translated_errors(self.location):
-            graphs = {key: list(map(named_node, given)) for key, given in names}
-        is_union = is_union and not graphs
         with timed(__name__, "query %s", query), translated_errors(self.location, query):
+            graphs = {key: list(map(named_node, given)) for key, given in names}
+            is_union = is_union and not graphs
             found: Any = self._run(query, base_iri=base, is_union=is_union, **graphs)
             kinds = (engine.QuerySolutions, engine.QueryBoolean, engine.QueryTriples)
             media_type = formats[kinds.index(type(found))]
@@ -273,8 +275,9 @@ class OxigraphStore:
     def _run(self, query: str, *, is_union: bool = True, **options: Any) -> _Found:
         # As a union, pyoxigraph ignores the graphs that a query itself chooses (FROM).
         is_union = is_union and ("from" not in query.lower() or "FROM" not in keywords(query))
+        prefixes = None if _UNPREFIXED.fullmatch(query) else _PREFIXES  # to parse them takes time
         return self._engine().query(
-            query, prefixes=_PREFIXES, use_default_graph_as_union=is_union, **options
+            query, prefixes=prefixes, use_default_graph_as_union=is_union, **options
         )
 
     def _engine(self) -> engine.Store:
@@ -295,7 +298,10 @@ class OxigraphStore:
             if self.read_only:
                 raise StoreError(f'The knowledge base "{self.location}" is open for reading only.')
             self._snapshot = None
-            yield store
+            try:
+                yield store
+            finally:
+                self.changes += 1
             if self._log and not self._log.sync(last_utterance(self)):
                 self._write_tables(store)
 

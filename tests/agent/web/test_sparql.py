@@ -222,6 +222,23 @@ def test_lookup_has_all_rows(bare: httpx.Client, count: int):
     assert sorted(map(int, found[1:])) == list(range(count))
 
 
+def test_what_is_looked_up_again_is_what_is_stored_now(bare: httpx.Client):
+    """An answer is kept for each form and each dataset, and for as long as nothing is written."""
+    update = "INSERT DATA { GRAPH <urn:k> { <urn:kept> <urn:p> %d } }"
+    query = "SELECT ?o { <urn:kept> <urn:p> ?o }"
+
+    seen = list[str]()
+    for number in range(3):
+        assert bare.post("/update", data={"update": update % number}).status_code == 204
+        for _ in range(2):
+            seen.append("".join(sorted(ask(bare, query, accept="text/csv").text.split()[1:])))
+    elsewhere = {"query": query, "default-graph-uri": "urn:none"}
+
+    assert seen == ["0", "0", "01", "01", "012", "012"]
+    assert len(ask(bare, query).json()["results"]["bindings"]) == 3
+    assert bare.get("/sparql", params=elsewhere).json()["results"]["bindings"] == []
+
+
 def test_update_changes_what_the_next_query_sees(admin: httpx.Client):
     """It is an utterance of the one whose token it was."""
     changed = admin.post("/update", data={"update": TRUST % "0.25"})

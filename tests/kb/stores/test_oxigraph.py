@@ -15,12 +15,13 @@ from pathlib import Path
 import pytest
 
 from hilt.kb.rdf.terms import Quad, ungrouped
+from hilt.kb.sparql.results import BooleanResult
 from hilt.kb.stores import directory
 from hilt.kb.stores.base import EmbeddedStore
 from hilt.kb.stores.opening import open_store
 from hilt.kb.stores.rdf_text import read_groups, write_rdf
 from hilt.ontology.errors import DataError, StoreError
-from hilt.ontology.vocabulary import Iri
+from hilt.ontology.vocabulary import PREFIXES, Iri
 
 S, P, G = (Iri(f"urn:{name}") for name in "spg")
 ONE = Quad(S, P, 1, G)
@@ -37,6 +38,23 @@ def test_folder_keeps_what_was_written(tmp_path: Path):
 
     assert list(again.quads()) == [ONE]
     again.close()
+
+
+@pytest.mark.parametrize(
+    "query",
+    [
+        "ASK { object:knife ?p ?o }",
+        "ASK { ?s ?p ?o FILTER(<http://a/b#c> != ?s && ?s = object:knife) }",
+        "ASK { ?s ?p ?o FILTER(1<xsd:integer(?o) && 3>xsd:integer(?o)) }",
+        "ASK { GRAPH <urn:g> { ?s ?p '2'^^xsd:integer } }",
+    ],
+)
+def test_prefixes_of_hilt_need_no_declaration(query: str):
+    """Wherever they stand, also after an operator that looks like the beginning of an IRI."""
+    with closing(open_store("memory:")) as store:
+        store.apply(insert=[Quad(Iri(f"{PREFIXES['object']}knife"), P, 2, G)])
+
+        assert store.run(query) == BooleanResult(True)
 
 
 def test_folder_is_owned_by_one_process(tmp_path: Path):
