@@ -29,9 +29,10 @@ from typing import Any
 import numpy as np
 import yaml
 
+from hilt.agent.agent import Agent
+from hilt.agent.config import AgentConfig
 from hilt.agent.speech import listening
 from hilt.agent.speech.listening import FEATURES, RECOGNISERS, Listener, find_recogniser
-from hilt.agent.speech.phonetic_repair import SoundRepair
 from hilt.agent.speech.sound import Sound, Transcript
 from hilt.nlu.jsgf import sentences
 from hilt.nlu.language import Language
@@ -195,24 +196,32 @@ def fit(path: Path, held_out: Path) -> None:
     print(file.read_text(encoding="utf-8"))
 
 
-def outcome(row: Row, repair: SoundRepair) -> str:
-    """What becomes of a recording: "at once", "after a question", "asked", or "wrong"."""
+def outcome(row: Row) -> str:
+    """What becomes of a recording: "at once", "after a question", "asked", or "wrong".
+
+    It is said to a new agent. After a question it is right if that has what was meant as a choice.
+    """
     heard_before = [
         SimpleNamespace(name=name, recognise=lambda _, name=name: found(row)[name])
         for name in RECOGNISERS
     ]
     listener = Listener(tuple(heard_before), LANGUAGE_SEEN)
     heard = listener.hear(SimpleNamespace(speech_to_noise_db=row["ratio"]))
+    if not heard.text:
+        return "asked"
+    agent = Agent.open("memory:", AgentConfig(simulate=False, scene="all"))
+    alternatives = [(each.text, each.score) for each in heard.alternatives]
+    reply = agent.hear(heard.text, heard=heard.heard, alternatives=alternatives)
+    question = agent.dialogue.conversation.open_question
+    agent.close()
     wanted = meaning(row["text"]) if row["kind"] != "other" else "nothing"
-    new = LANGUAGE.understand(heard.text).unknown
-    if heard.heard >= 0.9 and not new:
-        return "at once" if meaning(heard.text) == wanted else "wrong"
-    offered = [each.text for each in heard.alternatives if each.score]
-    if len(offered) < 3 and heard.text:
-        written = found(row)["moonshine"]
-        offered += repair.candidates(written[0].text if written else heard.text)
-    choices = dict.fromkeys(key for text in offered if (key := meaning(text)))
-    return "after a question" if wanted in list(choices)[:3] else "asked"
+    if reply.understanding.kind in {"error", "ask_back"}:
+        choices = [
+            each for each in (question.meanings if question else ()) if hasattr(each, "as_json")
+        ]
+        offered = [json.dumps(each.as_json(), sort_keys=True) for each in choices]
+        return "after a question" if wanted in offered else "asked"
+    return "at once" if meaning(reply.understanding.text) == wanted else "wrong"
 
 
 def words_of(text: str) -> str:
@@ -231,16 +240,12 @@ def table(path: Path) -> None:
 
     Sentences from which the language model was made, word for word, are counted apart.
     """
-    counts, repair, rows = (
-        defaultdict[tuple[str, str], Counter[str]](Counter),
-        SoundRepair(LANGUAGE),
-        read(path),
-    )
+    counts, rows = defaultdict[tuple[str, str], Counter[str]](Counter), read(path)
     known = modelled()
     for row in rows:
         kind = row["kind"] + ", modelled" * (words_of(row["text"]) in known)
         noise = "clean" if row["noise"] is None else f"{row['noise']} dB"
-        counts[kind, noise][outcome(row, repair)] += 1
+        counts[kind, noise][outcome(row)] += 1
     print("| sentences | noise | n | at once | after a question | asked | wrong |\n|" + "---|" * 7)
     for (kind, noise), counted in sorted(counts.items(), key=str):
         n = counted.total()

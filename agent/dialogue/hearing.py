@@ -123,8 +123,8 @@ def meanings_heard(
         heard = MeaningHeard(each, score, understood, said, new)
         groups.setdefault(each if said is None else said, []).append(heard)
 
-    def rank(each: MeaningHeard) -> tuple[float, bool, str]:
-        return -each.certainty, each.text != text, each.text
+    def rank(each: MeaningHeard) -> tuple[float, bool]:
+        return -each.certainty, each.text != text
 
     found: list[MeaningHeard] = []
     for same in groups.values():
@@ -221,8 +221,9 @@ class SpokenUtterance:
         new = [each for each in understood if each.new_words]
         if first in new and first.certainty >= SURE:
             return self._offer([first])
-        if first not in known:
-            known += self._likely(first, {each.said for each in known})
+        for each in [one for one in self.found if one.said is None or one.new_words] or [first]:
+            if each not in known:
+                known += self._likely(each, {each.said for each in known})
         choices = [*known[: MAX_CHOICES - bool(new)], *new][:MAX_CHOICES]
         if choices or first.understood.kind == "ask_back":
             return self._offer(choices or [first])

@@ -77,8 +77,9 @@ class Listener:
         for each in ranked:
             shares[each.text] = min(each.certainty, rest)
             rest = max(0.0, rest - shares[each.text])
-        if not ranked:
-            shares = {each[0].text: 0.0 for each in found.values() if each}
+        for text in (each[0].text for each in found.values() if each):
+            if not meaning_key(self.language.understand(text, discourse=discourse)):
+                shares[text] = 0.0
         listed = tuple(Transcript(*each) for each in shares.items())
         first = listed[0] if listed else Transcript("", 0.0)
         names = tuple(name for name, each in found.items() if each)

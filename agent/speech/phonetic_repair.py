@@ -4,24 +4,28 @@ A neural recogniser errs in spelling rather than in sound: "the night" is "the k
 become phones by the CMU Pronouncing Dictionary that PocketSphinx brings, and the nearest sentences
 are searched among those made of the word pairs of Hilt's own grammar: what a word costs on any span
 of phones (Levenshtein 1966), the best way on from each place by dynamic programming backwards, and
-with these exact costs the best sentences by A* (Soong & Huang 1991). They are only ever offered.
+with these exact costs the best sentences by A* (Soong & Huang 1991). People say more than that
+grammar makes, so the text with a few words replaced by known ones that sound alike is searched for
+in the same way. All of it is only ever offered.
 """
 
 import random
 import re
 from collections import Counter, defaultdict
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from heapq import heappop, heappush
-from itertools import combinations, count, islice, pairwise
+from itertools import accumulate, combinations, count, islice, pairwise
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from ...nlu.jsgf import sentences
 from ...nlu.language import Language
+from ...nlu.parsing.understanding import Understanding
 from ...nlu.semantics.meaning import Meaning
 from ...ontology.yaml_reader import read_yaml
 from .recognisers import pronunciations
@@ -31,16 +35,31 @@ PAIR = 0.25  # what a word pair costs: this times its negative log probability
 BONUS = 0.3  # what a likely word costs less
 MOST_COST = 0.5  # of a candidate, per phone
 MOST_PHONES = 90  # of a text that is repaired
-MOST_CANDIDATES = 10
+MOST_CANDIDATES, MOST_SENTENCES = 5, 10
+REPLACING, RARE = 0.6, 0.8  # what a word costs in place of others, and one not in the grammar
+UNPAIRED = 0.35  # what a word costs there instead of its pair: about as much as a usual pair
+MOST_REPLACED, MOST_CHANGE = 3, 3.5  # words that take the place of others, and their cost
+MOST_TRIED = 15  # texts with replaced words
 
 _SENTENCES, _SEED = 20_000, 0  # from which the word pairs are counted
 _LONGER = 3  # by how many phones a word may be heard longer than it is
 _STEPS, _BRANCHES = 600, 30  # of the search at most, and at each of them
+_NEAREST = 6  # other words for a span
 _NEVER = 1e4
 _EDGE = ""  # stands for a word before and after a sentence
 
 Phones = tuple[str, ...]
 Floats = npt.NDArray[np.float32]
+_Groups = Sequence[tuple[list[int], npt.NDArray[np.int64], Floats]]  # words of as many phones
+
+
+class _Edge(NamedTuple):
+    """A word for what was heard from a place on: its cost, where it ends, and if it is another."""
+
+    cost: float
+    end: int
+    word: str
+    is_other: bool
 
 
 class SoundRepair:
@@ -63,7 +82,11 @@ class SoundRepair:
             costs = -PAIR * np.log(times / times.sum(axis=1, keepdims=True))
         self._pair_costs = np.minimum(costs, _NEVER).astype(np.float32)  # by word and next word
         self._may_be_left_out = np.array([word in self._sounds.articles for word in self._words])
-        self._groups = list(self._words_by_length())
+        self._groups = list(self._words_by_length(self._words[1:], 1))
+        rare = set(filter(str.isalpha, language.lexicon.words())).difference(self._words)
+        self._rare_words = sorted(rare)
+        self._rare_groups = list(self._words_by_length(self._rare_words))
+        self._known = rare.union(word.lower() for word in self._words)
 
     def candidates(self, text: str, names: Collection[str] = ()) -> dict[str, float]:
         """Return sentences of different meanings that sound like a text, the nearest first.
@@ -73,9 +96,11 @@ class SoundRepair:
         """
         phones = len(self._heard(text))
         found: dict[Meaning, tuple[str, float]] = {}
-        for cost, sentence in self.nearest(text, names):
+        for cost, sentence in sorted([*self.nearest(text, names), *self.respelled(text, names)]):
+            if cost > MOST_COST * phones or len(found) == MOST_CANDIDATES:
+                break
             understood = self.language.understand(sentence)
-            if cost <= MOST_COST * phones and understood.kind not in {"error", "ask_back"}:
+            if _is_clear(understood):
                 found.setdefault(understood.meaning, (sentence, cost / phones))
         return dict(found.values())
 
@@ -84,33 +109,94 @@ class SoundRepair:
         heard = self._heard(text)
         if not 0 < len(heard) <= MOST_PHONES:
             return []
-        costs = self._span_costs(heard)
+        return list(islice(self._best(self._grammar_costs(heard, names)), MOST_SENTENCES))
+
+    def respelled(self, text: str, names: Collection[str] = ()) -> list[tuple[float, str]]:
+        """Return the text with words replaced by known ones that sound alike, and what that costs.
+
+        Those are replaced that the language does not know, alone or with a neighbour; if it knows
+        all of them and still does not understand, any.
+        """
+        said, understood = re.findall(r"[\w']+", text.lower()), self.language.understand(text)
+        ends = [*accumulate((len(self._heard(word)) for word in said), initial=0)]
+        if _is_clear(understood) or not 0 < ends[-1] <= MOST_PHONES:
+            return []
+        known = self._known.difference(word.said for word in understood.new_words)
+        strange = [at for at, word in enumerate(said) if "'" not in word and word not in known]
+        spans = [(ends[max(0, at - 1)], ends[min(len(said), at + 2)]) for at in strange]
+        edges = self._other_words(self._heard(text), ends[:-1], names)
+        for place, others in enumerate(edges if spans else ()):
+            within = [span for span in spans if span[0] <= place]
+            edges[place] = [e for e in others if any(e.end <= end for _, end in within)]
+        for at, (start, end) in enumerate(pairwise(ends)):
+            if at not in strange:
+                edges[start].append(_Edge(0.0, end, said[at], is_other=False))
+        found: dict[str, float] = {}
+        for cost, words in islice(_paths(edges), _STEPS):
+            found.setdefault(words, cost)
+        found.pop(" ".join(said), None)
+        tried = islice(found.items(), MOST_TRIED)
+        return [(cost + UNPAIRED * len(words.split()), words) for words, cost in tried]
+
+    def _other_words(
+        self, heard: Sequence[tuple[int, float]], starts: Sequence[int], names: Collection[str]
+    ) -> list[list[_Edge]]:
+        """Return the words that sound most like what is heard from each place on."""
+        edges = [list[_Edge]() for _ in range(len(heard) + 1)]
+        common = self._grammar_costs(heard, names)[:-1] + REPLACING
+        rare = (
+            self._span_costs(heard, self._rare_groups, len(self._rare_words), starts)
+            + REPLACING
+            + RARE
+        )
+        for words, places, costs in (
+            (self._words, range(len(heard)), common),
+            (self._rare_words, starts, rare),
+        ):
+            for place, all_costs in zip(places, costs, strict=True):
+                row = all_costs[:, 1 : len(heard) - place + 1]
+                near = np.argpartition(row, _NEAREST, axis=0)[:_NEAREST]
+                found = zip(near.ravel(), np.take_along_axis(row, near, 0).ravel(), strict=True)
+                for number, (word, cost) in enumerate(found):
+                    if cost < MOST_CHANGE:
+                        end = place + number % row.shape[1] + 1
+                        edges[place].append(_Edge(float(cost), end, words[word], is_other=True))
+        return edges
+
+    def _grammar_costs(self, heard: Sequence[tuple[int, float]], names: Collection[str]) -> Floats:
+        """Return the costs of the grammar's words at all places, less for those of names."""
+        costs = self._span_costs(heard, self._groups, len(self._words), range(len(heard) + 1))
+        costs[:, ~self._may_be_left_out, 0] = _NEVER
         likely = {word for name in names for word in name.split()} & self._numbers.keys()
         costs[:, [self._numbers[word] for word in likely]] -= BONUS
-        return list(islice(self._best(costs), MOST_CANDIDATES))
+        return costs
 
     def _heard(self, text: str) -> list[tuple[int, float]]:
         words = re.findall(r"[\w']+", text)
         return [each for word in words for each in self._sounds.of_word(word)[0]]
 
-    def _words_by_length(self) -> Iterator[tuple[list[int], npt.NDArray[np.int64], Floats]]:
+    def _words_by_length(
+        self, words: Iterable[str], first: int = 0
+    ) -> Iterator[tuple[list[int], npt.NDArray[np.int64], Floats]]:
         groups = defaultdict[tuple[int, int], list[tuple[int, list[tuple[int, float]]]]](list)
-        for number, word in enumerate(self._words[1:], start=1):
+        for number, word in enumerate(words, first):
             for variant, phones in enumerate(self._sounds.of_word(word)):
                 groups[variant, len(phones)].append((number, phones))
         for group in groups.values():
             values = np.array([phones for _, phones in group])
-            words = [number for number, _ in group]
-            yield words, values[..., 0].astype(int), values[..., 1].astype(np.float32)
+            numbers = [number for number, _ in group]
+            yield numbers, values[..., 0].astype(int), values[..., 1].astype(np.float32)
 
-    def _span_costs(self, heard: Sequence[tuple[int, float]]) -> Floats:
+    def _span_costs(
+        self, heard: Sequence[tuple[int, float]], groups: _Groups, count: int, places: Sequence[int]
+    ) -> Floats:
         """Return what a word costs that is heard as so many phones: by place, word and number."""
         phones, gaps = [phone for phone, _ in heard], [GAP * weight for _, weight in heard]
-        most = max(spoken.shape[1] for _, spoken, _ in self._groups) + _LONGER
-        costs = np.full((len(heard) + 1, len(self._words), most + 1), _NEVER, np.float32)
-        for words, spoken, weights in self._groups:
+        most = max(spoken.shape[1] for _, spoken, _ in groups) + _LONGER
+        costs = np.full((len(places), count, most + 1), _NEVER, np.float32)
+        for words, spoken, weights in groups:
             wide = spoken.shape[1] + _LONGER
-            span = np.arange(len(heard) + 1)[:, None] + np.arange(wide)
+            span = np.array(places)[:, None] + np.arange(wide)
             near = self._sounds.distances[np.pad(phones, (0, wide))[span]]
             alone = np.pad(np.array(gaps, np.float32), (0, wide), constant_values=_NEVER)[span]
             added = np.pad(np.cumsum(alone, axis=1), ((0, 0), (1, 0)))[:, None]
@@ -121,7 +207,6 @@ class SoundRepair:
                 rows[..., 1:] = np.minimum(rows[..., 1:], changed)
                 rows = np.minimum.accumulate(rows - added, axis=2) + added
             costs[:, words, : wide + 1] = np.minimum(costs[:, words, : wide + 1], rows)
-        costs[:, ~self._may_be_left_out, 0] = _NEVER
         return costs
 
     def _ways_on(self, costs: Floats) -> Floats:
@@ -158,6 +243,31 @@ class SoundRepair:
                         heappush(heap, new)
             if not heap:
                 return
+
+
+def _is_clear(understood: Understanding) -> bool:
+    is_new = understood.new_words or understood.unknown
+    return understood.kind not in {"error", "ask_back"} and not is_new
+
+
+def _paths(edges: Sequence[Sequence[_Edge]]) -> Iterator[tuple[float, str]]:
+    """Return the paths from the first place to the last with few other words, cheapest first."""
+    rest = [[_NEVER] * (MOST_REPLACED + 1) for _ in edges]  # by place and words that may be others
+    rest[-1] = [0.0] * (MOST_REPLACED + 1)
+    for costs, leaving in reversed([*zip(rest[:-1], edges[:-1], strict=True)]):
+        for left in range(MOST_REPLACED + 1):
+            on = [e.cost + rest[e.end][left - e.is_other] for e in leaving if left >= e.is_other]
+            costs[left] = min(on, default=_NEVER)
+    order, heap = count(), [(rest[0][MOST_REPLACED], 0, 0, MOST_REPLACED, "")]
+    while heap:
+        total, _, place, left, said = heappop(heap)
+        if place == len(edges) - 1:
+            yield total, said.lstrip()
+        for edge in edges[place] if total <= MOST_CHANGE else ():
+            if left >= edge.is_other:
+                after = left - edge.is_other
+                cost = total - rest[place][left] + edge.cost + rest[edge.end][after]
+                heappush(heap, (cost, next(order), edge.end, after, f"{said} {edge.word}"))
 
 
 def _after_word(reached: Floats, costs: Floats) -> Floats:

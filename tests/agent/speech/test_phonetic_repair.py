@@ -28,6 +28,23 @@ NONSENSE = (
 AT_FIRST, AMONG_THREE = 0.85, 0.9  # the least shares of the misheard sentences
 
 
+FREE = {  # what Moonshine made of sentences that the grammar does not generate
+    "Nicely done, robot": "Nicely done, road-bought",
+    "I take back what I said about mugs being for pounding": (
+        "I take back what I said about Mubs being for pounding."
+    ),
+    "Forget what I just said": "Forgot what I just said.",
+    "Let me have whatever you'd use for rolling": "Let me have watch ever, you'd use for rolling.",
+    "Once in a while a spoon will do for cutting": (
+        "Once in the while, a spoon will do for cutting."
+    ),
+    "Cut the bread with something used for cutting": (
+        "Cut the bread with something used for coaching."
+    ),
+    "Listen, a shoe is not something you cut with": "Listen, Ashu is not something you cut with.",
+}
+
+
 @pytest.fixture(scope="module")
 def repair() -> SoundRepair:
     """The repair with the words that Hilt comes with."""
@@ -52,6 +69,19 @@ def test_what_was_said_is_among_what_is_offered(repair: SoundRepair):
 
     assert first / len(MISHEARD) >= AT_FIRST
     assert among / len(MISHEARD) >= AMONG_THREE
+
+
+@pytest.mark.parametrize(("said", "heard"), FREE.items())
+def test_words_of_free_sentences_are_replaced(repair: SoundRepair, said: str, heard: str):
+    """What the grammar does not generate is found, too, if all but some words were heard right."""
+    meanings = [repair.language.understand(each).meaning for each in offered(repair, heard)]
+
+    assert repair.language.understand(said).meaning in meanings
+
+
+def test_what_is_understood_gets_no_other_words(repair: SoundRepair):
+    """There is nothing to repair."""
+    assert repair.respelled("Pass me the knife") == []
 
 
 def test_transcript_gets_the_form_of_what_was_said(repair: SoundRepair):
