@@ -122,6 +122,15 @@ def test_what_is_not_understood_has_no_certainty(language: Language):
     assert scripted(language, [], []).text == ""
 
 
+def test_what_one_does_not_understand_stays_beside_what_another_does(language: Language):
+    """It may be the better text, but for a word that a repair replaces."""
+    written = Transcript("I take back what I said about mubs being for pounding", 1.0)
+    heard = scripted(language, [written], [Transcript("what is used for pounding", 1.0)])
+
+    assert [each.text for each in heard.alternatives][1:] == [written.text]
+    assert heard.alternatives[1].score == 0.0
+
+
 found_texts = st.lists(
     st.builds(
         Transcript,
