@@ -26,6 +26,7 @@ class CollisionSpheres:
     link: np.ndarray  #: index of the link of each in the chain (s,)
     centre: Array  #: in the frame of that link (s, 3) [m]
     radius: Array  #: (s,) [m]
+    is_of_link: np.ndarray  #: whether it stands for a link, not for a finger or a held object (s,)
 
     def joined(self, other: "CollisionSpheres") -> "CollisionSpheres":
         """These spheres and others."""
@@ -45,7 +46,8 @@ def arm_spheres(chain: KinematicChain, spheres: Mapping[str, Array]) -> Collisio
     """Spheres (n, 4) by link, as in `RobotType.spheres`, on their links."""
     link = [chain.links.index(name) for name, each in spheres.items() for _ in each]
     stacked = np.concatenate([np.zeros((0, 4)), *spheres.values()])
-    return CollisionSpheres(np.array(link, dtype=int), stacked[:, :3], stacked[:, 3])
+    is_of_link = np.ones(len(link), dtype=bool)
+    return CollisionSpheres(np.array(link, dtype=int), stacked[:, :3], stacked[:, 3], is_of_link)
 
 
 def finger_spheres(chain: KinematicChain, gripper: Gripper, opening: float) -> CollisionSpheres:
@@ -60,7 +62,7 @@ def finger_spheres(chain: KinematicChain, gripper: Gripper, opening: float) -> C
 def hand_spheres(chain: KinematicChain, points: Array, radius: float) -> CollisionSpheres:
     """Equal spheres at points (n, 3) of the hand frame, such as those of a held object."""
     link = np.full(len(points), len(chain.links) - 1)
-    return CollisionSpheres(link, points, np.full(len(points), radius))
+    return CollisionSpheres(link, points, np.full(len(points), radius), link < 0)
 
 
 def clearances(
@@ -70,18 +72,20 @@ def clearances(
 
     The first is that to obstacles: the points (p, 3) and the height `table` in the frame of the
     base [m]; gaps to points are at most `MAX_GAP`. The second is that between hand or held object
-    and the arm; spheres on the link that carries the hand do not count.
+    and the arm; spheres on the link that carries the hand do not count, nor does how near the hand
+    itself is to the link on which it turns.
     """
     centres = spheres.placed(chain.frames(joints))
     around = float(np.min(centres[..., 2] - spheres.radius)) - table
     if len(points):
         radius = np.tile(spheres.radius, len(joints))
         around = min(around, _gap_to_points(centres.reshape(-1, 3), radius, points))
-    last = np.flatnonzero(chain.moves)[-1]
+    *_, before, last = (0, *np.flatnonzero(chain.moves))  # the joints before and at the hand
     ahead, behind = spheres.link > last, spheres.link < last
     between = np.sqrt(squared_distances(centres[:, ahead], centres[:, behind]))
     gaps = between - spheres.radius[ahead, None] - spheres.radius[behind]
-    return np.array([around, gaps.min(initial=np.inf)])
+    counts = ~spheres.is_of_link[ahead, None] | (spheres.link[behind] < before)
+    return np.array([around, gaps.min(initial=np.inf, where=counts)])
 
 
 def _gap_to_points(centres: Array, radius: Array, points: Array) -> float:
