@@ -154,6 +154,14 @@ def test_nothing_is_shown_where_all_is_known():
     assert part.said == "Which one do you mean?"
 
 
+def test_shown_thing_is_found_with_noise(base: tuple[str, list[str]]):
+    """What is shown is searched for, too, where perception fails now and then."""
+    noise = "missed=0.01,confused=0.01,depth_m=0.002"
+    config = AgentConfig(scene=str(SCENE), seed=4, vision="learned", noise=noise)
+    with Agent.open(base[0], config) as agent:
+        assert agent.hear("point to the mallet").said == "That is the mallet."
+
+
 def test_stranger_shows_nothing():
     """What somebody shows who is not trusted is not learned."""
     with see() as agent:
