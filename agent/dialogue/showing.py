@@ -48,9 +48,8 @@ class Showing:
         if eyes is None or said.topic in known:
             return self._beliefs.open_topic(turn, said)
         if len(meant) != 1:
-            number = len(eyes.unknown)
-            seen = AnswerContent("unknown_seen" if number else "all_known", {"number": str(number)})
-            answers = seen, AnswerContent("which_thing")
+            key, number = "unknown_seen" if eyes.unknown else "all_known", str(len(eyes.unknown))
+            answers = AnswerContent(key, {"number": number}), AnswerContent("which_thing")
             return conversation.recorded(turn, " ".join(map(conversation.say, answers)), "asked")
         kind = eyes.show(said.topic, meant[0])
         spoken = conversation.say(AnswerContent("shown", {"object": kind.name}))
@@ -65,7 +64,8 @@ class Showing:
         shapes = self._shapes(said, kind, eyes.percepts) if eyes and kind else ()
         if eyes is None or kind is None or len(shapes) != 1:
             return conversation.answered(turn, "which_thing", "asked")
-        kind = replace(kind, names={**kind.names, shapes[0]: said.part})
+        others = {shape: name for shape, name in kind.names.items() if name != said.part}
+        kind = replace(kind, names={**others, shapes[0]: said.part})
         known = {"object": kind.name, "parts": tuple(kind.names.values())}
         return self._keep(turn, kind, eyes, conversation.say(AnswerContent("parts", known)))
 

@@ -152,7 +152,7 @@ def _read_scene(spec: str, seed: int, objects: Mapping[str, ObjectType]) -> Scen
     if "clutter" in keys:
         more, gap = CLUTTER[keys["clutter"].text(choices=CLUTTER)]
         placements += _clutter(placements, more, seed, objects)
-    unknown = str(path.parent / keys["unknown"].text()) if "unknown" in keys else ""
+    unknown = str((path.parent / keys["unknown"].text()).absolute()) if "unknown" in keys else ""
     strange = unknown_objects(unknown)
     placements += [Placement("thing", name) for name in strange]
     return Scene(_mounted(placements, {**objects, **strange}), seed, gap, unknown)

@@ -133,6 +133,7 @@ def test_of_several_the_one_is_meant_that_is_pointed_at(two: Path):
         part = agent.hear("This is its head.", pointing_at=(x, y))
         rest = agent.hear("This is its handle.")
         (word,) = agent.base.words()
+        corrected = agent.hear("The long part is the head.")
 
     assert asked.said == far.said == "Things here that I don't know: 2. Which one do you mean?"
     assert "two parts" in shown.said
@@ -140,6 +141,7 @@ def test_of_several_the_one_is_meant_that_is_pointed_at(two: Path):
         "Of a mallet I know a head.",
         "Of a mallet I know a head and a handle.",
     )
+    assert corrected.said == "Of a mallet I know a head."
     assert '"names":{"wide":"head","long":"handle"}' in word.look
 
 
