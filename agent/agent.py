@@ -25,7 +25,7 @@ from ..inference.taxonomy import Taxonomy
 from ..kb.knowledge_base import KnowledgeBase
 from ..nlu.language import Language
 from ..ontology.actions import Actions
-from ..ontology.errors import MissingExtraError
+from ..ontology.errors import DataError, MissingExtraError
 from ..ontology.logs import timed
 from ..sim.robot.interruption import Interruption
 from . import episodes, protocols
@@ -45,6 +45,7 @@ from .protocols import Motion, Vision
 if TYPE_CHECKING:
     from ..sim.body import Body
     from ..sim.scene.scene import Scene
+    from ..sim.vision.learned_detector import LearnedDetector
     from .presentation.video import Film
     from .speech.phonetic_repair import SoundRepair
 
@@ -72,6 +73,8 @@ class Agent(AbstractContextManager["Agent"]):
         motion: Motion | None = None,
         dialogue: protocols.Dialogue | None = None,
     ) -> None:
+        if embodiment.scene.unknown and not embodiment.vision.startswith("learned"):
+            raise DataError("what is unknown is seen only with --vision learned.", source="--scene")
         self.base, self.actions, self.embodiment = base, actions, embodiment
         self._vision, self._motion = vision, motion
         self.config = config = config or AgentConfig()
@@ -100,6 +103,7 @@ class Agent(AbstractContextManager["Agent"]):
             judge=self.judge,
             actions=actions,
             sounds_like=self._sounds_like,
+            eyes=lambda: self.eyes,
         )
         self.dialogue.contexts.update(config.context_intervals())
 
@@ -148,6 +152,7 @@ class Agent(AbstractContextManager["Agent"]):
         heard: float = 1.0,
         alternatives: Sequence[Alternative] = (),
         keep: bool = True,
+        pointing_at: tuple[float, float] | None = None,
     ) -> Reply:
         """Understand one utterance, act on it, and return the reply.
 
@@ -163,6 +168,7 @@ class Agent(AbstractContextManager["Agent"]):
                 been, each with its score in [0, 1]. Then only what is sure is believed or done at
                 once, and all else is read back (`agent/dialogue/hearing.py`).
             keep: whether a command is written to the history and kept as an episode.
+            pointing_at: x and y on the table to which the speaker points [m].
 
         ValidationError if a score is not in [0, 1].
         """
@@ -177,6 +183,7 @@ class Agent(AbstractContextManager["Agent"]):
         hear = partial(self.dialogue.hear, text, speaker=speaker, only=only, keep=keep)
         with self._hearing:
             self.interruption.clear()
+            self.dialogue.showing.pointed_at = pointing_at
             self._take_trajectory()  # of what was no episode
             if self._film:
                 self._film.begin(text)
@@ -261,8 +268,17 @@ class Agent(AbstractContextManager["Agent"]):
         """Return the objects in view; without noise those of the scene, in its order."""
         if self._vision is None and self.embodiment.sees_all:
             return tuple(placement.object for placement in self.scene.placements)
-        features = [f"object:{name}" for name in self.objects]
-        return tuple(percept.object for percept in self.goals.search(features))
+        eyes = self.eyes
+        features = [f"object:{name}" for name in (eyes.kinds if eyes else self.objects)]
+        unknown = {percept.name for percept in eyes.unknown} if eyes else set[str]()
+        found = self.goals.search(features)
+        return tuple(percept.object for percept in found if percept.name not in unknown)
+
+    @property
+    def eyes(self) -> LearnedDetector | None:
+        """The learned eyes of the simulated body; None with another vision."""
+        is_learned = self.simulate and self.embodiment.vision.startswith("learned")
+        return self.body.eyes if is_learned else None
 
     def holding(self) -> str | None:
         """Return the name of the object in the simulated hand; None when it is empty."""
@@ -279,7 +295,11 @@ class Agent(AbstractContextManager["Agent"]):
         MissingExtraError if the simulator is not installed.
         """
         with timed(__name__, "build the simulated scene and robot"):
-            return self.embodiment.open_body(self.interruption)
+            body = self.embodiment.open_body(self.interruption)
+        for word in self.base.words():
+            if body.eyes and word.look:
+                body.eyes.recall(word.atom.name, word.look)
+        return body
 
     @cached_property
     def goals(self) -> GoalManager:

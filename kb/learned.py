@@ -1,8 +1,9 @@
 """What utterances taught besides rules: words, turns of phrase, and actions.
 
 A word is an OntoLex entry in the graph `lexicon`. It denotes an object, a part, an affordance or an
-action, and names its speaker and the utterance it was learned from. A phrase, whose meaning was
-confirmed, is a pattern of words with slots for names, and the meaning with the same slots.
+action, and names its speaker and the utterance it was learned from; an object that was shown has
+its look, too. A phrase, whose meaning was confirmed, is a pattern of words with slots for names,
+and the meaning with the same slots.
 
 A taught action is a node in the graph `actions`: its name, its meaning, who told it and in which
 utterance. Beside it are the nodes of its tree, as the graph `domain` has those of the actions of
@@ -31,6 +32,7 @@ TOLD = ("said", "speaker", "utterance")  # fields of all that utterances taught 
 _SAID = FieldProperty(TEXT, str)
 _UTTERANCE = utterance_property(DERIVED_FROM)
 _DENOTES = FieldProperty(term("denotes"), Iri, atom_iri, atom_from_iri)
+LOOK = FieldProperty(term("look"), str, default="")
 _PATTERN, _MEANING = (FieldProperty(term(name), str) for name in ("pattern", "meaning"))
 
 
@@ -70,10 +72,17 @@ class LearnedWord:
     said: Annotated[str, _SAID]
     speaker: Annotated[str, SPEAKER]
     utterance: Annotated[int | None, _UTTERANCE] = None
+    look: Annotated[str, LOOK] = ""  #: of an object that was shown, compact JSON of what was seen
 
     def as_json(self) -> dict[str, object]:
         """One entry of `hilt words --json`."""
-        return {"word": self.atom.name, "kind": self.atom.kind, **_told(self)}
+        shown = {"shown": True, "parts": [*self.parts]} if self.look else {}
+        return {"word": self.atom.name, "kind": self.atom.kind, **_told(self), **shown}
+
+    @property
+    def parts(self) -> tuple[str, ...]:
+        """What the parts of an object are called that was shown."""
+        return tuple(json.loads(self.look)["names"].values()) if self.look else ()
 
 
 @dataclass(frozen=True, order=True)

@@ -88,7 +88,10 @@ class RuleWriter(RuleReader):
             change, number = _Change(), self.sequence + 1
             change.insert += speaker_quads(source, BELIEFS) if source else []
             for word in words:
-                change.insert += learned.WORDS.learned_quads(replace(word, utterance=number))
+                before = self.store.quads(
+                    learned.WORDS.node(word), learned.LOOK.predicate, None, None
+                )
+                change.replace(before, learned.WORDS.learned_quads(replace(word, utterance=number)))
             for action in actions:
                 for known in TAUGHT_ACTIONS.active(self.store):
                     if known.name == action.name:

@@ -78,6 +78,11 @@ class Body(Striking, AbstractContextManager["Body"]):
         hand = HAND_ABILITIES if self.robot.kind.gripper else set[str]()
         return frozenset({"findObject", "pointAt", *hand})
 
+    @property
+    def eyes(self) -> LearnedDetector | None:
+        """The learned eyes, to which new kinds can be shown; None with another vision."""
+        return self._vision if isinstance(self._vision, LearnedDetector) else None
+
     def search(self, features: Sequence[str]) -> tuple[Percept, ...]:
         """Return the objects in view that have one of the features ("object:knife"), surest first.
 

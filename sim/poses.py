@@ -121,6 +121,15 @@ def voxel_downsample(points: Array, side: float) -> Integers:
     return np.sort(np.unique(voxel_keys(points, side), return_index=True)[1])
 
 
+def squared_distances(points: Array, others: Array) -> Array:
+    """Squares (..., n, m) [m^2] of the distances of points (..., n, 3) and others (..., m, 3)."""
+    # One product of matrices: |a|^2 - 2 a b + |b|^2 without temporary arrays.
+    squares = [np.sum(each**2, axis=-1, keepdims=True) for each in (points, others)]
+    rows = np.concatenate([-2 * points, squares[0], np.ones_like(squares[0])], axis=-1)
+    columns = np.concatenate([others, np.ones_like(squares[1]), squares[1]], axis=-1)
+    return np.maximum(rows @ np.swapaxes(columns, -1, -2), 0.0)
+
+
 def farthest_points(points: Array, count: int, *, first: int) -> Integers:
     """Indices of `count` points far from each other, from `first` on (Gonzalez 1985)."""
     chosen = [first]

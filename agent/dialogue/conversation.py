@@ -4,7 +4,7 @@ The parts of the dialogue manager share one `Conversation`, and change its state
 """
 
 from collections import defaultdict
-from collections.abc import Callable, Collection, Iterable
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
@@ -139,14 +139,16 @@ class Conversation:
         rules: Iterable[Rule],
         spoken: str,
         words: Iterable[NewWord] = (),
+        looks: Mapping[str, str] | None = None,
         **more: Any,
     ) -> None:
         """Let the base believe rules and new words by a turn, and add the words to the language.
 
-        The rest is as in `KnowledgeBase.believe`.
+        `looks` has those of words; the rest is as in `KnowledgeBase.believe`.
         """
-        said = (turn.understood.text, turn.understood.content, turn.speaker)
-        more["words"] = [translation.word_to_keep(word, turn.speaker) for word in words]
+        said, looks = (turn.understood.text, turn.understood.content, turn.speaker), looks or {}
+        kept = {word.word: translation.word_to_keep(word, turn.speaker) for word in words}
+        more["words"] = [replace(each, look=looks.get(name, "")) for name, each in kept.items()]
         self.base.believe(*said, rules, answer=spoken, heard=turn.heard, **more)
         self.language = self.language.with_words(words)
 

@@ -32,6 +32,7 @@ from .hearing import Alternative, SoundsLike, SpokenUtterance, meanings_heard, w
 from .norm_dialogue import NormDialogue
 from .questions import answer
 from .reply import OpenQuestion, Reply
+from .showing import Eyes, Showing
 from .translation import SimpleCommand, chosen_by, declined, request_from_command, use_of
 
 KINDS = {  # what a command of the CLI listens to -> kinds of meaning
@@ -51,6 +52,7 @@ class DialogueManager:
             it is to be kept.
         judge: returns what the norms say of a request.
         sounds_like: finds what may have been said where a hearing is not understood.
+        eyes: returns the learned eyes, to which things can be shown.
     """
 
     def __init__(
@@ -62,10 +64,12 @@ class DialogueManager:
         judge: Callable[[Request], NormVerdict],
         actions: Actions,
         sounds_like: SoundsLike,
+        eyes: Eyes,
     ) -> None:
         self.conversation, self._sounds_like = conversation, sounds_like
         self._goals, self._record_episode = goals, record_episode
         self._beliefs = BeliefRevision(conversation)
+        self.showing = Showing(conversation, self._beliefs, eyes)
         self.lessons = ActionLessons(conversation, actions)
         self._clarification = ClarificationDialogue(conversation, self.hear, self._respond)
         self._agreements = PartAgreements(lambda: goals().affordances)
@@ -86,7 +90,8 @@ class DialogueManager:
             meaning.ActionDefinition: (self.lessons.learn, "not_trusted"),
             meaning.ActionCommand: (self._carry_out_plan, "not_obeyed"),
             meaning.Plan: (self._carry_out_plan, "not_obeyed"),
-            meaning.TopicStatement: (self._beliefs.open_topic, "not_trusted"),
+            meaning.TopicStatement: (self.showing.open_topic, "not_trusted"),
+            meaning.PartNaming: (self.showing.name_part, "not_trusted"),
             meaning.TrustStatement: (self._vouch, "not_trusted"),
             meaning.Command: (self._carry_out_command, "not_obeyed"),
             meaning.ToolCommand: (self._carry_out_command, "not_obeyed"),
@@ -378,7 +383,8 @@ class DialogueManager:
         named = {rule.object for rule in rules if rule.object}
         if said.object is None and len(named) == 1:  # the answer named it
             conversation.discourse = conversation.discourse.about(*named)
-        spoken = conversation.say(found)
+        is_view = found.key in {"see", "see_nothing"}
+        spoken = self.showing.say_seen(found) if is_view else conversation.say(found)
         if spoken == conversation.last_said:
             spoken = conversation.say(AnswerContent("as_said", {"said": spoken}))
         return replace(conversation.recorded(turn, spoken, found.ending), rules=rules)

@@ -83,8 +83,10 @@ def _best_for(question: Question, known: Conversation) -> Answered:
 def _parts(question: Question, known: Conversation) -> Answered:
     name = question.object or ""
     found = known.base.select(_PARTS, {"object": [atom_iri(Atom("object", name))]})
-    told = (rule.part for rule in known.base.rules(object=name) if rule.asserts and rule.part)
-    parts = tuple(dict.fromkeys([*(atom_from_iri(cast(Iri, row[0])).name for row in found), *told]))
+    told = [rule.part for rule in known.base.rules(object=name) if rule.asserts and rule.part]
+    shown = [part for word in known.base.words() for part in word.parts if word.atom.name == name]
+    defined = [atom_from_iri(cast(Iri, row[0])).name for row in found]
+    parts = tuple(dict.fromkeys([*defined, *shown, *told]))
     if not parts:
         return spoken("no_parts", done=True, object=name), ()
     key = "has_part" if question.part in parts else "lacks_part" if question.part else "parts"

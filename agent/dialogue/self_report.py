@@ -42,7 +42,7 @@ def _holding(question: Question, known: Conversation) -> Answered:
     held, key = known.holding(), "grasped_somewhere"
     if question.object and question.object != held:
         held, key = question.object, "not_held"
-    return spoken(key if held else "holds_nothing", done=True, object=held), ()
+    return spoken(key if held else "nothing_held", done=True, object=held), ()
 
 
 def _last_done(_: Question, known: Conversation) -> Answered:

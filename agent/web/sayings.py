@@ -34,6 +34,7 @@ class Said(BaseModel):
     heard: float = Field(default=1.0, ge=0, le=1)
     alternatives: list[Alternative] = Field(default=[], max_length=10)
     context: list[str] = Field(default=[], max_length=20, description="place:kitchen, ...")
+    at: tuple[float, float] | None = Field(default=None, description="x and y pointed at, metres")
     dry: bool = Field(default=False, description="decide a command, and do not move")
     speaker: str | None = Field(default=None, max_length=200, description="an admin may name one")
 

@@ -252,6 +252,7 @@ class Service:
             only=job.listens,
             heard=said.heard,
             alternatives=[(each.text, each.heard) for each in said.alternatives],
+            pointing_at=said.at,
         )
         found = reply_as_json(reply, job.listens) | self._wait_for_answer(job, reply)
         if job.said.alternatives:

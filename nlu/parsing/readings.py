@@ -28,6 +28,7 @@ from ..semantics.meaning import (
     Meaning,
     Norm,
     NormStatement,
+    PartNaming,
     Question,
     Rule,
     Statement,
@@ -82,8 +83,8 @@ class ReadingFilter:
                 return not (are_too_many or names_agent or any(no_material))
             case KindStatement():
                 return self._may_introduce_kinds(reading)
-            case TopicStatement():
-                return self._are_things(words)
+            case TopicStatement() | PartNaming():
+                return self._are_things(words) or all(word.role == "part" for word in words)
             case NormStatement(norms):
                 return self._may_introduce_in_norms(norms, words)
             case Question() | Command() | ToolCommand() as asked:

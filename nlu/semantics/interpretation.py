@@ -22,6 +22,7 @@ from .meaning import (
     KindStatement,
     Meaning,
     ObjectReference,
+    PartNaming,
     Question,
     Retraction,
     Rule,
@@ -75,6 +76,8 @@ class Interpreter:
                 raise UnlearnableError(_UNLEARNABLE[content.name])
             case "wantBelieve" if content.name == "topic":
                 return TopicStatement(_kind(content.arguments[0]))
+            case "wantBelieve" if content.name == "shown":
+                return _shown(content.arguments[0])
             case "wantBelieve" if content.name == "stateOf":
                 return TopicStatement(*kind_and_properties(content.arguments[0]))
             case "wantBelieve":
@@ -422,6 +425,16 @@ def _kind(form: PredicateForm) -> str:
     if properties or kind == ANY_OBJECT:
         raise UninterpretableError("one_thing_at_a_time")
     return kind
+
+
+def _shown(form: PredicateForm) -> TopicStatement | PartNaming:
+    if form.name != "partOf":
+        return TopicStatement(_kind(form), shown=True)
+    part, owner = form.arguments
+    if owner.name == "other":
+        return PartNaming(name_of(part), other=True)
+    name, props = kind_and_properties(owner)
+    return PartNaming(name_of(part), props, object=None if name == ANY_OBJECT else name)
 
 
 def kind_and_properties(form: PredicateForm) -> tuple[str, tuple[str, ...]]:

@@ -343,6 +343,7 @@ class TopicStatement(_Record):
 
     topic: str  # a kind of object
     props: tuple[str, ...] = ()  # the properties that the one at hand is said to have, sorted
+    shown: bool = False  # whether it is said to be at hand: "this is a mallet"
 
     @property
     def kind(self) -> str:
@@ -352,6 +353,17 @@ class TopicStatement(_Record):
     def as_json(self) -> Json:
         """Return the topic as a JSON object, which says whether Hilt asks back."""
         return ({"ask_back": True} if self.props else {}) | super().as_json()
+
+
+@dataclass(frozen=True)
+class PartNaming(_Record):
+    """What a part of a thing is called: "the long part is the handle", "this is its handle"."""
+
+    kind: ClassVar[str] = "topic"
+    part: str
+    props: tuple[str, ...] = ()  # what the part is like, sorted
+    other: bool = False  # whether it is the other one of two
+    object: str | None = None  # the kind of thing, where it is named
 
 
 @dataclass(frozen=True)
@@ -463,6 +475,7 @@ Meaning = (
     | Question
     | Retraction
     | TopicStatement
+    | PartNaming
     | TrustStatement
     | Acknowledgement
     | Control
@@ -470,5 +483,5 @@ Meaning = (
     | Misunderstanding
 )
 
-TEACHING = (Statement, KindStatement, NormStatement, TopicStatement)
+TEACHING = (Statement, KindStatement, NormStatement, TopicStatement, PartNaming)
 """The meanings whose new words are learned."""

@@ -201,7 +201,8 @@ class PickAndPlace:
         percept = self._vision.find(name)
         if percept is None:
             return None
-        return GraspContext(percept, self.world.kinds[name], part, self._vision.obstacles(name))
+        kind = self._vision.kinds[percept.object]
+        return GraspContext(percept, kind, part, self._vision.obstacles(name))
 
     def _grasp(self) -> MotionReport:
         reason = "nothing_seen"

@@ -17,6 +17,7 @@ from ...ontology.disk_cache import cache_folder, cached, content_key
 from ...ontology.errors import DataError
 from ...ontology.objects import PartType
 from ...ontology.part_shapes import Colour
+from .. import poses
 from ..poses import Array
 
 SOCKET, SOCKET_JOINT = "socket", "into"  # link and joint of an object that stands in another one
@@ -161,3 +162,17 @@ def child_attribute(element: ElementTree.Element, child: str, key: str) -> str:
     """Return an attribute of the first child of that name; empty without one."""
     found = element.find(child)
     return "" if found is None else found.get(key, "")
+
+
+def child_triple(
+    element: ElementTree.Element, child: str, key: str, *, default: str = "0 0 0"
+) -> tuple[float, float, float]:
+    """Return the three numbers of an attribute of the first child of that name."""
+    x, y, z = (float(word) for word in (child_attribute(element, child, key) or default).split())
+    return x, y, z
+
+
+def origin_pose(element: ElementTree.Element) -> Array:
+    """Return the pose (4, 4) that the `origin` of a joint or a shape tells."""
+    turn = poses.rotation_from_rpy(*child_triple(element, "origin", "rpy"))
+    return poses.pose(turn, child_triple(element, "origin", "xyz"))

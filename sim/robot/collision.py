@@ -9,13 +9,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..poses import Array
+from ..poses import Array, squared_distances
 from .kinematics import KinematicChain
 from .models import Gripper
 
 FINGER_SPHERES = 4  # along each finger
 MAX_GAP = 0.04  # [m], larger gaps are reported as this
-CHUNK = 200_000  # pairs of a sphere and a point, so that their distances stay in the cache
+CHUNK = 50_000  # pairs of a sphere and a point: small products, in the cache, on one core
 FINGER_RADIUS = 0.45  # as a share of the finger's width
 
 
@@ -26,6 +26,7 @@ class CollisionSpheres:
     link: np.ndarray  #: index of the link of each in the chain (s,)
     centre: Array  #: in the frame of that link (s, 3) [m]
     radius: Array  #: (s,) [m]
+    is_of_link: np.ndarray  #: whether it stands for a link, not for a finger or a held object (s,)
 
     def joined(self, other: "CollisionSpheres") -> "CollisionSpheres":
         """These spheres and others."""
@@ -34,15 +35,19 @@ class CollisionSpheres:
 
     def placed(self, base_from_link: Array) -> Array:
         """Centres (n, s, 3) for links at `base_from_link` (n, links, 4, 4)."""
-        at = base_from_link[:, self.link]
-        return np.einsum("nsij,sj->nsi", at[..., :3, :3], self.centre) + at[..., :3, 3]
+        placed = np.empty((len(base_from_link), *self.centre.shape))
+        for link in np.unique(self.link):
+            own, at = self.link == link, base_from_link[:, link, :3]
+            placed[:, own] = self.centre[own] @ np.swapaxes(at[..., :3], 1, 2) + at[:, None, :, 3]
+        return placed
 
 
 def arm_spheres(chain: KinematicChain, spheres: Mapping[str, Array]) -> CollisionSpheres:
-    """The spheres of `robots.yaml` on their links."""
+    """Spheres (n, 4) by link, as in `RobotType.spheres`, on their links."""
     link = [chain.links.index(name) for name, each in spheres.items() for _ in each]
     stacked = np.concatenate([np.zeros((0, 4)), *spheres.values()])
-    return CollisionSpheres(np.array(link, dtype=int), stacked[:, :3], stacked[:, 3])
+    is_of_link = np.ones(len(link), dtype=bool)
+    return CollisionSpheres(np.array(link, dtype=int), stacked[:, :3], stacked[:, 3], is_of_link)
 
 
 def finger_spheres(chain: KinematicChain, gripper: Gripper, opening: float) -> CollisionSpheres:
@@ -57,7 +62,7 @@ def finger_spheres(chain: KinematicChain, gripper: Gripper, opening: float) -> C
 def hand_spheres(chain: KinematicChain, points: Array, radius: float) -> CollisionSpheres:
     """Equal spheres at points (n, 3) of the hand frame, such as those of a held object."""
     link = np.full(len(points), len(chain.links) - 1)
-    return CollisionSpheres(link, points, np.full(len(points), radius))
+    return CollisionSpheres(link, points, np.full(len(points), radius), link < 0)
 
 
 def clearances(
@@ -67,18 +72,20 @@ def clearances(
 
     The first is that to obstacles: the points (p, 3) and the height `table` in the frame of the
     base [m]; gaps to points are at most `MAX_GAP`. The second is that between hand or held object
-    and the arm; spheres on the link that carries the hand do not count.
+    and the arm; spheres on the link that carries the hand do not count, nor does how near the hand
+    itself is to the link on which it turns.
     """
     centres = spheres.placed(chain.frames(joints))
     around = float(np.min(centres[..., 2] - spheres.radius)) - table
     if len(points):
         radius = np.tile(spheres.radius, len(joints))
         around = min(around, _gap_to_points(centres.reshape(-1, 3), radius, points))
-    last = np.flatnonzero(chain.moves)[-1]
+    *_, before, last = (0, *np.flatnonzero(chain.moves))  # the joints before and at the hand
     ahead, behind = spheres.link > last, spheres.link < last
-    between = centres[:, ahead, None] - centres[:, None, behind]
-    gaps = np.linalg.norm(between, axis=-1) - spheres.radius[ahead, None] - spheres.radius[behind]
-    return np.array([around, gaps.min(initial=np.inf)])
+    between = np.sqrt(squared_distances(centres[:, ahead], centres[:, behind]))
+    gaps = between - spheres.radius[ahead, None] - spheres.radius[behind]
+    counts = ~spheres.is_of_link[ahead, None] | (spheres.link[behind] < before)
+    return np.array([around, gaps.min(initial=np.inf, where=counts)])
 
 
 def _gap_to_points(centres: Array, radius: Array, points: Array) -> float:
@@ -92,8 +99,6 @@ def _gap_to_points(centres: Array, radius: Array, points: Array) -> float:
     gap, count = MAX_GAP, max(1, CHUNK // len(points))
     for first in range(0, len(near), count):
         some = near[first : first + count]
-        squares = np.zeros((len(some), len(points)))
-        for axis in range(3):
-            squares += np.subtract.outer(centres[some, axis], points[:, axis]) ** 2
-        gap = min(gap, float((np.sqrt(squares.min(axis=1)) - radius[some]).min()))
+        nearest = np.sqrt(squared_distances(centres[some], points).min(axis=1))
+        gap = min(gap, float((nearest - radius[some]).min()))
     return gap

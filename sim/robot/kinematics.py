@@ -15,7 +15,7 @@ import numpy as np
 
 from ...ontology.errors import DataError
 from .. import poses
-from ..models.urdf import child_attribute, read_urdf
+from ..models.urdf import child_attribute, child_triple, origin_pose, read_urdf
 from ..poses import Array
 
 POSITION_TOLERANCE = 2e-4  # [m], far below what a grasp needs, reached in 10 to 30 steps
@@ -150,16 +150,14 @@ def read_chain(path: Path, tip: str) -> KinematicChain:
         raise DataError(f'expected a joint that leads to a link "{tip}".', source=str(path))
     kinds = [each.get("type", "fixed") for each in elements]
     moving = [each for each, kind in zip(elements, kinds, strict=True) if kind != "fixed"]
-    axes = np.array([_triple(each, "axis", "xyz", "1 0 0") for each in moving])
-    turns = (_triple(each, "origin", "rpy") for each in elements)
-    rotations = [poses.rotation_from_rpy(*turn) for turn in turns]
+    axes = np.array([child_triple(each, "axis", "xyz", default="1 0 0") for each in moving])
     low, high, speed = np.array([_limits(each) for each in moving]).T
     return KinematicChain(
         links=tuple(child_attribute(each, "child", "link") for each in elements),
         names=tuple(each.get("name", "") for each in moving),
         moves=np.array([kind != "fixed" for kind in kinds]),
         turns=np.array([[float(each.get("type") != "prismatic")] for each in moving]),
-        parent_from_joint=poses.pose(rotations, [_triple(e, "origin", "xyz") for e in elements]),
+        parent_from_joint=np.stack([origin_pose(each) for each in elements]),
         axes=axes / np.linalg.norm(axes, axis=1, keepdims=True),
         low=low,
         high=high,
@@ -188,10 +186,3 @@ def _limits(joint: ElementTree.Element) -> tuple[float, float, float]:
     low = safety("soft_lower_limit") or limit("lower") or -np.pi
     high = safety("soft_upper_limit") or limit("upper") or np.pi
     return float(low), float(high), float(limit("velocity") or 1.0)
-
-
-def _triple(
-    element: ElementTree.Element, child: str, key: str, default: str = "0 0 0"
-) -> tuple[float, float, float]:
-    x, y, z = (float(word) for word in (child_attribute(element, child, key) or default).split())
-    return x, y, z

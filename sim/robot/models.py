@@ -1,6 +1,6 @@
-"""Robot models: arm, gripper and collision spheres, read from `robots.yaml`.
+"""Robot models: arm and gripper, read from `robots.yaml`, whose head describes its entries.
 
-The head of that file describes its entries. Joint limits come from the robot's URDF file.
+Joint limits and the spheres of collision checks come from the robot's URDF file.
 """
 
 from collections.abc import Mapping
@@ -18,6 +18,7 @@ from .. import poses
 from ..models.urdf import HandFile, robot_file
 from ..poses import Array
 from .kinematics import KinematicChain, read_chain
+from .link_spheres import fit_spheres
 
 ROBOTS_FILE = Path(__file__).with_name("robots.yaml")
 OWN_FILE = ".yaml"
@@ -69,7 +70,6 @@ class RobotType:
     home: Array  #: posture (k,) in which the arm waits [rad]
     turns: tuple[float, ...]  #: angles of the first joint in more starts for solutions [rad]
     gripper: Gripper | None  #: the gripper; None for an arm without one
-    spheres: Mapping[str, Array]  #: centres, radii (n, 4) of collision spheres by link [m]
     attachment: HandFile | None = None  #: the hand, when it comes from another file
     speeds: tuple[float, ...] = ()  #: limits of the joints; none for those of the URDF [rad/s]
     accelerations: tuple[float, ...] = ()  #: limits of the joints; none when empty [rad/s^2]
@@ -86,6 +86,12 @@ class RobotType:
         speed = np.array(self.speeds or chain.speed)
         acceleration = np.array(self.accelerations or chain.acceleration)
         return replace(chain, speed=speed, acceleration=acceleration)
+
+    @cached_property
+    def spheres(self) -> Mapping[str, Array]:
+        """Spheres that contain the links of the arm but not the fingers, as of `fit_spheres`."""
+        fingers = self.gripper.links if self.gripper else ()
+        return fit_spheres(self.file, self.arm.links, apart=fingers)
 
     @cached_property
     def starts(self) -> Array:
@@ -126,7 +132,7 @@ _shipped = cache(load_robots)
 
 def _read_robot(name: str, field: YamlNode) -> RobotType:
     entries = field.entries(
-        required=("label", "urdf", "hand", "home", "spheres"),
+        required=("label", "urdf", "hand", "home"),
         optional=("turns", "gripper", "attached", *_LIMITS),
     )
     home = np.array(entries["home"].numbers(low=-np.pi * 2, high=np.pi * 2))
@@ -138,10 +144,6 @@ def _read_robot(name: str, field: YamlNode) -> RobotType:
         home=home,
         turns=entries["turns"].numbers() if "turns" in entries else (),
         gripper=_read_gripper(entries["gripper"]) if "gripper" in entries else None,
-        spheres={
-            link: np.array([each.numbers(count=4, low=-2.0, high=2.0) for each in spheres.items()])
-            for link, spheres in entries["spheres"].entries().items()
-        },
         attachment=_read_attachment(entries["attached"]) if "attached" in entries else None,
         **{key: entries[key].numbers(low=0.01, high=100.0) for key in _LIMITS if key in entries},
     )

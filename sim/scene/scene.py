@@ -9,7 +9,9 @@ from its seed, by `placement`. A file reads:
     objects:
       - knife
       - {object: mug, name: my mug, at: [0.5, 0.1], yaw_deg: 30, rest: upright}
+    unknown: mallet.yaml
 
+All objects that the file of unknown ones defines stand on the table, too, each as a "thing".
 Clutter adds other objects drawn from the seed; the more of them, the closer they stand.
 """
 
@@ -24,7 +26,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ...ontology.errors import DataError, UnknownNameError
-from ...ontology.objects import ObjectType
+from ...ontology.objects import ObjectType, load_household
 from ...ontology.yaml_reader import YamlNode, read_yaml
 
 if TYPE_CHECKING:
@@ -63,6 +65,7 @@ class Scene:
     placements: tuple[Placement, ...]  #: the objects, each with a name of its own
     seed: int  #: seed from which everything left open is drawn
     gap: float = GAP  #: smallest distance between two objects [m]
+    unknown: str = ""  #: path of a file of objects on the table that the robot knows nothing of
 
     @property
     def types(self) -> tuple[str, ...]:
@@ -133,7 +136,7 @@ def _read_scene(spec: str, seed: int, objects: Mapping[str, ObjectType]) -> Scen
     if path.suffix not in {".yaml", ".yml"}:
         known = '"objects:knife,mug", "random:SEED" or "all"'
         raise DataError(f'expected a YAML file, {known}, found "{spec}".', source="--scene")
-    keys = read_yaml(path).entries(required={"objects"}, optional={"seed", "clutter"})
+    keys = read_yaml(path).entries(required={"objects"}, optional={"seed", "clutter", "unknown"})
     items = keys["objects"].items()
     if len(items) > MAX_OBJECTS:
         raise keys["objects"].fail(f"expected at most {MAX_OBJECTS} objects, found {len(items)}.")
@@ -149,7 +152,19 @@ def _read_scene(spec: str, seed: int, objects: Mapping[str, ObjectType]) -> Scen
     if "clutter" in keys:
         more, gap = CLUTTER[keys["clutter"].text(choices=CLUTTER)]
         placements += _clutter(placements, more, seed, objects)
-    return Scene(_mounted(placements, objects), seed, gap)
+    unknown = str((path.parent / keys["unknown"].text()).absolute()) if "unknown" in keys else ""
+    strange = unknown_objects(unknown)
+    placements += [Placement("thing", name) for name in strange]
+    return Scene(_mounted(placements, {**objects, **strange}), seed, gap, unknown)
+
+
+def unknown_objects(path: str) -> dict[str, ObjectType]:
+    """Return the types of a file of objects that stand on the table as unknown; "" has none."""
+    if not path:
+        return {}
+    known = load_household()
+    objects = load_household(Path(path), added_to=known).objects
+    return {name: kind for name, kind in objects.items() if name not in known.objects}
 
 
 def _clutter(

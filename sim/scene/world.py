@@ -21,7 +21,7 @@ from ..models.urdf import SOCKET_JOINT
 from ..physics.engine import TIME_STEP, PhysicsEngine
 from ..poses import Array
 from .placement import DropPose, place_objects
-from .scene import Scene
+from .scene import Scene, unknown_objects
 
 FLOOR, TABLE = "floor", "table"
 FLOOR_HEIGHT = -0.72  # [m], lower end of the legs of the table
@@ -60,6 +60,7 @@ class World(AbstractContextManager["World"]):
     @classmethod
     def build(cls, scene: Scene, objects: Mapping[str, ObjectType], *, gui: bool = False) -> World:
         """Return a world in which a scene has settled; `SimulationError` without room for it."""
+        objects = {**objects, **unknown_objects(scene.unknown)}
         models = {name: object_model(objects[name]) for name in (FLOOR, TABLE, *scene.types)}
         spots = place_objects(scene, models)
         kinds = {spot.placement.name: objects[spot.placement.object] for spot in spots}

@@ -13,6 +13,7 @@ class, and lowers the confidence beyond a distance that hardly any known input e
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cache
+from itertools import combinations
 from pathlib import Path
 from typing import TypeVar
 from zipfile import BadZipFile
@@ -21,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...ontology.errors import DataError
+from ...ontology.objects import ObjectType
 from ..poses import Array, voxel_downsample, voxel_keys
 from ..scene.scene import numbered
 from ..scene.world import World
@@ -37,6 +39,7 @@ from .segmentation import (
     describe_segment,
     segment_images,
 )
+from .shown_kinds import ShownKind, estimated_masses
 
 CLASSIFIERS_FILE = Path(__file__).with_name("recognition.npz")
 NEAR = 0.03  # [m], to where an object should be, of its points
@@ -45,6 +48,8 @@ SMOOTHING = 0.006  # [m], voxels in which points share their part
 SAME_PLACE = 0.04  # [m], between the centre of a percept and where an object was seen last
 
 MAX_DEVIATIONS = 6.0  # standardised inputs are clipped to it, so that none decides alone
+SURE = 0.7  # confidence from which on a thing is known
+ALIKE = 0.65  # from a view, as from an example: most from one of the kind, half of others
 STEEPNESS = 6.0  # at 1.5 times the limit a twelfth of the confidence is left
 
 # What numpy raises, by what there is in place of a file of arrays.
@@ -89,11 +94,14 @@ class NoveltyDetector:
     classes: Array  #: class of each example (m,)
     limit: Array  #: distance to the nearest example of each class up to which inputs are known (c,)
 
+    def distance(self, row: Array, examples: Array) -> float:
+        """The root mean square distance of an input (d,) from the nearest example (m, d)."""
+        squares = np.minimum(np.abs(examples - row) / self.deviation, MAX_DEVIATIONS) ** 2
+        return float(np.sqrt(squares.mean(axis=1).min()))
+
     def novelty(self, row: Array, kind: int) -> float:
-        """The root mean square distance of an input (d,) from a class; the limit is 1."""
-        deviations = np.abs(self.examples[self.classes == kind] - row) / self.deviation
-        squares = np.minimum(deviations, MAX_DEVIATIONS) ** 2
-        return float(np.sqrt(squares.mean(axis=1).min()) / self.limit[kind])
+        """The distance of an input (d,) from a class; the limit is 1."""
+        return self.distance(row, self.examples[self.classes == kind]) / float(self.limit[kind])
 
     def confidence(self, row: Array, kind: int) -> float:
         """Confidence in (0, 1] that an input (d,) is a member of its class at all."""
@@ -189,6 +197,7 @@ class LearnedDetector(ObjectDetector):
         super().__init__(world, noise=noise, cameras=cameras)
         self._recogniser = recogniser or Recogniser.default()
         self._places = {name: world.top(name)[:2] for name in world.kinds}
+        self.shown = dict[str, ShownKind]()  #: the kinds that were shown, by name
         missing = [kind for kind in self._recogniser.kinds if kind not in world.objects]
         if missing:
             raise DataError(
@@ -196,6 +205,33 @@ class LearnedDetector(ObjectDetector):
                 "objects. Name the file that defines them with --objects.",
                 source="classifiers",
             )
+
+    @property
+    def kinds(self) -> Mapping[str, ObjectType]:
+        """The types that it knows, with those that were shown."""
+        known = {name: self.world.objects[name] for name in self._recogniser.kinds}
+        return known | {name: each.kind for name, each in self.shown.items()}
+
+    @property
+    def unknown(self) -> tuple[Percept, ...]:
+        """The things in view that it does not know, as what they are like most."""
+        return tuple(each for each in self.percepts if each.confidence < SURE)
+
+    def show(self, name: str, thing: Percept) -> ShownKind:
+        """Return what is known of a kind after looks at a thing of it that is in view.
+
+        All cameras see it together, and again without each of them.
+        """
+        known = self.shown.get(name) or ShownKind(name, (), estimated_masses(thing.cloud))
+        images = self.capture()
+        looks = (images, *combinations(images, max(1, len(images) - 1)))
+        found = filter(None, (self._segment_at(thing, some) for some in looks))
+        return replace(known, views=(*known.views, *map(describe_segment, found)))
+
+    def recall(self, name: str, look: str) -> None:
+        """Know a kind by what `ShownKind.as_json` returned, in place of one with this name."""
+        self.shown[name] = ShownKind.from_json(name, look)
+        self._seen = -1, ()
 
     def detect(self, images: Sequence[CameraImage]) -> list[Percept]:
         """Return the objects that the images seem to show; alike ones get numbered names."""
@@ -227,10 +263,32 @@ class LearnedDetector(ObjectDetector):
         shown = {name: cloud for name, cloud in parts.items() if len(cloud) >= MIN_PART_POINTS}
         return replace(expected, parts=shown) if shown else None
 
+    def _segment_at(self, thing: Percept, images: Sequence[CameraImage]) -> Segment | None:
+        for segment in segment_images(images, noise=self.noise.depth_error):
+            middle = (segment.points.min(axis=0) + segment.points.max(axis=0)) / 2
+            if np.linalg.norm((middle - thing.centre)[:2]) < SAME_PLACE:
+                return segment
+        return None
+
+    def _as_shown(self, segment: Segment) -> Percept | None:
+        row = describe_segment(segment)
+        distance, shown = self._recogniser.novelty.distance, self.shown.items()
+        gaps = {name: distance(row, np.array(kind.views)) for name, kind in shown}
+        name = min(gaps, key=lambda each: gaps[each], default="")
+        if not name or gaps[name] >= ALIKE:
+            return None
+        parts, known = self.shown[name].parts(segment.points), self.shown[name].kind.parts
+        sure = 1.0 - (gaps[name] / ALIKE) ** 2 * (1.0 - SURE)
+        return Percept(name, name, sure, parts) if parts.keys() <= known.keys() else None
+
     def _percepts(self, segment: Segment) -> Iterator[Percept]:
+        if shown := self._as_shown(segment):
+            yield shown
+            return
         objects = self.world.objects
         kind, confidence = self._recogniser.recognise(segment)
-        mounts = ((name, objects[name].mount) for name in self._recogniser.kinds)
+        known = self._recogniser.kinds if confidence >= SURE else ()
+        mounts = ((name, objects[name].mount) for name in known)
         kinds = [kind, *(name for name, mount in mounts if mount and mount.support == kind)]
         candidates = [(each, part) for each in kinds for part in objects[each].parts]
         parts = self._recogniser.assign_parts(segment, kind, candidates)

@@ -11,12 +11,13 @@ again with these: the pixels that show objects are those of an image of everythi
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...ontology.objects import ObjectType
 from ..physics.engine import PhysicsEngine
 from ..poses import Array, voxel_downsample
 from ..scene.scene import ROOM
@@ -55,6 +56,11 @@ class ObjectDetector(ABC):
         self.world, self.noise, self.cameras = world, noise or NoiseLevels(), cameras
         self._seen: tuple[int, tuple[Percept, ...]] = (-1, ())  # with the time step
 
+    @property
+    def kinds(self) -> Mapping[str, ObjectType]:
+        """The types of objects that it knows, by name."""
+        return self.world.objects
+
     @abstractmethod
     def detect(self, images: Sequence[CameraImage]) -> Iterable[Percept]:
         """Return the objects that images of one moment show."""
@@ -84,15 +90,13 @@ class ObjectDetector(ABC):
 
     def search(self, features: Iterable[str]) -> tuple[Percept, ...]:
         """Return the objects in view that have one of the features, most confident first."""
-        wanted, objects = frozenset(features), self.world.objects
-        kinds = {name for name, kind in objects.items() if wanted & visible_features(kind)}
+        wanted = frozenset(features)
+        kinds = {name for name, kind in self.kinds.items() if wanted & visible_features(kind)}
         return tuple(percept for percept in self.percepts if percept.object in kinds)
 
     def find(self, name: str) -> Percept | None:
-        """The percept of an object of the world; None when it is not visible as what it is."""
-        kind = self.world.kinds.get(name)
-        found = (p for p in self.percepts if kind and (p.name, p.object) == (name, kind.name))
-        return next(found, None)
+        """The percept of an object of the world; None when it is not visible."""
+        return next((p for p in self.percepts if p.name == name in self.world.kinds), None)
 
     def look(self, expected: Percept) -> Percept | None:
         """An object as the first two cameras, which is faster, see it now; None if they do not.

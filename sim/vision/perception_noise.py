@@ -96,7 +96,7 @@ class NoisyDetector:
 
     A confused object is found by the features of the type it is taken for, not by its own. So all
     `objects`, the types by name, have to be searched for when they can be confused. The depth noise
-    is that of the detector's cameras.
+    is that of the detector's cameras. Nothing is taken for a kind that was shown.
     """
 
     detector: Detector
@@ -105,12 +105,12 @@ class NoisyDetector:
 
     def search(self, features: Sequence[str]) -> tuple[Percept, ...]:
         """Return the objects that seem to have one of the features, most confident first."""
-        searched = features
-        if features and self.noise.confused:
-            searched = [f"object:{name}" for name in self.objects]
+        others = self.objects if features and self.noise.confused else ()
+        searched = [*features, *(f"object:{name}" for name in others)]
         noisy = (self._misperceived(percept) for percept in self.detector.search(searched))
         wanted = frozenset(features)
-        found = (p for p in noisy if p and wanted & visible_features(self.objects[p.object]))
+        known = {name: visible_features(kind) for name, kind in self.objects.items()}
+        found = (p for p in noisy if p and wanted & known.get(p.object, wanted))
         return tuple(sorted(found, key=lambda percept: -percept.confidence))
 
     def _misperceived(self, percept: Percept) -> Percept | None:

@@ -183,7 +183,7 @@ def describe_segment(segment: Segment) -> Array:
         SCALE * extent,
         SCALE * np.array([np.sqrt(area), points[:, 2].mean(), points[:, 2].std(), radius.mean()]),
         [area / max(extent[0] * extent[1], CELL**2), extent[1] / max(extent[0], CELL)],
-        SCALE * np.hstack(_outline(points)),
+        SCALE * np.hstack(outline(points)),
         _histogram(radius / MAX_DISTANCE, DISTANCE_BINS),
         _histogram(points[:, 2] / MAX_HEIGHT_BIN, HEIGHT_BINS),
         segment.colours.mean(axis=0),
@@ -196,10 +196,9 @@ def describe_segment(segment: Segment) -> Array:
 def describe_points(segment: Segment) -> Array:
     """Return the descriptors (n, k) of a segment's points: position, surroundings and colour."""
     points = poses.transform(poses.inverse(segment_frame(segment.points)), segment.points)
-    place = _place_along(points)
-    index = np.clip((place * SLICES).astype(int), 0, SLICES - 1)
-    outline = np.column_stack(_outline(points))
-    before, after = outline[np.maximum(index - 1, 0)], outline[np.minimum(index + 1, SLICES - 1)]
+    place, index = _place_along(points), slice_index(points)
+    slices = np.column_stack(outline(points))
+    before, after = slices[np.maximum(index - 1, 0)], slices[np.minimum(index + 1, SLICES - 1)]
     mean, deviation = segment.colours.mean(axis=0), segment.colours.std(axis=0) + 0.02
     return np.column_stack(
         [
@@ -207,7 +206,7 @@ def describe_points(segment: Segment) -> Array:
             SCALE * np.abs(points[:, 1]),
             SCALE * np.linalg.norm(points[:, :2], axis=1),
             np.clip(place, -0.5, 1.5),
-            SCALE * outline[index],
+            SCALE * slices[index],
             SCALE * before,
             SCALE * after,
             np.tile(SCALE * np.ptp(points, axis=0), (len(points), 1)),
@@ -223,10 +222,15 @@ def _place_along(points: Array) -> Array:
     return (points[:, 0] - low) / max(high - low, CELL)
 
 
-def _outline(points: Array) -> tuple[Array, Array, Array]:
-    """Width, lowest and highest point of each slice along x, (SLICES,) each [m]."""
-    index = np.clip((_place_along(points) * SLICES).astype(int), 0, SLICES - 1)
-    lowest, highest = np.full((SLICES, 2), np.inf), np.full((SLICES, 2), -np.inf)
+def slice_index(points: Array, count: int = SLICES) -> Integers:
+    """The slice along x of each of some points (n, 3), in the frame of their segment, (n,)."""
+    return np.clip((_place_along(points) * count).astype(int), 0, count - 1)
+
+
+def outline(points: Array, count: int = SLICES) -> tuple[Array, Array, Array]:
+    """Width, lowest and highest point of each slice along x, (count,) each [m]."""
+    index = slice_index(points, count)
+    lowest, highest = np.full((count, 2), np.inf), np.full((count, 2), -np.inf)
     np.minimum.at(lowest, index, points[:, 1:])
     np.maximum.at(highest, index, points[:, 1:])
     empty = ~np.isfinite(lowest)

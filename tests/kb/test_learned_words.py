@@ -1,5 +1,7 @@
 """Learned words are kept with their teacher, and can be revoked."""
 
+from dataclasses import replace
+
 import pytest
 
 from hilt.kb.interval import Interval
@@ -54,3 +56,25 @@ def test_unknown_word_cannot_be_forgotten(base: KnowledgeBase):
 def test_recognition_score_stands_at_the_utterance(base: KnowledgeBase):
     """How surely it was heard is kept beside what was said."""
     assert base.utterance(1).heard == 0.8
+
+
+def test_look_of_what_was_shown_is_replaced_by_the_last(base: KnowledgeBase):
+    """There is one look at a time, and the names of the parts that it has."""
+    for names in ('{"long":"handle"}', '{"long":"handle","wide":"blade"}'):
+        shown = replace(SAW, look=f'{{"views":[],"masses":{{}},"names":{names}}}')
+        base.believe("This is a saw", "", "sam", [], words=[shown])
+
+    (word,) = base.words()
+
+    assert word.parts == ("handle", "blade")
+    assert word.as_json()["shown"]
+    assert base.utterance(word.utterance or 0).speaker == "sam"
+
+
+def test_look_is_not_known_again_after_its_word_was_forgotten(base: KnowledgeBase):
+    """The word may be learned anew without it."""
+    base.believe("This is a saw", "", "sam", [], words=[replace(SAW, look='{"names":{}}')])
+    base.forget(WORDS, "saw", "forget the word saw", "sam")
+    base.believe(TEXT, "", "sam", [], words=[SAW])
+
+    assert [word.look for word in base.words()] == [""]

@@ -57,7 +57,7 @@ OBJECT = 'object:knife a hilt:Object ; rdfs:label "knife" ; hilt:isA object:cutl
 TRUST = """speaker:sam a hilt:Speaker ; rdfs:label "sam" ; hilt:trustLower 0.9 ;
     hilt:trustUpper 1.0 ."""
 WORD = """word:ladle a hilt:Word ; rdfs:label "ladle" ; hilt:denotes object:ladle ;
-    prov:wasAttributedTo speaker:sam ."""
+    hilt:look "{}" ; prov:wasAttributedTo speaker:sam ."""
 PHRASE = """phrase:0123abcd a hilt:Phrase ; hilt:pattern "you cut with a ?object" ;
     hilt:meaning "{}" ; prov:wasAttributedTo speaker:sam ."""
 TAUGHT = """taught:0123abcd a hilt:TaughtAction ; hilt:denotes action:serve ;
@@ -180,6 +180,7 @@ BREAKS = [
     (WORD, "word:ladle a", "object:ladle a", "A word is a node"),
     (WORD, "object:ladle", "speaker:ladle", "hilt:denotes leads to"),
     (PHRASE, "phrase:0123abcd a", "phrase:x a", "A phrase is a node"),
+    (WORD, 'hilt:look "{}"', 'hilt:look "{}", "[]"', "A word has at most one hilt:look"),
     (PHRASE, 'hilt:pattern "you cut with a ?object" ;', "", "A phrase has one hilt:pattern"),
     (PHRASE, 'hilt:meaning "{}" ;', "", "A phrase has one hilt:meaning"),
     (TAUGHT, "taught:0123abcd a", "taught:x a", "A taught action is a node"),

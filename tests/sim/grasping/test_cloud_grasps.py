@@ -35,8 +35,6 @@ pointer:
   urdf: franka_panda/panda.urdf
   hand: panda_hand
   home: [0.0, -0.6, 0.0, -2.3, 0.0, 1.75, 0.785]
-  spheres:
-    panda_hand: [[0.0, 0.0, 0.03, 0.09]]
 """
 
 

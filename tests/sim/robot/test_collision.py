@@ -8,6 +8,7 @@ import pytest
 from hilt.sim import poses
 from hilt.sim.robot.collision import MAX_GAP, arm_spheres, clearances, finger_spheres, hand_spheres
 from hilt.sim.robot.models import find_robot
+from hilt.sim.robot.path_planner import TRANSIT_GAP
 
 PANDA = find_robot("panda")
 ARM = PANDA.arm
@@ -89,3 +90,27 @@ def test_hand_folded_back_to_the_forearm_is_detected():
     spheres = arm_spheres(ARM, PANDA.spheres)
 
     assert clearances(ARM, spheres, folded, points=NOTHING, table=-9.0)[1] < 0
+
+
+@pytest.mark.parametrize("name", ["panda", "kuka"])
+def test_hand_may_turn_as_it_likes_where_the_arm_waits(name: str):
+    """The link on which the hand turns is always near: that is no hit."""
+    robot = find_robot(name)
+    joints = np.tile(robot.home, (60, 1))
+    joints[:, -1] = np.linspace(robot.arm.low[-1], robot.arm.high[-1], 60)
+
+    spheres = arm_spheres(robot.arm, robot.spheres)
+
+    assert clearances(robot.arm, spheres, joints, points=NOTHING, table=-9.0)[1] > TRANSIT_GAP
+
+
+def test_object_held_into_the_link_on_which_the_hand_turns_is_detected():
+    """That link counts for what is held, though not for the hand itself."""
+    spheres = arm_spheres(ARM, PANDA.spheres)
+    frames = ARM.frames(HOME)[0]
+    inside = frames[ARM.links.index("panda_link6"), :3, 3][None]
+    held = hand_spheres(ARM, poses.transform(poses.inverse(frames[-1]), inside), 0.01)
+
+    found = clearances(ARM, spheres.joined(held), HOME, points=NOTHING, table=-9.0)
+
+    assert found[1] < 0

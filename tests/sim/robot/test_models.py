@@ -63,7 +63,7 @@ def test_robot_without_gripper_has_none(tmp_path: Path):
     """The gripper may be left out: such a robot can point, not grasp."""
     lines = ROBOTS_FILE.read_text(encoding="utf-8").splitlines()
     first = lines.index("  gripper:")
-    last = next(i for i, line in enumerate(lines) if line.startswith("  spheres:"))
+    last = next(i for i in range(first + 1, len(lines)) if not lines[i].startswith("    "))
     file = tmp_path / "robots.yaml"
     file.write_text("\n".join(lines[:first] + lines[last:]), encoding="utf-8")
 
@@ -75,7 +75,7 @@ def test_robot_without_gripper_has_none(tmp_path: Path):
 def test_robot_without_a_hand_points_with_its_arm(tmp_path: Path):
     """It comes near the object it points at, and touches nothing."""
     arm = ROBOTS_FILE.read_text(encoding="utf-8").partition("\nkuka:\n")[2]
-    arm = re.sub(r"  (attached|gripper):\n(    .*\n)+", "", arm).partition("    panda_hand:\n")[0]
+    arm = re.sub(r"  (attached|gripper):\n(    .*\n)+", "", arm)
     file = tmp_path / "arm.yaml"
     file.write_text("arm:\n" + arm.replace("panda_hand", "lbr_iiwa_link_7"), encoding="utf-8")
     scene = parse_scene("objects:glass", seed=3, objects=OBJECTS)
