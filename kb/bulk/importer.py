@@ -11,14 +11,12 @@ The statements of one rule must stand together, as they do in every export.
 from __future__ import annotations
 
 import io
-import tempfile
 from array import array
 from collections import Counter, defaultdict, deque
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from functools import cache, lru_cache, partial
 from itertools import chain
-from typing import BinaryIO, cast
 
 from ...ontology.errors import DataError, ValidationError
 from ...ontology.garbage_collection import paused_garbage_collection
@@ -53,7 +51,6 @@ from .rule_nquads import NQuadsWriter
 MAX_LISTED = 20  # conflicts, and rules of another status, that a summary names
 MAX_REST = 3_000_000  # statements that belong to no rule and are held in memory
 PER_UTTERANCE = 1000  # rules that one utterance of the history stands for
-_MAX_SPOOLED = 2**24  # bytes of another base; more of it is written to a temporary file
 _MAX_APPLIED = 2**21  # bytes of lines that are written as an ordinary unit
 _WRITTEN_AGAIN = frozenset((rule_mapping.TYPE, LABEL, rule_mapping.RULE, *rule_mapping.PLAIN_EDGES))
 
@@ -94,14 +91,10 @@ def merge(
     The source names the other base in the history; a dry run only finds out what would change.
     ValidationError if the other base breaks a law; nothing has changed.
     """
-    from ..stores.rdf_text import read_groups, write_rdf_to
+    from ..stores.rdf_text import grouped
 
-    with tempfile.SpooledTemporaryFile(_MAX_SPOOLED, prefix="hilt-") as spool:
-        stream = cast(BinaryIO, spool)
-        with other.writing():  # so that all of it is of one moment
-            write_rdf_to(statements(other), stream, format="nquads")
-        stream.seek(0)
-        groups = read_groups(stream, format="nquads", source=source, default=BELIEFS)
+    with other.writing():  # so that all of it is of one moment
+        groups = grouped(statements(other), BELIEFS)
         return import_statements(
             base, groups, source=source, dry_run=dry_run, check=check_invariants
         )

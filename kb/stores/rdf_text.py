@@ -124,17 +124,22 @@ def read_groups(
     text = _RecentLines(stream)
     try:
         found = engine.parse(cast(BinaryIO, text), format=RDF_FORMATS[format])
-        for (node, graph), some in groupby(found, attrgetter("subject", "graph_name")):
-            place = default if isinstance(graph, engine.DefaultGraph) else from_engine(graph)
-            for part in batched(some, MAX_GROUP):
-                yield from _grouped(cast(Iri, from_engine(node)), cast(Iri, place), part)
+        yield from grouped(found, default)
     except HiltError:
         raise
     except (SyntaxError, MemoryError, ValueError, OSError) as error:
         raise text_error(error, source, text.line(getattr(error, "lineno", 0) or 0)) from error
 
 
-def _grouped(node: Iri, graph: Iri, quads: Iterable[engine.Quad]) -> Iterator[Statements]:
+def grouped(quads: Iterable[EngineQuad], default: Iri) -> Iterator[Statements]:
+    """Iterate over statements, those about one subject that stand together; as `read_groups`."""
+    for (node, graph), some in groupby(quads, attrgetter("subject", "graph_name")):
+        place = default if isinstance(graph, engine.DefaultGraph) else from_engine(graph)
+        for part in batched(some, MAX_GROUP):
+            yield from _group(cast(Iri, from_engine(node)), cast(Iri, place), part)
+
+
+def _group(node: Iri, graph: Iri, quads: Iterable[engine.Quad]) -> Iterator[Statements]:
     pairs = list[Property]()
     for quad in quads:
         key, value = quad.predicate, quad.object
