@@ -128,8 +128,8 @@ def _candidate_of(cell: RuleKey, decided: TracedDecision) -> Candidate | None:
 
 
 def _bounds(candidate: Candidate | None) -> tuple[float, float]:
-    interval = candidate.interval if candidate else VACUOUS
-    return interval.lower, interval.upper
+    lower, upper = candidate.interval if candidate else VACUOUS
+    return lower, upper
 
 
 def check_grasps(space: ScenarioSpace, first: int) -> CheckResult:
