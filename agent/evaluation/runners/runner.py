@@ -26,6 +26,7 @@ from rich.console import Console
 from rich.text import Text
 
 from ....ontology.errors import WorkersUnavailableError, extra_required
+from ...presentation.console import progress_bar
 from ..experiment import Case, CaseResult, Experiment, TimedResult, make_experiment, to_json_line
 from .journal import RunJournal
 
@@ -228,7 +229,7 @@ def run_experiment(
     cases = experiment.cases() if cases is None else cases
     runs = dict(journal.runs) if journal else {}
     left = [case for case in cases if case.key not in runs]
-    with progress_bar(console) as bar:
+    with case_progress(console) as bar:
         task = bar.add_task(experiment.name, total=len(cases), completed=len(runs))
         for run in (runner or run_serially)(experiment, left):
             runs[run.result.key] = run
@@ -252,18 +253,7 @@ class SpeedColumn(progress.ProgressColumn):
         return Text(f"{speed:.1f} a second" if speed >= 1 else f"{1 / speed:.1f} s each")
 
 
-def progress_bar(console: Console | None) -> progress.Progress:
+def case_progress(console: Console | None) -> progress.Progress:
     """Return a bar of cases; it shows nothing if the console is None or not a terminal."""
-    columns = (
-        progress.TextColumn("{task.description}"),
-        progress.BarColumn(),
-        progress.MofNCompleteColumn(),
-        SpeedColumn(),
-        progress.TimeRemainingColumn(compact=True),
-        progress.TextColumn("left"),
-    )
-    quiet = console is None or not console.is_terminal
-    # Few refreshes: more take time that the cases need.
-    return progress.Progress(
-        *columns, console=console, transient=True, refresh_per_second=4, disable=quiet
-    )
+    left = (progress.TimeRemainingColumn(compact=True), "left")
+    return progress_bar(console, progress.MofNCompleteColumn(), SpeedColumn(), *left)

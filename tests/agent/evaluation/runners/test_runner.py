@@ -16,8 +16,8 @@ from hilt.agent.evaluation.runners.runner import (
     ProcessRunner,
     Runner,
     SpeedColumn,
+    case_progress,
     make_runner,
-    progress_bar,
     run_experiment,
     run_serially,
 )
@@ -141,7 +141,7 @@ def shown(*, terminal: bool, begun: int) -> str:
     """What a run of four cases shows."""
     file = io.StringIO()
     console = Console(file=file, force_terminal=terminal, width=100)
-    with progress_bar(console) as bar:
+    with case_progress(console) as bar:
         task = bar.add_task("paper", total=4, completed=begun)
         for _ in range(4 - begun):
             bar.advance(task)
