@@ -40,12 +40,12 @@ from .execution.embodiment import Embodiment
 from .execution.norm_guard import NormGuard
 from .execution.outcome import GoalResult, Json, WalkStep
 from .execution.request import Request, review_arguments
+from .presentation.video import Film
 from .protocols import Motion, Vision
 
 if TYPE_CHECKING:
     from ..sim.body import Body
     from ..sim.scene.scene import Scene
-    from .presentation.video import Film
     from .speech.phonetic_repair import SoundRepair
 
 
@@ -317,8 +317,6 @@ class Agent(AbstractContextManager["Agent"]):
 
         DataError if the file cannot be written.
         """
-        from .presentation.video import Film
-
         with Film(self.body, self.goals, path) as film:
             self._film = film
             try:

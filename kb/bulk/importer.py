@@ -41,6 +41,7 @@ from ..rdf.terms import (
 from ..reader import RuleReader
 from ..rule import Rule
 from ..stores.base import EmbeddedStore, Store, batched
+from ..stores.rdf_text import grouped, read_groups
 from ..validation import ValidationFinding, raise_findings
 from ..writer import to_milliseconds
 from . import reconciliation
@@ -91,8 +92,6 @@ def merge(
     The source names the other base in the history; a dry run only finds out what would change.
     ValidationError if the other base breaks a law; nothing has changed.
     """
-    from ..stores.rdf_text import grouped
-
     with other.writing():  # so that all of it is of one moment
         groups = grouped(statements(other), BELIEFS)
         return import_statements(
@@ -295,8 +294,6 @@ def _foreign(keys: tuple[Iri, ...], features: int, contexts: int, argument: str)
 
 
 def _write(store: Store, lines: Iterator[bytes], plan: AncillaryWrites, source: str) -> None:
-    from ..stores.rdf_text import read_groups
-
     # The old sequence number never counts beside the new one, which is higher.
     before = set(store.quads(BASE_NODE, SEQUENCE, None, BASE_GRAPH))
     first, size = list[bytes](), 0

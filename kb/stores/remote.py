@@ -32,6 +32,8 @@ from ..sparql.results import (
 )
 from .base import ReadableStore, batched
 from .http import EndpointConfig, EndpointResponse, EndpointTransport, parse_address
+from .oxigraph import save_quads
+from .rdf_text import read_triples
 from .write_lease import CHANGES, IS_DECIDED, REPLACES, WriteLease, prepared
 
 POSTED = 10_000  # statements prepared at a time
@@ -150,8 +152,6 @@ class RemoteStore(ReadableStore):
 
     def save(self, target: Path) -> None:
         """Write all statements into a folder on this machine."""
-        from .oxigraph import save_quads
-
         save_quads(self.quads(), target)
 
     @contextmanager
@@ -207,8 +207,6 @@ class RemoteStore(ReadableStore):
         return list(found)
 
     def _triples(self, query: str, limits: QueryLimits) -> list[Quad]:
-        from .rdf_text import read_triples
-
         return read_triples(self._read(query, TRIPLES, limits).body, source=self.location)
 
     def _read(self, query: str, accept: str, limits: QueryLimits) -> EndpointResponse:

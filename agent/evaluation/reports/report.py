@@ -5,8 +5,6 @@ pictures of simulated scenes, all cases, and their explanations. Equal explanati
 and the cases link to them. The template is `page.html`.
 """
 
-from __future__ import annotations
-
 import base64
 import csv
 import io
@@ -20,15 +18,15 @@ from importlib.metadata import version
 from importlib.util import find_spec
 from pathlib import Path
 from platform import python_version
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any, cast
+
+from rich.table import Table
 
 from ....ontology.disk_cache import write_atomically
 from ....ontology.errors import DataError, MissingExtraError, StoreError
+from ...presentation.console import table, yes_or_no
 from ..experiment import Case, CaseResult, Experiment, Json, TimedResult
 from ..experiments.decisions import DecisionExperiment
-
-if TYPE_CHECKING:
-    from rich.table import Table
 
 FORMATS = (".html", ".json", ".csv")
 MAX_PICTURES = 40  # on a page
@@ -51,7 +49,7 @@ class EvaluationReport:
     summary: Json = field(default_factory=dict[str, Any])
 
     @classmethod
-    def from_runs(cls, experiment: Experiment, runs: Sequence[TimedResult]) -> EvaluationReport:
+    def from_runs(cls, experiment: Experiment, runs: Sequence[TimedResult]) -> "EvaluationReport":
         """Return the report of a run of an experiment."""
         summary = experiment.summary([run.result for run in runs])
         return cls(experiment.name, experiment.options, tuple(runs), summary)
@@ -103,8 +101,6 @@ class EvaluationReport:
 
     def table(self) -> Table:
         """Return a table of the cases."""
-        from ...presentation.console import table, yes_or_no
-
         rows = ((r.key, r.found, r.expected, yes_or_no(r.right)) for r in self.results)
         return table(("case", "chosen", "expected", "right"), rows)
 
@@ -123,8 +119,6 @@ class EvaluationReport:
 
     def points(self) -> Table | None:
         """Return a table of the points of the curves; None if there are none."""
-        from ...presentation.console import table
-
         rows: list[Sequence[object]] = []
         for curve in self.summary.get("curves", ()):
             for line, points in curve["lines"].items():
