@@ -22,6 +22,7 @@ from ...ontology.vocabulary import GRAPH_NAMES, Iri, iri, is_ontology
 from ..rdf.terms import Quad, Term, as_line, as_sparql
 from ..sparql import query_text
 from ..sparql.results import (
+    STATEMENT,
     BooleanResult,
     ConstructResult,
     QueryLimits,
@@ -102,7 +103,8 @@ class RemoteStore(ReadableStore):
             case "ASK":
                 return BooleanResult(read_boolean(self._read(query, ROWS, limits).body))
             case "CONSTRUCT" | "DESCRIBE":
-                return ConstructResult.from_quads(self._construct(query, limits))
+                found = tuple(quad[:3] for quad in self._construct(query, limits))
+                return ConstructResult(STATEMENT, found)
             case _:
                 return self.select(query, limits)
 
