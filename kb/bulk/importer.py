@@ -25,19 +25,9 @@ from .. import validation
 from ..history import ASSERTS, HISTORY, SEQUENCE, Utterance, import_utterance, utterance_iri
 from ..invariants import check_invariants
 from ..knowledge_base import KnowledgeBase
-from ..rdf import rule_mapping
+from ..rdf import rule_mapping, terms
 from ..rdf.rule_mapping import BELIEFS, CONTEXT, DERIVED, FEATURE, LABEL, RULE_NODE
-from ..rdf.terms import (
-    BASE_GRAPH,
-    BASE_NODE,
-    Properties,
-    Quad,
-    ReifyingTriple,
-    StatementGroup,
-    Statements,
-    Term,
-    ungrouped,
-)
+from ..rdf.terms import BASE_GRAPH, BASE_NODE, Quad, Statements, Term
 from ..reader import RuleReader
 from ..rule import Rule
 from ..stores.base import EmbeddedStore, Store, batched
@@ -143,7 +133,7 @@ class _Import:
 
     def read_rules(self, statements: Iterable[Statements]) -> Iterator[Rule]:
         for group in statements:
-            if isinstance(group, ReifyingTriple):
+            if isinstance(group, terms.ReifyingTriple):
                 raise DataError(
                     "annotated edges (RDF 1.2) are read from small files only; take N-Quads or "
                     "CSV.",
@@ -163,7 +153,7 @@ class _Import:
                     source=self.source,
                 )
 
-    def _besides_rules(self, group: StatementGroup) -> Iterator[Quad]:
+    def _besides_rules(self, group: terms.StatementGroup) -> Iterator[Quad]:
         node, graph, pairs = group
         kind, name = split(node)
         # Edges and labels are written again with the rules.
@@ -273,7 +263,7 @@ class _Import:
         return found
 
 
-def _read_rule(node: Iri, properties: Properties) -> Rule:
+def _read_rule(node: Iri, properties: terms.Properties) -> Rule:
     try:
         rule = rule_mapping.read_rule(properties)
         keys = tuple([key for key, _ in dict.fromkeys(properties)])
@@ -304,7 +294,7 @@ def _write(store: Store, lines: Iterator[bytes], plan: AncillaryWrites, source: 
             store.load(chain(first, lines))
             first.clear()
     text = io.BytesIO(b"".join(first))
-    read = ungrouped(read_groups(text, format="nquads", source=source, default=BELIEFS))
+    read = terms.ungrouped(read_groups(text, format="nquads", source=source, default=BELIEFS))
     insert = [one for one in read if isinstance(one, Quad)]
     store.apply(insert=insert, delete={*plan.delete, *before} - {*plan.insert})
 

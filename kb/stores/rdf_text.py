@@ -17,20 +17,9 @@ import pyoxigraph as engine
 
 from ...ontology.errors import DataError, HiltError, QueryError
 from ...ontology.vocabulary import PREFIXES, Iri, shortened
+from ..rdf import terms
 from ..rdf.rule_mapping import KEYS, TYPE
-from ..rdf.terms import (
-    LANGUAGE_TEXT,
-    STRING,
-    AnnotatedEdge,
-    Property,
-    Quad,
-    ReifyingTriple,
-    StatementGroup,
-    Statements,
-    Term,
-    lexical,
-    literal,
-)
+from ..rdf.terms import Property, Quad, Statements, Term, lexical, literal
 from ..sparql.results import RDF_12_UNSUPPORTED, BooleanResult, ConstructResult, QueryResult
 from .base import ChunkReader, EmbeddedStore, EngineQuad, Store, batched
 from .errors import text_error, translated_errors
@@ -85,9 +74,9 @@ def to_engine(term: Term) -> engine.NamedNode | engine.Literal:
     if isinstance(term, Iri):
         return named_node(term)
     text, datatype, language = lexical(term)
-    if datatype == STRING:
+    if datatype == terms.STRING:
         return engine.Literal(text)
-    if datatype == LANGUAGE_TEXT and language:
+    if datatype == terms.LANGUAGE_TEXT and language:
         return engine.Literal(text, language=language)
     return engine.Literal(text, datatype=named_node(datatype))
 
@@ -144,12 +133,12 @@ def _group(node: Iri, graph: Iri, quads: Iterable[engine.Quad]) -> Iterator[Stat
     for quad in quads:
         key, value = quad.predicate, quad.object
         if type(value) is engine.Triple:
-            edge = AnnotatedEdge(*cast("list[Any]", [from_engine(part) for part in value]))
-            yield ReifyingTriple(node, shared_iri(key.value), edge, graph)
+            edge = terms.AnnotatedEdge(*cast("list[Any]", [from_engine(part) for part in value]))
+            yield terms.ReifyingTriple(node, shared_iri(key.value), edge, graph)
         else:
             pairs.append(property_from_engine(key, value))
     if pairs:
-        yield StatementGroup(node, graph, pairs)
+        yield terms.StatementGroup(node, graph, pairs)
 
 
 def read_triples(data: bytes, *, source: str) -> list[Quad]:

@@ -20,17 +20,8 @@ from urllib.parse import urlencode, urljoin
 from ...ontology.errors import QueryError, StoreError
 from ...ontology.vocabulary import GRAPH_NAMES, Iri, iri, is_ontology
 from ..rdf.terms import Quad, Term, as_line, as_sparql
-from ..sparql import query_text
-from ..sparql.results import (
-    STATEMENT,
-    BooleanResult,
-    ConstructResult,
-    QueryLimits,
-    QueryResult,
-    SelectResult,
-    read_boolean,
-    read_solutions,
-)
+from ..sparql import query_text, results
+from ..sparql.results import BooleanResult, QueryLimits, SelectResult
 from .base import ReadableStore, batched
 from .http import EndpointConfig, EndpointResponse, EndpointTransport, parse_address
 from .oxigraph import save_quads
@@ -82,29 +73,29 @@ class RemoteStore(ReadableStore):
         if query_text.query_form(query) != "SELECT":
             raise QueryError("Expected a SELECT query.")
         response = self._read(query, ROWS, limits)
-        found = read_solutions(response.body)
+        found = results.read_solutions(response.body)
         if response.max_rows and len(found) >= response.max_rows:
             rows: list[tuple[Term | None, ...]] = []
             while len(rows) % response.max_rows == 0:
                 text = query_text.page_query(
                     query, found.variables, size=response.max_rows, offset=len(rows)
                 )
-                page = read_solutions(self._read(text, ROWS, limits).body).rows
+                page = results.read_solutions(self._read(text, ROWS, limits).body).rows
                 rows += page
                 if not page:
                     break
             return SelectResult(found.variables, tuple(rows))
         return found
 
-    def run(self, query: str, limits: QueryLimits | None = None) -> QueryResult:
+    def run(self, query: str, limits: QueryLimits | None = None) -> results.QueryResult:
         """The result of any query; the endpoint's own limits apply too."""
         limits = limits or CALL
         match query_text.query_form(query):
             case "ASK":
-                return BooleanResult(read_boolean(self._read(query, ROWS, limits).body))
+                return BooleanResult(results.read_boolean(self._read(query, ROWS, limits).body))
             case "CONSTRUCT" | "DESCRIBE":
                 found = tuple(quad[:3] for quad in self._construct(query, limits))
-                return ConstructResult(STATEMENT, found)
+                return results.ConstructResult(results.STATEMENT, found)
             case _:
                 return self.select(query, limits)
 
