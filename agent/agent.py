@@ -21,6 +21,7 @@ from ..inference.affordance import Affordances
 from ..inference.experience import Experience
 from ..inference.induction import InducedRuleSource, TaughtRules
 from ..inference.norms import ALLOWED, NormChecker, NormVerdict
+from ..inference.settings import SETTINGS_FILE, Settings
 from ..inference.taxonomy import Taxonomy
 from ..kb.knowledge_base import KnowledgeBase
 from ..nlu.language import Language
@@ -40,13 +41,13 @@ from .execution.embodiment import Embodiment
 from .execution.norm_guard import NormGuard
 from .execution.outcome import GoalResult, Json, WalkStep
 from .execution.request import Request, review_arguments
+from .presentation.video import Film
 from .protocols import Motion, Vision
 
 if TYPE_CHECKING:
     from ..sim.body import Body
     from ..sim.scene.scene import Scene
     from ..sim.vision.learned_detector import LearnedDetector
-    from .presentation.video import Film
     from .speech.phonetic_repair import SoundRepair
 
 
@@ -140,8 +141,10 @@ class Agent(AbstractContextManager["Agent"]):
         """Return the inference over the rules of a source and what grasps came to."""
         classes = self.embodiment.household.classes
         rules = InducedRuleSource(source, self.objects, classes) if self.config.induce else source
-        kinds = Taxonomy.declared(self.base)
-        return Affordances(rules, self.config.load_settings(), kinds, experience)
+        given = self.config.settings
+        loaded = given if isinstance(given, Settings) else Settings.load(given or SETTINGS_FILE)
+        settings = loaded.with_choices(self.config.overrides)
+        return Affordances(rules, settings, Taxonomy.declared(self.base), experience)
 
     def hear(
         self,
@@ -337,8 +340,6 @@ class Agent(AbstractContextManager["Agent"]):
 
         DataError if the file cannot be written.
         """
-        from .presentation.video import Film
-
         with Film(self.body, self.goals, path) as film:
             self._film = film
             try:

@@ -117,14 +117,6 @@ class AgentConfig:
         """
         return cls(**read_values(path))
 
-    def load_settings(self) -> Settings:
-        """Return the settings of the inference with the overrides; DataError if one is wrong."""
-        from ..inference.settings import SETTINGS_FILE, Settings
-
-        given = self.settings
-        loaded = given if isinstance(given, Settings) else Settings.load(given or SETTINGS_FILE)
-        return loaded.with_choices(self.overrides)
-
     def context_intervals(self) -> dict[Atom, Interval]:
         """Return each context with the interval to which it holds."""
         return dict(map(_context, self.contexts))

@@ -8,7 +8,8 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from ..inference.explanation import counterfactuals
-from ..kb.views import find_rule, last_taught_rules
+from ..kb.formats.graphml import graph_of
+from ..kb.views import find_rule, last_taught_rules, rule_changes
 from ..ontology.errors import HiltError
 from .execution.outcome import Json
 
@@ -54,8 +55,6 @@ def episode_as_json(episode: Episode) -> Json:
 
 def graph_as_json(rules: Iterable[Rule]) -> Json:
     """The rules as nodes and edges, as `hilt graph --json` prints them."""
-    from ..kb.formats.graphml import graph_of
-
     found = graph_of(rules)
     return {
         "nodes": [{"id": node, **data} for node, data in found.nodes(data=True)],
@@ -112,7 +111,5 @@ def forget_rules(base: KnowledgeBase, rules: Sequence[Rule], said: str, speaker:
 
 def forgotten_as_json(base: KnowledgeBase, said: str, before: int) -> Json:
     """As `hilt forget --json` prints it: the rules retracted after an utterance."""
-    from ..kb.views import rule_changes
-
     done = rule_changes(base, since=before)
     return {"said": said, "retracted": [rule.as_json() for one in done for rule in one.retracted]}

@@ -133,10 +133,7 @@ class Dialogue(Protocol):
 class SpeechRecogniser(Protocol):
     """Finds the words in a sound."""
 
-    @property
-    def name(self) -> str:
-        """What it is called in the calibration and in the history."""
-        ...
+    name: str  #: what it is called in the calibration and in the history
 
     def recognise(self, sound: Sound) -> Sequence[Transcript]:
         """Return the texts that may have been said, best first; none for a sound without words."""

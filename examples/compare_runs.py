@@ -21,10 +21,9 @@ def leaves(document: dict, prefix: str = "") -> Iterator[tuple[str, object]]:
             continue
         if name == "curves":
             for curve in value:
-                measure = curve.get("measure", "accuracy")
                 for line, points in curve["lines"].items():
                     for point in points:
-                        yield f"{curve['curve']}.{line} at {point['x']}", point[measure]
+                        yield f"{curve['curve']}.{line} at {point['x']}", point["accuracy"]
         elif isinstance(value, dict):
             yield from leaves(value, f"{prefix}{name}.")
         else:

@@ -18,6 +18,7 @@ from functools import partial
 from ..kb.interval import EPSILON, VACUOUS, Interval
 from ..ontology import evidence_operators
 from ..ontology.errors import ConflictError, UnknownNameError
+from ..ontology.evidence_operators import certainty, relative_plausibility
 
 Combination = Callable[[Sequence[Interval]], Interval]
 
@@ -30,10 +31,6 @@ def _each_bound(
     combine: Callable[[Iterable[float]], float], intervals: Sequence[Interval]
 ) -> Interval:
     return _bounded(combine(i.lower for i in intervals), combine(i.upper for i in intervals))
-
-
-def _pair(interval: Interval) -> evidence_operators.Bounds:
-    return interval.lower, interval.upper
 
 
 def conjunction(intervals: Sequence[Interval]) -> Interval:
@@ -49,7 +46,7 @@ def conjunction_frechet(intervals: Sequence[Interval]) -> Interval:
 
 def modus_ponens(antecedent: Interval, rule: Interval) -> Interval:
     """Conclude by the conditional reading: [a·α, 1 - a·(1-β)] (`ontology.evidence_operators`)."""
-    return Interval(*evidence_operators.modus_ponens(_pair(antecedent), _pair(rule)))
+    return Interval(*evidence_operators.modus_ponens(antecedent, rule))
 
 
 def modus_ponens_published(antecedent: Interval, rule: Interval) -> Interval:
@@ -67,14 +64,14 @@ def modus_ponens_material(antecedent: Interval, rule: Interval) -> Interval:
 
 def fuse_yager(intervals: Sequence[Interval]) -> Interval:
     """Fuse by Yager's rule (1987) over all sources at once (`ontology.evidence_operators`)."""
-    return Interval(*evidence_operators.fuse_yager([*map(_pair, intervals)]))
+    return Interval(*evidence_operators.fuse_yager(intervals))
 
 
 def fuse_dempster(intervals: Sequence[Interval]) -> Interval:
     """Fuse by Dempster's rule: conflict is divided out; ConflictError where it is full."""
     if len(intervals) == 1:
         return intervals[0]
-    true, false, either = evidence_operators.commonalities([*map(_pair, intervals)])
+    true, false, either = evidence_operators.commonalities(intervals)
     agreement = true + false - either
     if agreement <= 0:
         shown = ", ".join(map(str, intervals))
@@ -104,16 +101,6 @@ def fuse_mean(intervals: Sequence[Interval]) -> Interval:
     """Fuse by the average of the bounds; [0, 1] when there is nothing to average."""
     count = len(intervals)
     return _each_bound(lambda bounds: sum(sorted(bounds)) / count, intervals) if count else VACUOUS
-
-
-def relative_plausibility(interval: Interval) -> float:
-    """PlP = b / (1 + b - a) in [0, 1], the plausibility transform (Cobb & Shenoy 2006)."""
-    return evidence_operators.relative_plausibility(_pair(interval))
-
-
-def certainty(interval: Interval) -> float:
-    """Return the confidence measure lambda of Núñez et al. (2013)."""
-    return evidence_operators.certainty(_pair(interval))
 
 
 def is_affirmed(interval: Interval, threshold: float) -> bool:

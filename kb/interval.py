@@ -7,6 +7,7 @@ probability for which there is no evidence. `hilt.inference` combines intervals.
 After Shafer, A Mathematical Theory of Evidence (1976), on the frame {true, false}.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 from ..ontology.errors import IntervalError
@@ -19,7 +20,8 @@ EPSILON = 1e-9  # below this two beliefs are equal: the 16 levels of the paper d
 class Interval:
     """Bounds of a probability: 0 <= lower <= upper <= 1.
 
-    `lower` is the belief, `upper` the plausibility. IntervalError if the numbers are no interval.
+    `lower` is the belief, `upper` the plausibility; it iterates over the two. IntervalError if the
+    numbers are no interval.
 
     >>> often = Interval(0.75, 1)
     >>> print(often, often.width, often.negated())
@@ -38,6 +40,9 @@ class Interval:
             raise IntervalError(self.lower, self.upper)
         object.__setattr__(self, "lower", lower + 0.0)  # -0.0 + 0.0 is 0.0
         object.__setattr__(self, "upper", upper + 0.0)
+
+    def __iter__(self) -> Iterator[float]:
+        return iter((self.lower, self.upper))
 
     @property
     def width(self) -> float:

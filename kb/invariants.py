@@ -8,8 +8,6 @@ numbers and hashes that describe it; a file need not.
 `hilt validate` checks all nodes and `hilt update` those that an update touches, by the same laws.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from datetime import datetime
@@ -39,6 +37,7 @@ _OF_BASE = frozenset((TYPE, FORMAT_VERSION, history.SEQUENCE, DOMAIN_HASH, DERIV
 _REFERRED = {"utterance": history.HISTORY, "rule": BELIEFS}  # kinds of nodes that must be there
 _COUNT = "SELECT (COUNT(*) AS ?count) { GRAPH ?graph { ?node ?key ?value } }"
 _STEP = 10_000  # statements between two calls of the progress
+_Reader: TypeAlias = Callable[[ReadableStore, Iri, Properties], Iterable[Quad]]
 _MAY_LACK = tuple(vocabulary.PREFIXES[kind] for kind in _REFERRED)
 
 
@@ -224,7 +223,6 @@ def _episode(store: ReadableStore, node: Iri, _: Properties) -> Iterator[Quad]:
     return (quad for quad in episode_quads(episode) if quad.subject == node)
 
 
-_Reader: TypeAlias = Callable[[ReadableStore, Iri, Properties], Iterable[Quad]]
 _STATUSES = {term(status) for status in ("active", "retracted")}
 _READERS: dict[tuple[Iri, str], _Reader] = {
     (BELIEFS, "rule"): _rule,

@@ -109,7 +109,7 @@ class BaseDifference:
         """The document of `hilt diff --json`."""
         names = ("removed", "added", "altered", "words_removed", "words_added")
         found = {name: [each.as_json() for each in getattr(self, name)] for name in names}
-        bounds = ((who, *map(_bounds, intervals)) for who, *intervals in self.trust)
+        bounds = ((who, was and [*was], now and [*now]) for who, was, now in self.trust)
         keys = ("speaker", "before", "after")
         return {**found, "trust": [dict(zip(keys, one, strict=True)) for one in bounds]}
 
@@ -291,7 +291,3 @@ def _content(rule: Rule) -> tuple[str, ...]:
 def _words_only_in(base: RuleReader, other: RuleReader) -> tuple[LearnedWord, ...]:
     known = {(word.atom, word.speaker) for word in other.words()}
     return tuple(word for word in base.words() if (word.atom, word.speaker) not in known)
-
-
-def _bounds(interval: Interval | None) -> list[float] | None:
-    return [interval.lower, interval.upper] if interval else None

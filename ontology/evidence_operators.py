@@ -9,6 +9,7 @@ from collections.abc import Iterable, Sequence
 from math import log2, prod
 
 Bounds = tuple[float, float]
+Pair = Iterable[float]  # of bounds
 
 
 def clip(lower: float, upper: float) -> Bounds:
@@ -22,17 +23,17 @@ def product(factors: Iterable[float]) -> float:
     return prod(sorted(factors))
 
 
-def modus_ponens(antecedent: Bounds, rule: Bounds) -> Bounds:
+def modus_ponens(antecedent: Pair, rule: Pair) -> Bounds:
     """Conclude by the conditional reading: [a·α, 1 - a·(1-β)].
 
     Derived by conditional embedding (Smets): the bounds of P(C) over P(A) in [a, b] and P(C|A) in
     [α, β] with P(C|not A) free. A doubtful antecedent never yields more than ignorance.
     """
-    a = antecedent[0]
-    return clip(a * rule[0], 1 - a * (1 - rule[1]))
+    (a, _), (lower, upper) = antecedent, rule
+    return clip(a * lower, 1 - a * (1 - upper))
 
 
-def commonalities(intervals: Sequence[Bounds]) -> tuple[float, float, float]:
+def commonalities(intervals: Sequence[Pair]) -> tuple[float, float, float]:
     """Return the products (Π b, Π (1-a), Π (b-a)): compatible with true, with false, with both."""
     return (
         product([upper for _, upper in intervals]),
@@ -41,24 +42,26 @@ def commonalities(intervals: Sequence[Bounds]) -> tuple[float, float, float]:
     )
 
 
-def fuse_yager(intervals: Sequence[Bounds]) -> Bounds:
+def fuse_yager(intervals: Sequence[Pair]) -> Bounds:
     """Fuse all sources at once by Yager's rule (1987): conflict becomes ignorance.
 
     Always defined: [1, 1] with [0, 0] gives [0, 1]. It takes all sources at once because pairwise
     it is not associative, and the result would depend on the order of teaching.
     """
     if len(intervals) == 1:
-        return intervals[0]
+        lower, upper = intervals[0]
+        return lower, upper
     true, false, either = commonalities(intervals)
     return clip(true - either, 1 - false + either)
 
 
-def relative_plausibility(interval: Bounds) -> float:
+def relative_plausibility(interval: Pair) -> float:
     """Return PlP = b / (1 + b - a) in [0, 1], the plausibility transform (Cobb & Shenoy 2006)."""
-    return interval[1] / (1 + interval[1] - interval[0])
+    lower, upper = interval
+    return upper / (1 + upper - lower)
 
 
-def certainty(interval: Bounds) -> float:
+def certainty(interval: Pair) -> float:
     """Return the confidence measure lambda of Núñez et al. (2013), in [0, 1].
 
     lambda = 1 + (b/γ)·log2(b/γ) + ((1-a)/γ)·log2((1-a)/γ) with γ = 1 + b - a, one minus the entropy

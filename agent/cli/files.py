@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ...ontology.errors import DataError
+from .. import presentation
 from ..presentation.plain_text import counted
 from . import common
 from .options import AsJson, DryRun, Kb, app, example
@@ -91,15 +92,9 @@ def import_(
 def _progress(doing: str, total: int | None = None) -> Generator[Callable[..., None]]:
     from rich import progress
 
-    out = common.terminal(stderr=True)
-    columns = (
-        progress.TextColumn("{task.description}"),
-        progress.BarColumn(),
-        progress.TaskProgressColumn() if total else progress.MofNCompleteColumn(),
-        progress.TimeElapsedColumn(),
-    )
-    quiet = not out.is_terminal
-    with progress.Progress(*columns, console=out, transient=True, disable=quiet) as bar:
+    done = progress.TaskProgressColumn() if total else progress.MofNCompleteColumn()
+    bars, out = presentation.console, common.terminal(stderr=True)
+    with bars.progress_bar(out, done, progress.TimeElapsedColumn()) as bar:
         task = bar.add_task(doing, total=total)
 
         def advance(done: int, whole: int | None = total) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import random
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -117,8 +118,6 @@ def grammar(
     lexicon: UserLexicon = None,
 ) -> None:
     """Print a grammar for a speech recogniser: whatever it allows is understood."""
-    import random
-
     from ...nlu.jsgf import grammar_of, sentences
 
     language = _session(lexicon).language

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from ...ontology.errors import DataError, QueryError
+from ...ontology.errors import DataError, NotFoundError, QueryError
 from .. import presentation
 from ..presentation.plain_text import counted
 from . import common
@@ -62,7 +62,6 @@ def trust(
     as_json: AsJson = False,
 ) -> None:
     """Set the trust in a speaker, 0 for none; or show the trust in each speaker."""
-    from ...ontology.errors import NotFoundError
     from ..documents import trust_as_json
 
     if suggest:

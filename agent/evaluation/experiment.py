@@ -77,11 +77,6 @@ class Experiment(ABC):
         """The options from which it can be constructed again."""
         return {each.name: getattr(self, each.name) for each in fields(self)}
 
-    @property
-    def simulates(self) -> bool:
-        """Whether a simulated robot carries out commands; without a field `sim` none does."""
-        return bool(getattr(self, "sim", False))
-
     @abstractmethod
     def cases(self) -> Sequence[Case]:
         """Return all cases, always in the same order."""

@@ -30,11 +30,6 @@ class LearningScenario:
     grasps: Mapping[str, Mapping[str, str]]  # every object -> context -> the part to grasp
     levels: tuple[str, ...] = LEVELS  # highest first; grasps are taught with the first
 
-    @property
-    def objects(self) -> tuple[str, ...]:
-        """The objects."""
-        return tuple(self.grasps)
-
     def told(self) -> list[tuple[str, str]]:
         """Return the teacher and what is said, in order."""
         return [(DEFAULT_SPEAKER, sentence) for sentence in self.sentences()]

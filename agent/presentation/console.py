@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 from rich.console import Console, ConsoleOptions, Group, RenderableType, RenderResult
 from rich.markup import escape
+from rich.progress import BarColumn, Progress, ProgressColumn
 from rich.table import Column, Table
 from rich.text import Text
 from rich.tree import Tree
@@ -95,6 +96,14 @@ def table(
     if counts:
         found.caption = counted(found.row_count, *counts)
     return found
+
+
+def progress_bar(out: Console | None, *columns: ProgressColumn | str) -> Progress:
+    """Return a bar that vanishes when all is done, and that shows nothing but on a terminal."""
+    quiet = out is None or not out.is_terminal
+    # Few refreshes: more take time that the work needs.
+    options: dict[str, Any] = {"transient": True, "refresh_per_second": 4, "disable": quiet}
+    return Progress("{task.description}", BarColumn(), *columns, console=out, **options)
 
 
 def yes_or_no(is_so: bool) -> Text:

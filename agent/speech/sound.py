@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+import wave
 from collections.abc import Callable, Generator, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
@@ -121,8 +122,6 @@ def _as_float(found: NDArray[Any]) -> NDArray[np.float64]:
 
 def write_wav(path: Path, rate: int, pcm: bytes) -> None:
     """Write mono 16-bit samples; DataError if that fails."""
-    import wave
-
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         with wave.open(str(path), "wb") as file:

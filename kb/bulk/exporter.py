@@ -16,6 +16,7 @@ from ..rdf import rule_mapping
 from ..rdf.rule_mapping import BELIEFS
 from ..rule import Rule
 from ..stores.base import EmbeddedStore, EngineQuad, Store
+from ..stores.rdf_text import graph_statements, property_from_engine
 
 Progress: TypeAlias = Callable[[int], None]  # is called with how many are done so far
 
@@ -31,8 +32,6 @@ def statements(store: Store, *, rules_only: bool = False) -> Iterator[EngineQuad
 
     `rules_only` leaves out all but the rules and the utterances that they come from.
     """
-    from ..stores.rdf_text import graph_statements
-
     is_sorted = not is_large(store)
     sources = {node for (node,) in store.select(_SOURCES)} if rules_only else set[object]()
     for graph in [BELIEFS, HISTORY] if rules_only else _graphs(store):
@@ -44,8 +43,6 @@ def statements(store: Store, *, rules_only: bool = False) -> Iterator[EngineQuad
 
 def scan_rules(store: Store) -> Iterator[Rule]:
     """Iterate over the rules of a store, of any status; ValidationError if one is malformed."""
-    from ..stores.rdf_text import graph_statements, property_from_engine
-
     with store.writing(), paused_garbage_collection():
         found = graph_statements(store, BELIEFS, is_sorted=not is_large(store))
         for node, some in groupby(found, key=lambda quad: quad.subject.value):

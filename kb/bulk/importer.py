@@ -11,14 +11,12 @@ The statements of one rule must stand together, as they do in every export.
 from __future__ import annotations
 
 import io
-import tempfile
 from array import array
 from collections import Counter, defaultdict, deque
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from functools import cache, lru_cache, partial
 from itertools import chain
-from typing import BinaryIO, cast
 
 from ...ontology.errors import DataError, ValidationError
 from ...ontology.garbage_collection import paused_garbage_collection
@@ -27,22 +25,13 @@ from .. import validation
 from ..history import ASSERTS, HISTORY, SEQUENCE, Utterance, import_utterance, utterance_iri
 from ..invariants import check_invariants
 from ..knowledge_base import KnowledgeBase
-from ..rdf import rule_mapping
+from ..rdf import rule_mapping, terms
 from ..rdf.rule_mapping import BELIEFS, CONTEXT, DERIVED, FEATURE, LABEL, RULE_NODE
-from ..rdf.terms import (
-    BASE_GRAPH,
-    BASE_NODE,
-    Properties,
-    Quad,
-    ReifyingTriple,
-    StatementGroup,
-    Statements,
-    Term,
-    ungrouped,
-)
+from ..rdf.terms import BASE_GRAPH, BASE_NODE, Quad, Statements, Term
 from ..reader import RuleReader
 from ..rule import Rule
 from ..stores.base import EmbeddedStore, Store, batched
+from ..stores.rdf_text import grouped, read_groups
 from ..validation import ValidationFinding, raise_findings
 from ..writer import to_milliseconds
 from . import reconciliation
@@ -53,7 +42,6 @@ from .rule_nquads import NQuadsWriter
 MAX_LISTED = 20  # conflicts, and rules of another status, that a summary names
 MAX_REST = 3_000_000  # statements that belong to no rule and are held in memory
 PER_UTTERANCE = 1000  # rules that one utterance of the history stands for
-_MAX_SPOOLED = 2**24  # bytes of another base; more of it is written to a temporary file
 _MAX_APPLIED = 2**21  # bytes of lines that are written as an ordinary unit
 _WRITTEN_AGAIN = frozenset((rule_mapping.TYPE, LABEL, rule_mapping.RULE, *rule_mapping.PLAIN_EDGES))
 
@@ -94,14 +82,8 @@ def merge(
     The source names the other base in the history; a dry run only finds out what would change.
     ValidationError if the other base breaks a law; nothing has changed.
     """
-    from ..stores.rdf_text import read_groups, write_rdf_to
-
-    with tempfile.SpooledTemporaryFile(_MAX_SPOOLED, prefix="hilt-") as spool:
-        stream = cast(BinaryIO, spool)
-        with other.writing():  # so that all of it is of one moment
-            write_rdf_to(statements(other), stream, format="nquads")
-        stream.seek(0)
-        groups = read_groups(stream, format="nquads", source=source, default=BELIEFS)
+    with other.writing():  # so that all of it is of one moment
+        groups = grouped(statements(other), BELIEFS)
         return import_statements(
             base, groups, source=source, dry_run=dry_run, check=check_invariants
         )
@@ -151,7 +133,7 @@ class _Import:
 
     def read_rules(self, statements: Iterable[Statements]) -> Iterator[Rule]:
         for group in statements:
-            if isinstance(group, ReifyingTriple):
+            if isinstance(group, terms.ReifyingTriple):
                 raise DataError(
                     "annotated edges (RDF 1.2) are read from small files only; take N-Quads or "
                     "CSV.",
@@ -171,7 +153,7 @@ class _Import:
                     source=self.source,
                 )
 
-    def _besides_rules(self, group: StatementGroup) -> Iterator[Quad]:
+    def _besides_rules(self, group: terms.StatementGroup) -> Iterator[Quad]:
         node, graph, pairs = group
         kind, name = split(node)
         # Edges and labels are written again with the rules.
@@ -281,7 +263,7 @@ class _Import:
         return found
 
 
-def _read_rule(node: Iri, properties: Properties) -> Rule:
+def _read_rule(node: Iri, properties: terms.Properties) -> Rule:
     try:
         rule = rule_mapping.read_rule(properties)
         keys = tuple([key for key, _ in dict.fromkeys(properties)])
@@ -302,8 +284,6 @@ def _foreign(keys: tuple[Iri, ...], features: int, contexts: int, argument: str)
 
 
 def _write(store: Store, lines: Iterator[bytes], plan: AncillaryWrites, source: str) -> None:
-    from ..stores.rdf_text import read_groups
-
     # The old sequence number never counts beside the new one, which is higher.
     before = set(store.quads(BASE_NODE, SEQUENCE, None, BASE_GRAPH))
     first, size = list[bytes](), 0
@@ -314,7 +294,7 @@ def _write(store: Store, lines: Iterator[bytes], plan: AncillaryWrites, source: 
             store.load(chain(first, lines))
             first.clear()
     text = io.BytesIO(b"".join(first))
-    read = ungrouped(read_groups(text, format="nquads", source=source, default=BELIEFS))
+    read = terms.ungrouped(read_groups(text, format="nquads", source=source, default=BELIEFS))
     insert = [one for one in read if isinstance(one, Quad)]
     store.apply(insert=insert, delete={*plan.delete, *before} - {*plan.insert})
 

@@ -88,8 +88,26 @@ def graph_of(rules: Iterable[Rule]) -> MultiDiGraph[str]:
     return graph
 
 
-def rules_of_graph(graph: MultiDiGraph[str], *, source: str = "<graph>") -> Iterator[Rule]:
-    """Iterate over the rules of a graph's edges, each once; DataError if one lacks an attribute."""
+def write_graphml(rules: Iterable[Rule]) -> bytes:
+    """Return the graph of rules as GraphML."""
+    import networkx as nx
+
+    target = io.BytesIO()
+    nx.write_graphml_xml(graph_of(rules), target, named_key_ids=True, edge_id_from_attribute=None)
+    return target.getvalue()
+
+
+def read_graphml(text: bytes, *, source: str) -> Iterator[Rule]:
+    """Iterate over the rules of a GraphML text, with the attributes that `write_graphml` writes.
+
+    Each comes once. DataError if it is no GraphML, or an edge lacks an attribute of a rule.
+    """
+    import networkx as nx
+
+    try:
+        graph: Any = nx.read_graphml(io.BytesIO(text), force_multigraph=True)
+    except Exception as error:  # the reader raises whatever its XML parser does
+        raise DataError(f"is no GraphML: {error}.", source=source) from error
     seen: set[str] = set()
     for start, end, attributes in graph.edges(data=True):
         try:
@@ -102,29 +120,6 @@ def rules_of_graph(graph: MultiDiGraph[str], *, source: str = "<graph>") -> Iter
         if rule.id not in seen:
             seen.add(rule.id)
             yield rule
-
-
-def write_graphml(rules: Iterable[Rule]) -> bytes:
-    """Return the graph of rules as GraphML."""
-    import networkx as nx
-
-    target = io.BytesIO()
-    nx.write_graphml_xml(graph_of(rules), target, named_key_ids=True, edge_id_from_attribute=None)
-    return target.getvalue()
-
-
-def read_graphml(text: bytes, *, source: str) -> Iterator[Rule]:
-    """Iterate over the rules of a GraphML text with the attributes that `write_graphml` writes.
-
-    DataError if it is no GraphML, or an edge lacks an attribute of a rule.
-    """
-    import networkx as nx
-
-    try:
-        graph: Any = nx.read_graphml(io.BytesIO(text), force_multigraph=True)
-    except Exception as error:  # the reader raises whatever its XML parser does
-        raise DataError(f"is no GraphML: {error}.", source=source) from error
-    yield from rules_of_graph(graph, source=source)
 
 
 def draw_graph(graph: MultiDiGraph[str], form: str) -> bytes:

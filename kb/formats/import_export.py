@@ -21,8 +21,10 @@ from ..rdf.rule_mapping import BELIEFS, RULE_NODE, rule_quads
 from ..rdf.terms import ReifyingTriple, StatementGroup, Statements, ungrouped
 from ..rule import Rule
 from ..stores.base import Store
+from ..stores.rdf_text import quad_from_engine, read_groups, write_rdf_to
 from ..validation import MAX_SHACL, findings, raise_findings, stage
 from .file_streams import CheckedStream, open_input, open_output
+from .graphml import read_graphml, write_graphml
 from .registry import FORMATS, RULE_FORMATS, FileFormat, format_of
 from .rule_yaml import read_sheet, write_sheet
 from .value_notation import read_table, write_table
@@ -64,8 +66,6 @@ def write_base(
 
     OSError if the stream cannot be written to; StoreError if the store cannot be read.
     """
-    from ..stores.rdf_text import quad_from_engine, write_rdf_to
-
     total = 0
 
     def counted(things: Iterable[T]) -> Iterator[T]:
@@ -143,15 +143,11 @@ def read_rules(source: CheckedStream, chosen: FileFormat) -> Iterator[Rule]:
         return read_table(source.lines(), source=source.name)
     if chosen.name == "sheet":
         return read_sheet("".join(source.lines()), source=source.name)
-    from .graphml import read_graphml
-
     return read_graphml(source.readall(), source=source.name)
 
 
 def read_statements(source: CheckedStream, chosen: FileFormat) -> Iterator[Statements]:
     """The statements of an RDF file; those that name no graph are among the beliefs."""
-    from ..stores.rdf_text import read_groups
-
     name = chosen.name.removesuffix("12")
     stream = cast(BinaryIO, source)
     for item in read_groups(stream, format=name, source=source.name, default=BELIEFS):
@@ -177,8 +173,6 @@ def _staged(items: Iterable[Statements], source: str) -> Store:
 
 def _write_rules(rules: Iterable[Rule], stream: BinaryIO, name: str) -> None:
     if name == "graphml":
-        from .graphml import write_graphml
-
         stream.write(write_graphml(rules))
         return
     text = io.TextIOWrapper(stream, encoding="utf-8", newline="")

@@ -21,6 +21,7 @@ from ..history import import_utterance
 from ..knowledge_base import KnowledgeBase
 from ..rdf.rule_mapping import LABEL, TYPE
 from ..rdf.terms import Literal, Quad, Term, is_blank, ungrouped
+from ..stores.rdf_text import read_groups
 from ..writer import to_milliseconds
 from .file_streams import open_input
 from .registry import FileFormat, format_of
@@ -76,8 +77,6 @@ def import_ontology(
 
 
 def _read(file: str, given: str | None, graph: Iri) -> Iterator[Quad]:
-    from ..stores.rdf_text import read_groups
-
     suffix = Path(file.lower().removesuffix(".gz")).suffix
     if given is None and suffix in _TABLES:
         with open_input(file, FileFormat("table", (suffix,))) as source:

@@ -19,18 +19,9 @@ from decimal import Decimal
 from functools import lru_cache
 from typing import Any, cast, get_args
 
+from ...ontology import vocabulary
 from ...ontology.errors import ValidationError
-from ...ontology.vocabulary import (
-    ATOM_KINDS,
-    HILT,
-    PREFIXES,
-    Iri,
-    external,
-    iri,
-    shortened,
-    split,
-    term,
-)
+from ...ontology.vocabulary import HILT, Iri, external, iri, shortened, split, term
 from ..interval import DIGITS, VACUOUS, Interval
 from ..rule import GRASP_OBJECT, KIND_OF, USED_FOR, Atom, Rule, Status
 from .record_mapping import TYPE, group_properties
@@ -52,7 +43,7 @@ ARGUMENTS = (PART, AFFORDANCE, ARGUMENT)
 KEYS = {  # all properties of rules, as the objects that are quick to compare
     key: key for key in (*OWN, *ARGUMENTS, TYPE, CONTEXT, FUNCTOR, STATUS, ATTRIBUTED_TO)
 }
-RULE_NODE = re.compile(f"{re.escape(PREFIXES['rule'])}([0-9a-f]{{16}})")
+RULE_NODE = re.compile(f"{re.escape(vocabulary.PREFIXES['rule'])}([0-9a-f]{{16}})")
 ANY = Atom("object", "any")  # stands for the features of a rule
 
 CLASSES = {
@@ -93,7 +84,7 @@ def atom_iri(atom: Atom) -> Iri:
 def atom_from_iri(node: Iri) -> Atom:
     """The atom of an IRI; ValidationError if it is not the IRI of an atom."""
     kind, name = split(node)
-    if kind not in ATOM_KINDS:
+    if kind not in vocabulary.ATOM_KINDS:
         raise ValidationError([f"<{node}> is no object, part, property, action, place or role."])
     return Atom(kind, name)
 

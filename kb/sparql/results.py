@@ -6,7 +6,7 @@ Endpoints deviate from that format in details, so it is read leniently and by va
 import json
 import re
 import threading
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, TypeAlias, cast
 
@@ -80,11 +80,6 @@ class SelectResult:
 @dataclass(frozen=True)
 class ConstructResult(SelectResult):
     """The statements of a CONSTRUCT or DESCRIBE query, as rows of three columns."""
-
-    @classmethod
-    def from_quads(cls, quads: Iterable[Quad]) -> "ConstructResult":
-        """The statements, without their graphs."""
-        return cls(STATEMENT, tuple(quad[:3] for quad in quads))
 
     @property
     def quads(self) -> list[Quad]:

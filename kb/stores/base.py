@@ -45,20 +45,9 @@ class ReadableStore(Protocol):
 class Store(ReadableStore, Protocol):
     """A store of RDF quads, in memory, on disk or behind an endpoint."""
 
-    @property
-    def location(self) -> str:
-        """Its location, as it was given to `open_store`."""
-        ...
-
-    @property
-    def read_only(self) -> bool:
-        """Whether writes are refused."""
-        ...
-
-    @property
-    def has_cheap_patterns(self) -> bool:
-        """Whether a few small reads cost less than one query."""
-        ...
+    location: str  #: as it was given to `open_store`
+    read_only: bool  #: whether writes are refused
+    has_cheap_patterns: bool  #: whether a few small reads cost less than one query
 
     def select(self, query: str) -> SelectResult:
         """The rows of a SELECT query; QueryError if that is wrong, StoreError if unreadable."""

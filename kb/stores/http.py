@@ -43,9 +43,6 @@ OUT_OF_TIME = "S1TAT"  # Virtuoso's state of an incomplete answer
 MAX_MESSAGE = 300  # characters of a server's message that are shown
 
 
-Form = Mapping[str, "str | Sequence[str]"]
-
-
 @dataclass(frozen=True)
 class EndpointConfig:
     """The addresses of one endpoint: queries, updates, Graph Store Protocol (None if not known).
@@ -158,7 +155,7 @@ class EndpointTransport:
         *,
         accept: str,
         limits: QueryLimits,
-        form: Form | None = None,
+        form: Mapping[str, str | Sequence[str]] | None = None,
         content: bytes | None = None,
         content_type: str = "",
         may_repeat: bool = True,

@@ -6,6 +6,7 @@ from pathlib import Path
 from ...ontology.errors import StoreError
 from ...ontology.plugins import call_plugin, plugin_names
 from .base import MEMORY, Store
+from .oxigraph import open_folder, open_memory
 
 _SCHEME = re.compile(r"[A-Za-z]{2,}:")  # one letter is a Windows drive
 
@@ -31,8 +32,6 @@ def open_store(location: str | Path, *, read_only: bool = False) -> Store:
                 f'"{text}" is not a store: expected memory:, a folder, or http(s)://...{others}'
             )
         return call_plugin(group, name, text, read_only=read_only, methods=("select", "apply"))
-    from .oxigraph import open_folder, open_memory  # the engine, only when a store is opened
-
     if text == MEMORY:
         return open_memory(read_only=read_only)
     return open_folder(Path(text).expanduser(), read_only=read_only)

@@ -186,8 +186,7 @@ class OxigraphStore:
             stream = cast(BinaryIO, ChunkReader(lines))
             try:
                 # Lenient: Hilt has checked the lines; checking them again takes a tenth longer.
-                form = engine.RdfFormat.N_QUADS
-                store.bulk_load(stream, format=form, lenient=True)
+                store.bulk_load(stream, format=engine.RdfFormat.N_QUADS, lenient=True)
             except BaseException:
                 if self._folder:  # the parts that were written would stay
                     directory.remove_leftovers(self._folder)

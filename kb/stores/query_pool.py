@@ -9,7 +9,8 @@ any time. All of it runs in one event loop; requests and answers are those of `q
 import asyncio
 import os
 import pickle
-import subprocess
+from asyncio import StreamReader, StreamWriter, create_subprocess_exec
+from asyncio.subprocess import DEVNULL, PIPE, Process
 from collections.abc import Callable, Coroutine, Mapping
 from contextlib import suppress
 from typing import Any, TypeAlias, cast
@@ -33,7 +34,7 @@ class QueryPool:
 
     def __init__(self, store: OxigraphStore) -> None:
         self._store = store
-        self._idle = asyncio.LifoQueue["_Worker | None"]()  # None for one that is not started
+        self._idle = asyncio.LifoQueue[Process | None]()  # None for one that is not started
         for _ in range(PROCESSES):
             self._idle.put_nowait(None)
         self._long = 0  # queries that take long
@@ -67,31 +68,34 @@ class QueryPool:
             self._renewal.cancel()
         for _ in range(PROCESSES):
             if worker := await self._idle.get():
-                await worker.end()
+                await _end(worker)
 
     async def _ask(self, request: Mapping[str, object], limits: QueryLimits, gone: Gone) -> Any:
         worker = kept = await self._idle_worker(limits)
+        asking: asyncio.Future[Any] = asyncio.get_running_loop().create_future()
         try:
             if worker is None:
-                start = asyncio.get_running_loop().subprocess_exec
-                _, worker = await start(_Worker, *COMMAND, stderr=subprocess.DEVNULL)
-                await worker.ask({**request, "query": "ASK {}"})  # its time does not count
-            kept, asking = None, worker.ask(request)
+                worker = await create_subprocess_exec(
+                    *COMMAND, stdin=PIPE, stdout=PIPE, stderr=DEVNULL
+                )
+                await _answer(worker, {**request, "query": "ASK {}"})  # its time does not count
+            kept, asking = None, asyncio.ensure_future(_answer(worker, request))
             await asyncio.wait({asking}, timeout=min(LONG_S, limits.seconds))
             if asking.done():
                 kept = worker
             else:
-                await self._wait_long(asking, worker, limits, gone)
+                await self._wait_long(asking, worker.pid, limits, gone)
             return asking.result()
-        except EOFError as error:
-            kept = None
-            raise exit_error(error.args[0], limits, was_stopped=False) from None
+        except asyncio.IncompleteReadError:
+            kept, code = None, await cast(Process, worker).wait()
+            raise exit_error(code, limits, was_stopped=False) from None
         finally:
             self._idle.put_nowait(kept)
+            asking.cancel()
             if worker and not kept:
-                await worker.end()
+                await _end(worker)
 
-    async def _idle_worker(self, limits: QueryLimits) -> "_Worker | None":
+    async def _idle_worker(self, limits: QueryLimits) -> Process | None:
         if not self._idle.empty():
             return self._idle.get_nowait()
         try:
@@ -100,12 +104,14 @@ class QueryPool:
             raise BusyError("Too many queries are waiting. Ask again later.") from None
 
     async def _wait_long(
-        self, asking: asyncio.Future[Any], worker: "_Worker", limits: QueryLimits, gone: Gone
+        self, asking: asyncio.Future[Any], process_id: int, limits: QueryLimits, gone: Gone
     ) -> None:
         left_s = limits.seconds - LONG_S
         if left_s > 0 and self._long >= PROCESSES - 1:
             raise BusyError("Other queries that take long are running. Ask again later.")
-        worker.lower_priority()  # for good, so that this process is ended after the query
+        if hasattr(os, "setpriority"):  # for good, so that this process is ended after the query
+            with suppress(OSError):
+                os.setpriority(os.PRIO_PROCESS, process_id, _NICE)
         leaving = asyncio.ensure_future(gone())
         self._long += 1
         try:
@@ -136,41 +142,14 @@ class QueryPool:
         return found
 
 
-class _Worker(asyncio.SubprocessProtocol):
-    """A process that answers one request at a time; an EOFError has the code of its end."""
+async def _answer(worker: Process, request: object) -> Any:
+    to, answers = cast(StreamWriter, worker.stdin), cast(StreamReader, worker.stdout)
+    to.write(pickle.dumps(request))
+    size = int.from_bytes(await answers.readexactly(SIZE_BYTES), "big")
+    return pickle.loads(await answers.readexactly(size))  # noqa: S301 - of a module of Hilt
 
-    def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        self._process = cast("asyncio.SubprocessTransport", transport)
-        self._to = cast("asyncio.WriteTransport", self._process.get_pipe_transport(0))
-        self._over = asyncio.get_running_loop().create_future()
 
-    def ask(self, request: object) -> asyncio.Future[Any]:
-        self._got, self._answer = bytearray(), asyncio.get_running_loop().create_future()
-        self._to.write(pickle.dumps(request))
-        return self._answer
-
-    def pipe_data_received(self, fd: int, data: bytes) -> None:
-        self._got += data
-        size = int.from_bytes(self._got[:SIZE_BYTES], "big")
-        is_whole = len(self._got) > SIZE_BYTES and len(self._got) >= SIZE_BYTES + size
-        if is_whole and not self._answer.done():
-            found = pickle.loads(self._got[SIZE_BYTES:])  # noqa: S301 - of a module of Hilt
-            self._answer.set_result(found)
-
-    def process_exited(self) -> None:
-        if not self._answer.done():
-            self._answer.set_exception(EOFError(self._process.get_returncode()))
-
-    def connection_lost(self, exc: Exception | None) -> None:
-        self._over.set_result(None)
-
-    def lower_priority(self) -> None:
-        if hasattr(os, "setpriority"):
-            with suppress(OSError):
-                os.setpriority(os.PRIO_PROCESS, self._process.get_pid(), _NICE)
-
-    async def end(self) -> None:
-        with suppress(ProcessLookupError):
-            self._process.kill()
-        await self._over
-        self._process.close()
+async def _end(worker: Process) -> None:
+    with suppress(ProcessLookupError):
+        worker.kill()
+    await worker.communicate()

@@ -17,20 +17,9 @@ import pyoxigraph as engine
 
 from ...ontology.errors import DataError, HiltError, QueryError
 from ...ontology.vocabulary import PREFIXES, Iri, shortened
+from ..rdf import terms
 from ..rdf.rule_mapping import KEYS, TYPE
-from ..rdf.terms import (
-    LANGUAGE_TEXT,
-    STRING,
-    AnnotatedEdge,
-    Property,
-    Quad,
-    ReifyingTriple,
-    StatementGroup,
-    Statements,
-    Term,
-    lexical,
-    literal,
-)
+from ..rdf.terms import Property, Quad, Statements, Term, lexical, literal
 from ..sparql.results import RDF_12_UNSUPPORTED, BooleanResult, ConstructResult, QueryResult
 from .base import ChunkReader, EmbeddedStore, EngineQuad, Store, batched
 from .errors import text_error, translated_errors
@@ -85,9 +74,9 @@ def to_engine(term: Term) -> engine.NamedNode | engine.Literal:
     if isinstance(term, Iri):
         return named_node(term)
     text, datatype, language = lexical(term)
-    if datatype == STRING:
+    if datatype == terms.STRING:
         return engine.Literal(text)
-    if datatype == LANGUAGE_TEXT and language:
+    if datatype == terms.LANGUAGE_TEXT and language:
         return engine.Literal(text, language=language)
     return engine.Literal(text, datatype=named_node(datatype))
 
@@ -124,27 +113,32 @@ def read_groups(
     text = _RecentLines(stream)
     try:
         found = engine.parse(cast(BinaryIO, text), format=RDF_FORMATS[format])
-        for (node, graph), some in groupby(found, attrgetter("subject", "graph_name")):
-            place = default if isinstance(graph, engine.DefaultGraph) else from_engine(graph)
-            for part in batched(some, MAX_GROUP):
-                yield from _grouped(cast(Iri, from_engine(node)), cast(Iri, place), part)
+        yield from grouped(found, default)
     except HiltError:
         raise
     except (SyntaxError, MemoryError, ValueError, OSError) as error:
         raise text_error(error, source, text.line(getattr(error, "lineno", 0) or 0)) from error
 
 
-def _grouped(node: Iri, graph: Iri, quads: Iterable[engine.Quad]) -> Iterator[Statements]:
+def grouped(quads: Iterable[EngineQuad], default: Iri) -> Iterator[Statements]:
+    """Iterate over statements, those about one subject that stand together; as `read_groups`."""
+    for (node, graph), some in groupby(quads, attrgetter("subject", "graph_name")):
+        place = default if isinstance(graph, engine.DefaultGraph) else from_engine(graph)
+        for part in batched(some, MAX_GROUP):
+            yield from _group(cast(Iri, from_engine(node)), cast(Iri, place), part)
+
+
+def _group(node: Iri, graph: Iri, quads: Iterable[engine.Quad]) -> Iterator[Statements]:
     pairs = list[Property]()
     for quad in quads:
         key, value = quad.predicate, quad.object
         if type(value) is engine.Triple:
-            edge = AnnotatedEdge(*cast("list[Any]", [from_engine(part) for part in value]))
-            yield ReifyingTriple(node, shared_iri(key.value), edge, graph)
+            edge = terms.AnnotatedEdge(*cast("list[Any]", [from_engine(part) for part in value]))
+            yield terms.ReifyingTriple(node, shared_iri(key.value), edge, graph)
         else:
             pairs.append(property_from_engine(key, value))
     if pairs:
-        yield StatementGroup(node, graph, pairs)
+        yield terms.StatementGroup(node, graph, pairs)
 
 
 def read_triples(data: bytes, *, source: str) -> list[Quad]:

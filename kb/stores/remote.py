@@ -20,18 +20,12 @@ from urllib.parse import urlencode, urljoin
 from ...ontology.errors import QueryError, StoreError
 from ...ontology.vocabulary import GRAPH_NAMES, Iri, iri, is_ontology
 from ..rdf.terms import Quad, Term, as_line, as_sparql
-from ..sparql import query_text
-from ..sparql.results import (
-    BooleanResult,
-    ConstructResult,
-    QueryLimits,
-    QueryResult,
-    SelectResult,
-    read_boolean,
-    read_solutions,
-)
+from ..sparql import query_text, results
+from ..sparql.results import BooleanResult, QueryLimits, SelectResult
 from .base import ReadableStore, batched
 from .http import EndpointConfig, EndpointResponse, EndpointTransport, parse_address
+from .oxigraph import save_quads
+from .rdf_text import read_triples
 from .write_lease import CHANGES, IS_DECIDED, REPLACES, WriteLease, prepared
 
 POSTED = 10_000  # statements prepared at a time
@@ -79,28 +73,29 @@ class RemoteStore(ReadableStore):
         if query_text.query_form(query) != "SELECT":
             raise QueryError("Expected a SELECT query.")
         response = self._read(query, ROWS, limits)
-        found = read_solutions(response.body)
+        found = results.read_solutions(response.body)
         if response.max_rows and len(found) >= response.max_rows:
             rows: list[tuple[Term | None, ...]] = []
             while len(rows) % response.max_rows == 0:
                 text = query_text.page_query(
                     query, found.variables, size=response.max_rows, offset=len(rows)
                 )
-                page = read_solutions(self._read(text, ROWS, limits).body).rows
+                page = results.read_solutions(self._read(text, ROWS, limits).body).rows
                 rows += page
                 if not page:
                     break
             return SelectResult(found.variables, tuple(rows))
         return found
 
-    def run(self, query: str, limits: QueryLimits | None = None) -> QueryResult:
+    def run(self, query: str, limits: QueryLimits | None = None) -> results.QueryResult:
         """The result of any query; the endpoint's own limits apply too."""
         limits = limits or CALL
         match query_text.query_form(query):
             case "ASK":
-                return BooleanResult(read_boolean(self._read(query, ROWS, limits).body))
+                return BooleanResult(results.read_boolean(self._read(query, ROWS, limits).body))
             case "CONSTRUCT" | "DESCRIBE":
-                return ConstructResult.from_quads(self._construct(query, limits))
+                found = tuple(quad[:3] for quad in self._construct(query, limits))
+                return results.ConstructResult(results.STATEMENT, found)
             case _:
                 return self.select(query, limits)
 
@@ -150,8 +145,6 @@ class RemoteStore(ReadableStore):
 
     def save(self, target: Path) -> None:
         """Write all statements into a folder on this machine."""
-        from .oxigraph import save_quads
-
         save_quads(self.quads(), target)
 
     @contextmanager
@@ -207,8 +200,6 @@ class RemoteStore(ReadableStore):
         return list(found)
 
     def _triples(self, query: str, limits: QueryLimits) -> list[Quad]:
-        from .rdf_text import read_triples
-
         return read_triples(self._read(query, TRIPLES, limits).body, source=self.location)
 
     def _read(self, query: str, accept: str, limits: QueryLimits) -> EndpointResponse:

@@ -120,8 +120,7 @@ class WriteLease:
         self._location, self._read = location, read
         self._write, self._write_all = write, write_all
         self._holder = f"process {os.getpid()} on {socket.gethostname()}"
-        self._renewal = threading.Lock()
-        self._timer: threading.Timer | None = None
+        self._is_over = threading.Event()
         self.node: Iri | None = None  # of the claim that this process has
 
     def acquire(self) -> None:
@@ -130,13 +129,15 @@ class WriteLease:
         StoreError if other processes had it for too long.
         """
         deadline, number = time.monotonic() + WAIT_S, None
-        self._start_renewing(Iri(f"{WRITERS}/{uuid4().hex}"))
-        self._update(_CLAIM, cast(Iri, self.node), self._holder)
+        self.node, self._is_over = Iri(f"{WRITERS}/{uuid4().hex}"), threading.Event()
+        self._renewal = threading.Thread(target=self._renew, daemon=True)
+        self._renewal.start()
+        self._update(_CLAIM, self.node, self._holder)
         while True:
             claims = self.claims()
             self.confirmed(claims)
             others = [one for one in claims if one.node != self.node]
-            first = [one for one in others if one.comes_before(number, cast(Iri, self.node))]
+            first = [one for one in others if one.comes_before(number, self.node)]
             if not first and self._are_ended([one for one in others if not one.is_live]):
                 return
             if number is None:
@@ -159,11 +160,11 @@ class WriteLease:
 
     def abandon(self) -> Iri | None:
         """Leave this claim, whose node is returned, to the next process, which ends it."""
-        with self._renewal:
-            if self._timer:
-                self._timer.cancel()
-            node, self.node, self._timer = self.node, None, None
-            return node
+        node, self.node = self.node, None
+        if node:
+            self._is_over.set()
+            self._renewal.join()
+        return node
 
     def fenced(self, delete: Sequence[Quad], insert: Sequence[Quad]) -> str:
         """The operation that deletes and inserts statements if this claim still counts."""
@@ -214,18 +215,11 @@ class WriteLease:
     def _update(self, operation: str, claim: Iri, *values: str) -> None:
         self._write(with_prefixes(operation % (as_sparql(claim), *values)))
 
-    def _start_renewing(self, node: Iri) -> None:
-        self.node = node
-        self._timer = threading.Timer(LEASE_S / 3, self._renew)
-        self._timer.daemon = True
-        self._timer.start()
-
     def _renew(self) -> None:
-        with self._renewal:
-            if self.node and self._timer is threading.current_thread():
-                with suppress(HiltError):
-                    self._update(_RENEW, self.node)
-                self._start_renewing(self.node)
+        node, is_over = cast(Iri, self.node), self._is_over
+        while not is_over.wait(LEASE_S / 3):
+            with suppress(HiltError):
+                self._update(_RENEW, node)
 
 
 def _claim(node: Iri, rows: Sequence[tuple[Any, ...]]) -> Claim:

@@ -113,7 +113,7 @@ class PaperExperiment(DecisionExperiment):
     def drawn_scenes(self) -> list[list[str]]:
         """Return the objects of each scene."""
         rng = Random(self.seed)  # noqa: S311 - scenes, not secrets
-        names, asked = sorted(self.scenarios["A"].objects), list(self.scenarios.values())
+        names, asked = sorted(self.scenarios["A"].grasps), list(self.scenarios.values())
         while True:
             scenes, sizes = [frozenset(names)], cycle(range(1, len(names)))
             while len(scenes) < self.scenes:
@@ -135,7 +135,7 @@ class SituationsExperiment(DecisionExperiment):
 
     def cases(self) -> Sequence[Case]:
         """Return the cases by scenario, the smaller scenes first."""
-        names = sorted(next(iter(self.scenarios.values())).objects)
+        names = sorted(next(iter(self.scenarios.values())).grasps)
         scenes = (scene for size in range(len(names) + 1) for scene in combinations(names, size))
         return self.cases_in([("+".join(scene) or "empty", scene, self.seed) for scene in scenes])
 

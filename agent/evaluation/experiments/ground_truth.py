@@ -36,9 +36,9 @@ class CorrectChoices:
     ) -> "CorrectChoices":
         """Return the ground truth for a command, from the tables of a scenario."""
         best = scenario.best(affordance, scene)
-        is_top = best <= scenario.best(affordance, scenario.objects)
+        is_top = best <= scenario.best(affordance, scenario.grasps)
         principle = 4 if not best else 3 if len(best) > 1 else 1 if is_top else 2
-        parts = {name: scenario.parts(name, action) for name in scenario.objects}
+        parts = {name: scenario.parts(name, action) for name in scenario.grasps}
         return cls(best, principle, parts)
 
     @property

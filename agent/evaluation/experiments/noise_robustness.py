@@ -16,10 +16,12 @@ from functools import cached_property, lru_cache
 from math import sqrt
 from pathlib import Path
 from random import Random
-from typing import ClassVar, Literal, NamedTuple, get_args
+from statistics import fmean
+from typing import ClassVar, Literal, get_args
 
 import yaml
 
+from ....kb.interval import Interval
 from ....ontology.errors import HiltError, UnknownNameError
 from ....sim.scene.scene import scene_with
 from ...agent import Agent
@@ -76,7 +78,7 @@ def curve_points(results: Sequence[CaseResult]) -> list[Json]:
             "x": value,
             "decisions": len(facts) * per_trial,
             **{name: sum(trial[name] for trial in facts) for name in OUTCOMES},
-            "accuracy": round(interval.share, 6),
+            "accuracy": round(fmean(trial["right"] for trial in facts) / per_trial, 6),
             "lower": round(interval.lower, 6),
             "upper": round(interval.upper, 6),
         })  # fmt: skip
@@ -237,30 +239,22 @@ def _taught_by(sentences: Sequence[str], *, noise: str = "", choices: str = "") 
     return taught
 
 
-class ConfidenceInterval(NamedTuple):
-    """A proportion in [0, 1] with its 95 % confidence interval [lower, upper]."""
+def wilson_interval(successes: float, count: float) -> Interval:
+    """Return Wilson's interval of the share of successes, which need not be integers.
 
-    share: float
-    lower: float
-    upper: float
-
-
-def wilson_interval(successes: float, count: float) -> ConfidenceInterval:
-    """Return the proportion of successes, which need not be integers, with Wilson's interval.
-
-    >>> wilson_interval(9, 10)
-    ConfidenceInterval(share=0.9, lower=0.5958499..., upper=0.9821237...)
+    >>> print(wilson_interval(9, 10))
+    [0.60, 0.98]
     """
     share = successes / count
     weight = 1 + Z * Z / count
     middle = (share + Z * Z / (2 * count)) / weight
     half = Z / weight * sqrt(share * (1 - share) / count + Z * Z / (4 * count * count))
     lower, upper = min(middle - half, share), max(middle + half, share)
-    return ConfidenceInterval(share, max(0.0, lower), min(1.0, upper))
+    return Interval(max(0.0, lower), min(1.0, upper))
 
 
-def clustered_interval(successes: Sequence[int], per_trial: int) -> ConfidenceInterval:
-    """Return the proportion of successes over trials, with its interval at the effective size.
+def clustered_interval(successes: Sequence[int], per_trial: int) -> Interval:
+    """Return the interval of the share of successes over trials, at the effective sample size.
 
     `successes` are those of each trial (at least one), in [0, per_trial].
     """

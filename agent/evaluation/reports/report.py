@@ -5,8 +5,6 @@ pictures of simulated scenes, all cases, and their explanations. Equal explanati
 and the cases link to them. The template is `page.html`.
 """
 
-from __future__ import annotations
-
 import base64
 import csv
 import io
@@ -20,15 +18,15 @@ from importlib.metadata import version
 from importlib.util import find_spec
 from pathlib import Path
 from platform import python_version
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any, cast
+
+from rich.table import Table
 
 from ....ontology.disk_cache import write_atomically
 from ....ontology.errors import DataError, MissingExtraError, StoreError
+from ...presentation.console import table, yes_or_no
 from ..experiment import Case, CaseResult, Experiment, Json, TimedResult
 from ..experiments.decisions import DecisionExperiment
-
-if TYPE_CHECKING:
-    from rich.table import Table
 
 FORMATS = (".html", ".json", ".csv")
 MAX_PICTURES = 40  # on a page
@@ -51,7 +49,7 @@ class EvaluationReport:
     summary: Json = field(default_factory=dict[str, Any])
 
     @classmethod
-    def from_runs(cls, experiment: Experiment, runs: Sequence[TimedResult]) -> EvaluationReport:
+    def from_runs(cls, experiment: Experiment, runs: Sequence[TimedResult]) -> "EvaluationReport":
         """Return the report of a run of an experiment."""
         summary = experiment.summary([run.result for run in runs])
         return cls(experiment.name, experiment.options, tuple(runs), summary)
@@ -103,8 +101,6 @@ class EvaluationReport:
 
     def table(self) -> Table:
         """Return a table of the cases."""
-        from ...presentation.console import table, yes_or_no
-
         rows = ((r.key, r.found, r.expected, yes_or_no(r.right)) for r in self.results)
         return table(("case", "chosen", "expected", "right"), rows)
 
@@ -123,16 +119,12 @@ class EvaluationReport:
 
     def points(self) -> Table | None:
         """Return a table of the points of the curves; None if there are none."""
-        from ...presentation.console import table
-
         rows: list[Sequence[object]] = []
         for curve in self.summary.get("curves", ()):
-            measure = str(curve.get("measure", "accuracy"))
-            form = ".1%" if measure == "accuracy" else ".2f"
             for line, points in curve["lines"].items():
                 for at in points:
-                    band = f"{at['lower']:{form}} to {at['upper']:{form}}"
-                    shown = (f"{at['x']:g}", f"{at[measure]:{form}}", band, at["decisions"])
+                    band = f"{at['lower']:.1%} to {at['upper']:.1%}"
+                    shown = (f"{at['x']:g}", f"{at['accuracy']:.1%}", band, at["decisions"])
                     rows.append((curve["curve"], line, *shown))
         columns = ("curve", "line", "at", "mean", "95 % interval", "decisions")
         return table(columns, rows) if rows else None
@@ -239,10 +231,10 @@ def render_page(
     )
 
 
-def plot_curve(label: str, lines: Mapping[str, Sequence[Json]], measure: str = "accuracy") -> str:
-    """Return the SVG element of a plot of a measure against the quantity of the label.
+def plot_curve(label: str, lines: Mapping[str, Sequence[Json]]) -> str:
+    """Return the SVG element of a plot of the accuracy against the quantity of the label.
 
-    A line is a list of points, each with `x`, the measure, `lower` and `upper`.
+    A line is a list of points, each with `x`, `accuracy`, `lower` and `upper`.
     """
     from matplotlib import rc_context
     from matplotlib.figure import Figure
@@ -255,17 +247,14 @@ def plot_curve(label: str, lines: Mapping[str, Sequence[Json]], measure: str = "
         for i, (name, points) in enumerate(lines.items()):
             x, mean, lower, upper = (
                 [float(str(point[key])) for point in points]
-                for key in ("x", measure, "lower", "upper")
+                for key in ("x", "accuracy", "lower", "upper")
             )
             colour, dash = COLOURS[i % len(COLOURS)], DASHES[i % len(DASHES)]
             axes.plot(x, mean, dash, color=colour, label=name, marker="o", markersize=4)
             axes.fill_between(x, lower, upper, color=colour, alpha=0.13, linewidth=0)
         axes.set_xlabel(label)
-        if measure == "accuracy":
-            axes.set_ylim(-0.02, 1.02)
-            axes.yaxis.set_major_formatter(PercentFormatter(1))
-        else:
-            axes.set_ylabel(measure)
+        axes.set_ylim(-0.02, 1.02)
+        axes.yaxis.set_major_formatter(PercentFormatter(1))
         axes.grid(axis="y", color="#e3e7ed")
         axes.spines[["top", "right", "left"]].set_visible(False)
         axes.tick_params(length=0, colors="#3d4755")

@@ -12,8 +12,8 @@ import socket
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future
 from concurrent.futures.process import BrokenProcessPool
-from dataclasses import dataclass, field, replace
-from functools import lru_cache
+from dataclasses import replace
+from functools import lru_cache, partial
 from itertools import islice
 from multiprocessing import get_context
 from queue import Empty, SimpleQueue
@@ -26,6 +26,7 @@ from rich.console import Console
 from rich.text import Text
 
 from ....ontology.errors import WorkersUnavailableError, extra_required
+from ...presentation.console import progress_bar
 from ..experiment import Case, CaseResult, Experiment, TimedResult, make_experiment, to_json_line
 from .journal import RunJournal
 
@@ -116,34 +117,31 @@ def run_serially(experiment: Experiment, cases: Sequence[Case]) -> Iterator[Time
     return (run_case(experiment, case) for case in cases)
 
 
-@dataclass(frozen=True)
-class ProcessRunner:
-    """Runs cases in a pool of processes (started by "spawn" on every platform)."""
+def run_in_processes(
+    experiment: Experiment, cases: Sequence[Case], *, workers: int, timeout_s: float = TIMEOUT_S
+) -> Iterator[TimedResult]:
+    """Run cases in a pool of processes, started by "spawn" on every platform.
 
-    workers: int
-    timeout_s: float = TIMEOUT_S  # how long a case may take before its process is killed [s]
+    A process is killed when its case takes longer than the time-out [s]. WorkersError if none can
+    be started.
+    """
+    pools: list[ProcessPool] = []
+    name, options = experiment.name, to_json_line(experiment.options)
 
-    def __call__(self, experiment: Experiment, cases: Sequence[Case]) -> Iterator[TimedResult]:
-        """Run the cases, each in one of the processes; WorkersError if none can be started."""
-        pools: list[ProcessPool] = []
-        name, options = experiment.name, to_json_line(experiment.options)
+    def start(case: str) -> Future[str]:
+        # A worker that dies before it reports its case breaks its pool.
+        if not pools or not pools[-1].active:
+            most = min(workers, len(cases))
+            pools.append(ProcessPool(most, context=get_context("spawn")))
+        return pools[-1].schedule(run_in_worker, args=(name, options, case), timeout=timeout_s)
 
-        def start(case: str) -> Future[str]:
-            # A worker that dies before it reports its case breaks its pool.
-            if not pools or not pools[-1].active:
-                workers = min(self.workers, len(cases))
-                pools.append(ProcessPool(workers, context=get_context("spawn")))
-            return pools[-1].schedule(
-                run_in_worker, args=(name, options, case), timeout=self.timeout_s
-            )
-
-        failures = (ProcessExpired, BrokenProcessPool, TimeoutError)
-        try:
-            yield from run_in_pool(cases, start, failures, patience_s=START_S)
-        finally:
-            for pool in pools:
-                pool.stop()
-                pool.join()
+    failures = (ProcessExpired, BrokenProcessPool, TimeoutError)
+    try:
+        yield from run_in_pool(cases, start, failures, patience_s=START_S)
+    finally:
+        for pool in pools:
+            pool.stop()
+            pool.join()
 
 
 def _import_ray() -> Any:
@@ -155,42 +153,42 @@ def _import_ray() -> Any:
     return ray
 
 
-@dataclass(frozen=True)
-class RayRunner:
-    """Runs cases on a Ray cluster; MissingExtraError if Ray is not installed."""
+def run_on_ray(
+    experiment: Experiment,
+    cases: Sequence[Case],
+    *,
+    address: str,
+    workers: int | None = None,
+    timeout_s: float = TIMEOUT_S,
+) -> Iterator[TimedResult]:
+    """Run cases on a Ray cluster; MissingExtraError if Ray is not installed.
 
-    address: str  # of its head node, "auto", or "local" to start a cluster
-    workers: int | None = None  # cases at the same time; None is the number of processors
-    timeout_s: float = TIMEOUT_S  # how long a case may take before it is stopped [s]
-    _ray: Any = field(default_factory=_import_ray, repr=False, compare=False)
-
-    def __call__(self, experiment: Experiment, cases: Sequence[Case]) -> Iterator[TimedResult]:
-        """Run the cases on the cluster; WorkersError if it cannot be reached."""
-        ray, is_own = self._ray, self.address == LOCAL
-        host, colon, port = self.address.removeprefix("ray://").rpartition(":")
-        try:
-            if colon:  # Ray itself would retry for minutes
-                socket.create_connection((host, int(port)), CONNECT_S).close()
-            ray.init(
-                address=None if is_own else self.address,
-                num_cpus=self.workers if is_own else None,
-                include_dashboard=False if is_own else None,
-                log_to_driver=False,
-                logging_level="ERROR",
-            )
-        except (OSError, RuntimeError, ValueError) as error:
-            raise WorkersUnavailableError(f'No Ray cluster at "{self.address}": {error}') from error
-        work = (self.timeout_s, experiment.name, to_json_line(experiment.options))
-        task, failures = ray.remote(_run_within).options(max_retries=0), (ray.exceptions.RayError,)
-        try:
-            yield from run_in_pool(
-                cases,
-                lambda case: task.remote(*work, case).future(),
-                failures,
-                at_once=self.workers,
-            )
-        finally:
-            ray.shutdown()
+    The address is that of its head node, "auto", or "local" to start a cluster. `workers` are cases
+    at the same time, None for the number of processors. A case is stopped when it takes longer than
+    the time-out [s]. WorkersError if the cluster cannot be reached.
+    """
+    ray, is_own = _import_ray(), address == LOCAL
+    host, colon, port = address.removeprefix("ray://").rpartition(":")
+    try:
+        if colon:  # Ray itself would retry for minutes
+            socket.create_connection((host, int(port)), CONNECT_S).close()
+        ray.init(
+            address=None if is_own else address,
+            num_cpus=workers if is_own else None,
+            include_dashboard=False if is_own else None,
+            log_to_driver=False,
+            logging_level="ERROR",
+        )
+    except (OSError, RuntimeError, ValueError) as error:
+        raise WorkersUnavailableError(f'No Ray cluster at "{address}": {error}') from error
+    work = (timeout_s, experiment.name, to_json_line(experiment.options))
+    task, failures = ray.remote(_run_within).options(max_retries=0), (ray.exceptions.RayError,)
+    try:
+        yield from run_in_pool(
+            cases, lambda case: task.remote(*work, case).future(), failures, at_once=workers
+        )
+    finally:
+        ray.shutdown()
 
 
 def _run_within(timeout_s: float, *work: str) -> str:
@@ -206,10 +204,11 @@ def make_runner(
 ) -> Runner:
     """Return the runner for the options of a command; MissingExtraError if there is no Ray."""
     if ray:
-        return RayRunner(ray, workers, timeout_s=timeout_s)
+        _import_ray()
+        return partial(run_on_ray, address=ray, workers=workers, timeout_s=timeout_s)
     if workers is None or workers == 1:
         return run_serially
-    return ProcessRunner(workers, timeout_s)
+    return partial(run_in_processes, workers=workers, timeout_s=timeout_s)
 
 
 def run_experiment(
@@ -228,7 +227,7 @@ def run_experiment(
     cases = experiment.cases() if cases is None else cases
     runs = dict(journal.runs) if journal else {}
     left = [case for case in cases if case.key not in runs]
-    with progress_bar(console) as bar:
+    with case_progress(console) as bar:
         task = bar.add_task(experiment.name, total=len(cases), completed=len(runs))
         for run in (runner or run_serially)(experiment, left):
             runs[run.result.key] = run
@@ -252,18 +251,7 @@ class SpeedColumn(progress.ProgressColumn):
         return Text(f"{speed:.1f} a second" if speed >= 1 else f"{1 / speed:.1f} s each")
 
 
-def progress_bar(console: Console | None) -> progress.Progress:
+def case_progress(console: Console | None) -> progress.Progress:
     """Return a bar of cases; it shows nothing if the console is None or not a terminal."""
-    columns = (
-        progress.TextColumn("{task.description}"),
-        progress.BarColumn(),
-        progress.MofNCompleteColumn(),
-        SpeedColumn(),
-        progress.TimeRemainingColumn(compact=True),
-        progress.TextColumn("left"),
-    )
-    quiet = console is None or not console.is_terminal
-    # Few refreshes: more take time that the cases need.
-    return progress.Progress(
-        *columns, console=console, transient=True, refresh_per_second=4, disable=quiet
-    )
+    left = (progress.TimeRemainingColumn(compact=True), "left")
+    return progress_bar(console, progress.MofNCompleteColumn(), SpeedColumn(), *left)

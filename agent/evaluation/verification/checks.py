@@ -21,15 +21,9 @@ from ...config import AgentConfig, household
 from ...dialogue.translation import request_from_command
 from ...execution.perception import PerfectVision
 from ..learning_scenarios import ACTIONS, CONTEXTS, LEVELS, command, rule_sentence
+from . import taught_agent
 from .scenario_space import BITS, CODES, CONFIDENCES, CheckResult, ScenarioSpace, belief, bit_mask
-from .taught_agent import (
-    RuleKey,
-    TaughtAgent,
-    TracedDecision,
-    acceptable_candidates,
-    belief_graph,
-    graph_after,
-)
+from .taught_agent import RuleKey, TaughtAgent, TracedDecision, acceptable_candidates
 from .weak_orders import tally
 
 DIGITS = 9  # precision of written scores; exact for the levels of the paper
@@ -128,8 +122,8 @@ def _candidate_of(cell: RuleKey, decided: TracedDecision) -> Candidate | None:
 
 
 def _bounds(candidate: Candidate | None) -> tuple[float, float]:
-    interval = candidate.interval if candidate else VACUOUS
-    return interval.lower, interval.upper
+    lower, upper = candidate.interval if candidate else VACUOUS
+    return lower, upper
 
 
 def check_grasps(space: ScenarioSpace, first: int) -> CheckResult:
@@ -187,9 +181,12 @@ def check_teaching(space: ScenarioSpace, seed: int, number: int) -> CheckResult:
         for text in rng.sample(once * 2, len(once) * 2):
             agent.hear(text, only="tell")
         held = _read_back(space, agent.base.rules())
-        statements = belief_graph(agent.base)
+        statements = taught_agent.belief_graph(agent.base)
         choices = [_commanded(space, agent, *each) for each in asked]
-    graphs = (graph_after(), *(graph_after(space.rules[key]) for key in space.taught(codes)))
+    graphs = (
+        taught_agent.graph_after(),
+        *(taught_agent.graph_after(space.rules[key]) for key in space.taught(codes)),
+    )
     apart = frozenset(statement for graph in graphs for statement in graph)
     wrong = [] if held == list(codes) else [f"{codes} is read back as {held}"]
     if statements != apart:

@@ -22,7 +22,7 @@ from evaluation_faults import Squares, notes
 from ray._private.node import Node
 from ray.cluster_utils import Cluster as Nodes
 
-from hilt.agent.evaluation.runners.runner import RayRunner, run_experiment
+from hilt.agent.evaluation.runners.runner import make_runner, run_experiment
 
 GET_FLAGS, SET_FLAGS, UP = 0x8913, 0x8914, 0x1  # linux/sockios.h, linux/if.h
 
@@ -60,7 +60,7 @@ def main(folder: Path, count: int) -> None:
     experiment = Squares(folder=str(folder), count=count, each_s=0.2)
 
     with ThreadPoolExecutor() as pool:
-        coming = pool.submit(run_experiment, experiment, runner=RayRunner(nodes.address))
+        coming = pool.submit(run_experiment, experiment, runner=make_runner(ray=nodes.address))
         wait_until_both_work(folder)
         kill_workers(second)
         nodes.remove_node(second, allow_graceful=False)

@@ -16,7 +16,7 @@ from rdflib import Graph
 from hilt.kb.bulk import exporter, importer
 from hilt.kb.formats import import_export
 from hilt.kb.formats.file_streams import CheckedStream
-from hilt.kb.formats.graphml import graph_of, rules_of_graph
+from hilt.kb.formats.graphml import read_graphml, write_graphml
 from hilt.kb.formats.import_export import (
     export_file,
     import_file,
@@ -154,7 +154,8 @@ def test_sheet_and_table_and_graph_hold_whole_rules(some: list[Rule]):
     assert list(read_sheet(text.getvalue(), source="x")) == some
     found = read_table(table.getvalue().splitlines(True), source="x")
     assert list(found) == some
-    assert {rule.id for rule in rules_of_graph(graph_of(some))} == {rule.id for rule in some}
+    drawn = read_graphml(write_graphml(some), source="x")
+    assert {rule.id for rule in drawn} == {rule.id for rule in some}
 
 
 def test_sheet_is_written_by_hand():

@@ -21,7 +21,13 @@ from hilt.kb.knowledge_base import KnowledgeBase
 from hilt.kb.rdf.terms import Literal, Quad, Term
 from hilt.kb.rule import Atom, functional, grasping, norm
 from hilt.kb.sparql.named_queries import query_names
-from hilt.kb.sparql.results import BooleanResult, ConstructResult, QueryLimits, SelectResult
+from hilt.kb.sparql.results import (
+    STATEMENT,
+    BooleanResult,
+    ConstructResult,
+    QueryLimits,
+    SelectResult,
+)
 from hilt.kb.stores.base import Store
 from hilt.kb.stores.http import parse_address
 from hilt.kb.stores.opening import open_store
@@ -158,7 +164,7 @@ def test_select_gives_all_rows(store: Store):
 
 def made(*quads: Quad) -> ConstructResult:
     """The result of a CONSTRUCT query."""
-    return ConstructResult.from_quads(quads)
+    return ConstructResult(STATEMENT, tuple(quad[:3] for quad in quads))
 
 
 def test_ask_and_construct_answer(store: Store):

@@ -11,7 +11,7 @@ from decimal import Decimal
 import pytest
 from rdflib.query import Result
 
-from hilt.kb.rdf.terms import Literal, Quad
+from hilt.kb.rdf.terms import Literal
 from hilt.kb.sparql.results import BooleanResult, ConstructResult, SelectResult, read_solutions
 from hilt.kb.stores.rdf_text import RESULT_FORMATS, write_result
 from hilt.ontology.errors import QueryError
@@ -62,9 +62,8 @@ def test_yes_or_no_is_json_or_xml():
 
 def test_statements_are_turtle_with_prefixes():
     """Rows are not."""
-    made = ConstructResult.from_quads(
-        [Quad(Iri("https://w3id.org/hilt/object/knife"), Iri("urn:p"), 1)]
-    )
+    statement = (Iri("https://w3id.org/hilt/object/knife"), Iri("urn:p"), 1)
+    made = ConstructResult(("subject", "predicate", "object"), (statement,))
 
     assert "object:knife <urn:p> 1 ." in write_result(made, "turtle")
     with pytest.raises(QueryError, match="CONSTRUCT or DESCRIBE"):

@@ -13,11 +13,10 @@ from rich.text import Text
 
 from hilt.agent.evaluation.experiment import CaseResult, Experiment, make_experiment
 from hilt.agent.evaluation.runners.runner import (
-    ProcessRunner,
     Runner,
     SpeedColumn,
+    case_progress,
     make_runner,
-    progress_bar,
     run_experiment,
     run_serially,
 )
@@ -33,14 +32,14 @@ def test_processes_give_what_one_process_gives():
     """The decisions of a run are the same in two processes, fact by fact and in order."""
     experiment = make_experiment("paper", {"scenes": 2})
 
-    assert results(experiment, ProcessRunner(2)) == results(experiment, run_serially)
+    assert results(experiment, make_runner(2)) == results(experiment, run_serially)
 
 
 def test_case_whose_worker_dies_is_begun_again(tmp_path: Path):
     """A dead worker costs no result, its own case's neither; no other case is begun twice."""
     experiment = Squares(folder=str(tmp_path), deadly=[3, 4])
 
-    done = run_experiment(experiment, runner=ProcessRunner(2))
+    done = run_experiment(experiment, runner=make_runner(2))
 
     assert [each.result.found for each in done] == [str(n**2) for n in range(12)]
     assert {each.result.key: each.attempts for each in done if each.attempts > 1} == {
@@ -61,7 +60,7 @@ def test_broken_pool_is_replaced(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     monkeypatch.setattr(PoolManager, "find_expired_task", find_expired_task)
     experiment = Squares(folder=str(tmp_path), deadly=[3, 4])
 
-    found = results(experiment, ProcessRunner(2))
+    found = results(experiment, make_runner(2))
 
     assert [result.found for result in found] == [str(n**2) for n in range(12)]
     assert not breaks
@@ -71,7 +70,7 @@ def test_case_that_hangs_is_killed_and_begun_again(tmp_path: Path):
     """A case that takes too long loses its worker, and is done by the next one."""
     experiment = Squares(folder=str(tmp_path), endless=[5], count=8)
 
-    done = run_experiment(experiment, runner=ProcessRunner(2, timeout_s=1.0))
+    done = run_experiment(experiment, runner=make_runner(2, timeout_s=1.0))
 
     assert [each.attempts for each in done] == [1, 1, 1, 1, 1, 2, 1, 1]
     assert all(each.result.right for each in done)
@@ -81,13 +80,13 @@ def test_case_that_always_kills_is_given_up(tmp_path: Path):
     """After a few workers a case is told as lost; all others are done."""
     experiment = Squares(folder=str(tmp_path), deadly=[2], times=99, count=5)
 
-    found = results(experiment, ProcessRunner(2))
+    found = results(experiment, make_runner(2))
 
     assert [result.kind for result in found] == ["check", "check", "lost", "check", "check"]
     assert found[2].found == "its worker process died or timed out 3 times"
 
 
-@pytest.mark.parametrize("runner", [run_serially, ProcessRunner(2)], ids=["serial", "processes"])
+@pytest.mark.parametrize("runner", [run_serially, make_runner(2)], ids=["serial", "processes"])
 def test_error_of_a_case_is_its_result(runner: Runner):
     """A case that raises is wrong, says how, and stops nothing."""
     found = results(make_experiment("evaluation_faults:Broken", {"count": 3}), runner)
@@ -103,12 +102,12 @@ def test_workers_that_cannot_start_are_told(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(Squares, "name", "evaluation_faults:Nothing")
 
     with pytest.raises(WorkersUnavailableError, match="A worker process could not be started"):
-        run_experiment(experiment, runner=ProcessRunner(2))
+        run_experiment(experiment, runner=make_runner(2))
 
 
 def test_run_without_cases_is_empty():
     """Nothing to do is done at once."""
-    assert run_experiment(Squares(count=0), runner=ProcessRunner(2)) == ()
+    assert run_experiment(Squares(count=0), runner=make_runner(2)) == ()
 
 
 @pytest.mark.parametrize(
@@ -134,14 +133,14 @@ def test_unknown_option_is_told():
 def test_one_worker_needs_no_process():
     """By default cases run where the command runs."""
     assert make_runner() is run_serially
-    assert isinstance(make_runner(2), ProcessRunner)
+    assert make_runner(2) is not run_serially
 
 
 def shown(*, terminal: bool, begun: int) -> str:
     """What a run of four cases shows."""
     file = io.StringIO()
     console = Console(file=file, force_terminal=terminal, width=100)
-    with progress_bar(console) as bar:
+    with case_progress(console) as bar:
         task = bar.add_task("paper", total=4, completed=begun)
         for _ in range(4 - begun):
             bar.advance(task)
