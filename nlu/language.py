@@ -204,6 +204,7 @@ class Language:
         self, text: str, context: UtteranceContext, accepted: Collection[str]
     ) -> Understanding:
         found = self.utterance_parser.understand(text, context, accepted)
+        found = self._with_lost_referent(found, context, accepted)
         if _is_not_understood(found.meaning, text):
             aside, courtesy = self._halt_within(text), self._courtesies.find(self._tokens(text))
             if courtesy and courtesy.kind and not courtesy.rest:
@@ -216,6 +217,21 @@ class Language:
         if not isinstance(found.meaning, AskBack):
             return found
         return replace(found, discourse=after_offer(found.meaning.choices, found.discourse))
+
+    def _with_lost_referent(
+        self, found: Understanding, context: UtteranceContext, accepted: Collection[str]
+    ) -> Understanding:
+        """Return the question whether "it" is what was spoken of before a turn that failed."""
+        asked = found.meaning
+        if not context.discourse.has_failed or not isinstance(asked, AskBack) or asked.choices:
+            return found
+        before = replace(context, discourse=replace(context.discourse, has_failed=False))
+        again = self.utterance_parser.understand(found.text, before, accepted)
+        if again.reading is None or isinstance(again.meaning, AskBack):
+            return found
+        offer = replace(again.reading, meaning=AskBack(choices=(again.meaning,)))
+        asked = self.utterance_parser.clarification.licensed(offer)
+        return replace(again, discourse=context.discourse).chosen(asked)
 
     def _without_courtesies(
         self, failed: Understanding, context: UtteranceContext
@@ -303,6 +319,11 @@ class Language:
         """Return which of `count` choices a text takes, from 1; 0 for none, None for no answer."""
         lists = load_word_lists(self.folder / "choices.yaml")
         return choice_of(self._tokens(text).words, count, lists)
+
+    def opposites(self, prop: str) -> set[str]:
+        """Return the properties that no thing has together with one: "cold" beside "hot"."""
+        pairs = load_word_lists(self.folder / "choices.yaml").phrases("opposites")
+        return {other for pair in pairs if prop in pair for other in pair} - {prop}
 
     def control(self, text: str) -> Control | None:
         """Return the control that a text is ("stop", "put it down"), None for any other text."""

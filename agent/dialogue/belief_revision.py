@@ -7,10 +7,11 @@ the speech recogniser, and the trust in the speaker. The first two are in the st
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 from itertools import chain
 
 from ...inference.taxonomy import Taxonomy
-from ...kb.interval import CERTAIN, VACUOUS
+from ...kb.interval import VACUOUS
 from ...kb.rule import Atom, Rule
 from ...nlu.lexicon.vocabulary import NewWord
 from ...nlu.semantics import meaning
@@ -130,10 +131,12 @@ class BeliefRevision:
 
     def open_topic(self, turn: UnderstoodTurn, said: meaning.TopicStatement) -> Reply:
         """Ask about what the speaker wants to speak of, which may be a new thing."""
-        conversation = self._conversation
-        conversation.noted[said.topic] |= {Atom("property", name): CERTAIN for name in said.props}
-        key, slots = "noted" if said.props else "topic", {"properties": said.props}
-        spoken = conversation.say(AnswerContent(key, {"object": said.topic, **slots}))
+        conversation, topic, denied = self._conversation, said.topic, said.denied
+        conversation.note(topic, said.props, is_so=not denied)
+        key = ("noted_not" if denied else "noted") if said.props else "topic"
+        phrase = partial(conversation.language.answers.state_phrase, topic, denied=denied)
+        slots = {"object": topic, "rules": tuple(map(phrase, said.props))}
+        spoken = conversation.say(AnswerContent(key, slots))
         conversation.believe(turn, (), spoken, turn.understood.new_words, kind="topic")
         conversation.wait_for(turn)
         return conversation.reply(turn, spoken, "asked" if said.props else "done")

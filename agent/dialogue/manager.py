@@ -368,6 +368,13 @@ class DialogueManager:
         if found.ending == "failed":
             conversation.topic, conversation.unanswered = (), conversation.say(found)
             self._clarification.wait_to_learn(turn, said)
+        if said.object and said.property:
+            denied = meaning.TopicStatement(said.object, (said.property,), denied=True)
+            yes, no = (
+                partial(self._beliefs.open_topic, turn, each)
+                for each in (replace(denied, denied=False), denied)
+            )
+            conversation.wait_for(turn, yes, no=no, needs_yes=True)
         if found.key in {"is_not_used_for", "is_used_otherwise"}:
             use, sure = said.affordance or "", conversation.language.usual
             rule = meaning.FunctionalRule(said.object or "", use, sure, material=said.material)

@@ -33,6 +33,10 @@ _ABOUT_ANY = """SELECT ?rule {
 
 _PARTS = "SELECT ?part { GRAPH graph:domain { ?part hilt:partOf ?object } } ORDER BY ?part"
 
+_PROPERTIES = (
+    "SELECT ?of { GRAPH graph:domain { ?thing hilt:partOf? ?object ; hilt:property ?of } }"
+)
+
 SURE = (0.6, 0.9)
 """From these certainties on Hilt says that it is fairly sure, and quite sure."""
 
@@ -69,12 +73,20 @@ def _objects_for(question: Question, known: Conversation) -> Answered:
 def _best_for(question: Question, known: Conversation) -> Answered:
     rules = _functional(question, known)
     goal = Goal("find", Target(used_for=question.affordance, material=question.material))
-    told = {_kind(rule): dict.fromkeys(rule.features, CERTAIN) for rule in rules if rule.object}
+    asked = question.among
+    meant = [rule for rule in rules if rule.object and (not asked or rule.object in asked)]
+    told = {_kind(rule): dict.fromkeys(rule.features, CERTAIN) for rule in meant}
     seen = [Observation(name, name, features) for name, features in told.items()]
     kinds = Taxonomy.from_base(known.base)
-    best = Affordances(known.base, taxonomy=kinds).infer(FIND, goal, seen).best
+    inference = Affordances(known.base, taxonomy=kinds).infer(FIND, goal, seen)
+    best = inference.best
     if best is None:
         return spoken("nothing_known_for", affordance=_use(question)), ()
+    equal = [each for each in inference.candidates if each.certainty == best.certainty]
+    if len(equal) > 1:
+        names = tuple(each.object for each in equal)
+        said = spoken("equally_good", done=True, objects=names, affordance=_use(question))
+        return said, tuple(rule for each in equal for rule in each.rules)
     materials = {rule.material for rule in best.rules}
     use = _use(question) if None in materials else _use(question, *sorted(filter(None, materials)))
     return spoken("best_for", done=True, object=best.object, affordance=use), best.rules
@@ -157,10 +169,34 @@ def _is_kind_of(question: Question, known: Conversation) -> Answered:
 def _about(question: Question, known: Conversation) -> Answered:
     if question.object is None:
         return _objects_for(question, known)
-    rules = known.base.rules(object=question.object)
-    if not rules:
+    rules, phrase = known.base.rules(object=question.object), known.language.answers.state_phrase
+    noted = ((atom.name, held.lower > 0) for atom, held in known.noted[question.object].items())
+    states = (phrase(question.object, name, denied=False) for name, is_so in noted if is_so)
+    said = (*map(known.quote, rules), *states)
+    if not said:
         return spoken("nothing_about", object=question.object), ()
-    return spoken("about", done=True, rules=tuple(map(known.quote, rules))), tuple(rules)
+    return spoken("about", done=True, rules=said), tuple(rules)
+
+
+def _state(question: Question, known: Conversation) -> Answered:
+    name, prop = question.object, question.property or ""
+    if name is None:
+        things = (each for each in {*known.visible(), *known.noted} if _is_like(each, prop, known))
+        names = tuple(sorted(things))
+        return spoken("all_so" if names else "none_so", done=True, objects=names), ()
+    is_so = _is_like(name, prop, known)
+    if is_so is None:
+        return spoken("is_it_so", object=name, property=prop), ()
+    state = known.language.answers.state_phrase(name, prop, denied=not is_so)
+    return spoken("is_used_for" if is_so else "is_denied", done=True, rule=state), ()
+
+
+def _is_like(name: str, prop: str, known: Conversation) -> bool | None:
+    told = known.noted[name].get(Atom("property", prop))
+    if told is not None:
+        return told.lower > 0
+    found = known.base.select(_PROPERTIES, {"object": [atom_iri(Atom("object", name))]})
+    return prop in {atom_from_iri(cast(Iri, row[0])).name for row in found} or None
 
 
 def _confidence(question: Question, known: Conversation) -> Answered:
@@ -469,6 +505,7 @@ _ANSWERS: Mapping[str, Callable[[Question, Conversation], Answered]] = {
     "parts": _parts,
     "see": _see,
     "source": _source,
+    "state": _state,
     "trust": _trust,
     "uses_of": _uses_of,
     "what_if": _what_if,

@@ -9,10 +9,10 @@ other half; one about two objects is rejected, one over several objects or acts 
 from dataclasses import replace
 
 from .discourse import SOMETHING, Discourse, use_form
-from .meaning import ActionRule, Command, FunctionalRule, Question
+from .meaning import ActionRule, Command, FunctionalRule, Question, ToolCommand
 from .predicates import PredicateForm, UninterpretableError
 
-IT, THEY, ONE = map(PredicateForm, ("it", "they", "one"))
+IT, THEY, ONE, THE_TWO = map(PredicateForm, ("it", "they", "one", "theTwo"))
 LAST_USE = PredicateForm("lastUse")
 PRONOUNS = frozenset({IT, THEY})
 PERSONAL = frozenset(map(PredicateForm, ("him", "her", "them")))
@@ -43,6 +43,10 @@ def resolve(form: PredicateForm, discourse: Discourse) -> PredicateForm:
             raise UninterpretableError("of_which_object", asks=True)
     form = form.mapped(_with_each_material).mapped(_with_each_part)
     form = form.mapped(_to_anyone).mapped(lambda part: _person(part, discourse))
+    if THE_TWO in form:
+        if len(discourse.pair) < 2:
+            raise UninterpretableError("no_referent", asks=True, word="both")
+        form, discourse = form.replacing(THE_TWO, THEY), replace(discourse, named=discourse.pair)
     if THEY in form:
         return _resolve_they(form, discourse)
     if len(discourse.named) > 1 and discourse.object != THEY:
@@ -59,10 +63,10 @@ def resolve(form: PredicateForm, discourse: Discourse) -> PredicateForm:
 
 def _ordinal(part: PredicateForm, discourse: Discourse) -> PredicateForm | None:
     if part == LAST_USE:
-        last = discourse.last
-        if not isinstance(last, (FunctionalRule, Question)) or last.affordance is None:
+        use, material = _use_spoken_of(discourse.last)
+        if use is None:
             raise UninterpretableError("no_referent", asks=True, word="the use")
-        return use_form(last.affordance, last.material)
+        return use_form(use, material)
     if part == ONE:
         is_described = isinstance(discourse.last, Command) and discourse.last.target.object is None
         known = None if is_described else discourse.object
@@ -72,6 +76,18 @@ def _ordinal(part: PredicateForm, discourse: Discourse) -> PredicateForm | None:
     if len(discourse.pair) < 2:
         raise UninterpretableError("no_referent", asks=True, word=f"the {part.name}")
     return discourse.pair[_ORDINALS[part.name]]
+
+
+def _use_spoken_of(last: object) -> tuple[str | None, str | None]:
+    match last:
+        case FunctionalRule() | Question():
+            return last.affordance, last.material
+        case Command(target=target):
+            return target.used_for, target.material
+        case ToolCommand(patient=patient, tool=tool):
+            return tool.used_for, patient
+        case _:
+            return None, None
 
 
 def _to_anyone(form: PredicateForm) -> PredicateForm | None:
@@ -183,6 +199,8 @@ def resolve_rules(form: PredicateForm, discourse: Discourse) -> PredicateForm:
             if IT not in act:
                 raise UninterpretableError("one_thing_at_a_time")
             form = act.replacing(IT, thing)
+        case "whenIs", (norm, state) if IT in norm and noun_of(state) != IT:
+            form = PredicateForm("whenIs", (norm.replacing(IT, noun_of(state)), state))
         case name, _ if name in _TWICE and IT in form and _acted_on(form):
             form = form.replacing(IT, _acted_on(form) or IT)
         case _:

@@ -15,6 +15,7 @@ from .meaning import (
     Acknowledgement,
     ActionRule,
     Answer,
+    AskBack,
     Command,
     Confidence,
     FunctionalRule,
@@ -22,6 +23,7 @@ from .meaning import (
     KindStatement,
     Meaning,
     ObjectReference,
+    Plan,
     Question,
     Retraction,
     Rule,
@@ -76,9 +78,13 @@ class Interpreter:
             case "wantBelieve" if content.name == "topic":
                 return TopicStatement(_kind(content.arguments[0]))
             case "wantBelieve" if content.name == "stateOf":
-                return TopicStatement(*kind_and_properties(content.arguments[0]))
+                return _state(content)
+            case "wantBelieve" if content.name == "supposing":  # it may be said of now only
+                return AskBack(choices=(self._statement(content.arguments[0]),))
             case "wantBelieve":
                 return self._statement(content)
+            case "want" if content.name == "and":
+                return self._plan(content)
             case "want":
                 return self.command(content)
             case "wantKnow":
@@ -87,6 +93,12 @@ class Interpreter:
                 return self._correction(content, discourse)
             case _:
                 return Acknowledgement(content.name)
+
+    def _plan(self, form: PredicateForm) -> Plan:
+        steps = tuple(map(self.command, form.arguments))
+        if any(step.negated for step in steps):
+            raise UninterpretableError("one_thing_at_a_time")
+        return Plan(steps)
 
     def _statement(self, form: PredicateForm) -> Statement | KindStatement:
         if form.name == "and" and form.arguments[0].name == "graspObject":
@@ -136,7 +148,7 @@ class Interpreter:
         else:
             yield self._functional_rule(form)
 
-    def _correction(self, form: PredicateForm, discourse: Discourse) -> Meaning:
+    def _correction(self, form: PredicateForm, discourse: Discourse) -> Meaning:  # noqa: PLR0911 - a case per form
         if form.name == "retractAbout":
             return Retraction(about=kind_and_properties(form.arguments[0])[0])
         if form.name == "retractPart":
@@ -145,6 +157,8 @@ class Interpreter:
             return Retraction(is_of_told=form.name == "retractTold")
         if form.name == "retract":
             return Retraction(self._one_rule(form.arguments[0]))
+        if form.name == "correct" and form.arguments[0].name == "stateOf":
+            return _state(form.arguments[0])
         if form.name == "correct" and form.arguments[0].name in {"implies", "and", *KIND_FORMS}:
             return with_rules(self._stated(form.arguments[0]), revises=True)
         return self._fragment(form, discourse)
@@ -307,8 +321,15 @@ class Interpreter:
         match form.name, form.arguments:
             case (name, ()) if name in table.bare:
                 return Question(ask)
+            case "best", (use, PredicateForm(name="both", arguments=things)):
+                return replace(_question_on_use(ask, use), among=tuple(map(_kind, things)))
             case (_, (thing, *_)) if kind:
                 return self._question_naming(ask, kind, thing)
+            case "isTrue" | "which", (PredicateForm(name="stateOf", arguments=(thing, *_)),):
+                name, props = kind_and_properties(thing)
+                if len(props) != 1:
+                    raise UninterpretableError("one_thing_at_a_time")
+                return Question("state", None if name == ANY_OBJECT else name, property=props[0])
             case "hasPart", (thing, part):
                 return Question(ask, object=_kind(thing), part=part_and_owner(part)[0])
             case "howSure", (PredicateForm(arguments=()) as thing, *_):
@@ -380,6 +401,11 @@ class Interpreter:
             return Question(ask, _kind(act.arguments[-1]), context=act.said, part=part)
         target = self._reference(act.arguments[1])
         return replace(_question_on_target(ask, target), context=act.said, part=part)
+
+
+def _state(form: PredicateForm) -> TopicStatement:
+    thing, *denied = form.arguments
+    return TopicStatement(*kind_and_properties(thing), denied=bool(denied))
 
 
 def _use(form: PredicateForm) -> tuple[str, str | None]:

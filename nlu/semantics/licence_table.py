@@ -23,6 +23,7 @@ from .meaning import (
     KindStatement,
     Meaning,
     NormStatement,
+    Plan,
     Retraction,
     Rule,
     Statement,
@@ -76,6 +77,8 @@ class LicenceTable:
                 kinds = frozenset({"norm"})
             case Retraction():
                 kinds = frozenset({"retraction"})
+            case Plan():
+                kinds = frozenset({"command"})
             case Command(negated=negated) | ToolCommand(negated=negated):
                 kinds = frozenset({"prohibition" if negated else "command"})
             case _:

@@ -303,7 +303,7 @@ class Question(_Record):
     #: `about`, `best_for`, `capabilities`, `confidence`, `exceptions`, `first_told`, `hearing`,
     #: `holding`, `how`, `identity`, `is_kind_of`, `is_used_for`, `known`, `last_asked`,
     #: `last_done`, `last_spoken_of`, `last_told`, `objects_for`, `parts`, `repeated`, `see`,
-    #: `source`, `told`, `trust`, `uses_of`, `wellbeing`, `what_if`, `which_context`,
+    #: `source`, `state`, `told`, `trust`, `uses_of`, `wellbeing`, `what_if`, `which_context`,
     #: `why`, `why_not`, `forbidden` or `may`
     ask: str
     #: object, affordance, context, part, speaker: what the question names, else None
@@ -316,6 +316,8 @@ class Question(_Record):
     material: str | None = None
     norm: Norm | None = None  #: the permission that it asks for: "may you pick up the mug?"
     kind_of: str | None = None  #: the more general kind that it asks about: "is a spoon a tool?"
+    property: str | None = None  #: what it asks about a thing at hand: "is the mug hot?"
+    among: tuple[str, ...] | None = None  #: the things that are compared, if not all
 
 
 @dataclass(frozen=True)
@@ -343,6 +345,7 @@ class TopicStatement(_Record):
 
     topic: str  # a kind of object
     props: tuple[str, ...] = ()  # the properties that the one at hand is said to have, sorted
+    denied: bool = False  # whether it is said not to have them
 
     @property
     def kind(self) -> str:
