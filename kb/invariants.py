@@ -8,8 +8,6 @@ numbers and hashes that describe it; a file need not.
 `hilt validate` checks all nodes and `hilt update` those that an update touches, by the same laws.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from datetime import datetime
@@ -195,7 +193,7 @@ def _speaker(_: ReadableStore, node: Iri, properties: Properties) -> Iterable[Qu
     return trust_quads(name, Interval(*lower, *upper).rounded())
 
 
-def _learned(mapping: LearnedMapping[Any]) -> _Reader:
+def _learned(mapping: LearnedMapping[Any]) -> "_Reader":
     told = {mapping.fields[name].predicate: mapping.fields[name] for name in TOLD}
 
     def read(_: ReadableStore, node: Iri, properties: Properties) -> Iterator[Quad]:

@@ -369,11 +369,9 @@ class DialogueManager:
             conversation.topic, conversation.unanswered = (), conversation.say(found)
             self._clarification.wait_to_learn(turn, said)
         if said.object and said.property:
-            denied = meaning.TopicStatement(said.object, (said.property,), denied=True)
-            yes, no = (
-                partial(self._beliefs.open_topic, turn, each)
-                for each in (replace(denied, denied=False), denied)
-            )
+            said_so = meaning.TopicStatement(said.object, (said.property,))
+            yes = partial(self._beliefs.open_topic, turn, said_so)
+            no = partial(self._beliefs.open_topic, turn, replace(said_so, denied=True))
             conversation.wait_for(turn, yes, no=no, needs_yes=True)
         if found.key in {"is_not_used_for", "is_used_otherwise"}:
             use, sure = said.affordance or "", conversation.language.usual

@@ -203,10 +203,11 @@ class TreeExecutor:
         return failure
 
     def _observed(self, percept: Percept, features: Sequence[Atom]) -> Observation:
-        is_meant = percept.object == self._request.name("object")
-        told = self._request.contexts if is_meant else {}
         is_point = self._affordances.settings.detection == "point"
-        return percept_as_observation(percept, features, told, point=is_point)
+        seen = percept_as_observation(percept, features, point=is_point)
+        is_meant = percept.object == self._request.name("object")
+        told = self._request.contexts if is_meant else {}  # goes before what is seen
+        return replace(seen, atoms={each: told.get(each, seen.atoms[each]) for each in seen.atoms})
 
     def _notify(self, step: WalkStep) -> None:
         for watcher in self._context.watchers:

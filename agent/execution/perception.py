@@ -1,6 +1,6 @@
 """Percepts as evidence for inference, and perfect vision for decisions without a simulator."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 from ...inference.types import Observation
 from ...kb.interval import Interval
@@ -11,18 +11,14 @@ from ...sim.vision.percept import UNMEASURED, Percept
 
 
 def percept_as_observation(
-    percept: Percept,
-    features: Sequence[Atom],
-    told: Mapping[Atom, Interval],
-    *,
-    point: bool = False,
+    percept: Percept, features: Sequence[Atom], *, point: bool = False
 ) -> Observation:
     """Return a percept as evidence: an interval for each feature that was looked for.
 
     An object detected with confidence d has each feature it shows with [d, 1]: uncertainty is not
     evidence against (theory of the paper; with rules [p, 1] only the lower bound matters). A
     property it does not show is denied with [0, 1 - d]; other missing features are left out.
-    With `point` the probability is [d, d] instead. What was `told` of the object goes before.
+    With `point` the probability is [d, d] instead.
     """
     sure = percept.confidence
     atoms: dict[Atom, Interval] = {}
@@ -31,7 +27,6 @@ def percept_as_observation(
             atoms[feature] = Interval(sure, sure if point else 1.0)
         elif feature.kind == "property":
             atoms[feature] = Interval(1.0 - sure if point else 0.0, 1.0 - sure)
-    atoms |= {feature: told[feature] for feature in features if feature in told}
     return Observation(percept.name, percept.object, atoms)
 
 
