@@ -204,7 +204,6 @@ class Language:
         self, text: str, context: UtteranceContext, accepted: Collection[str]
     ) -> Understanding:
         found = self.utterance_parser.understand(text, context, accepted)
-        found = self._with_lost_referent(found, context, accepted)
         if _is_not_understood(found.meaning, text):
             aside, courtesy = self._halt_within(text), self._courtesies.find(self._tokens(text))
             if courtesy and courtesy.kind and not courtesy.rest:
@@ -217,21 +216,6 @@ class Language:
         if not isinstance(found.meaning, AskBack):
             return found
         return replace(found, discourse=after_offer(found.meaning.choices, found.discourse))
-
-    def _with_lost_referent(
-        self, found: Understanding, context: UtteranceContext, accepted: Collection[str]
-    ) -> Understanding:
-        """Return the question whether "it" is what was spoken of before a turn that failed."""
-        asked = found.meaning
-        if not context.discourse.has_failed or not isinstance(asked, AskBack) or asked.choices:
-            return found
-        before = replace(context, discourse=replace(context.discourse, has_failed=False))
-        again = self.utterance_parser.understand(found.text, before, accepted)
-        if again.reading is None or isinstance(again.meaning, AskBack):
-            return found
-        offer = replace(again.reading, meaning=AskBack(choices=(again.meaning,)))
-        asked = self.utterance_parser.clarification.licensed(offer)
-        return replace(again, discourse=context.discourse).chosen(asked)
 
     def _without_courtesies(
         self, failed: Understanding, context: UtteranceContext
@@ -290,10 +274,6 @@ class Language:
     def with_phrases(self, phrases: Iterable[PhrasePattern]) -> "Language":
         """Return this language with further turns of phrase; a later one replaces an earlier."""
         return replace(self, phrases={**self.phrases, **{each.key: each for each in phrases}})
-
-    def with_frames(self, frames: Mapping[str, tuple[str, ...]]) -> "Language":
-        """Return this language with these taught actions, whose names it has as words."""
-        return replace(self, frames=frames)
 
     @cached_property
     def _tokens(self) -> Callable[[str], Tokens]:

@@ -7,7 +7,6 @@ the speech recogniser, and the trust in the speaker. The first two are in the st
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from functools import partial
 from itertools import chain
 
 from ...inference.taxonomy import Taxonomy
@@ -131,11 +130,10 @@ class BeliefRevision:
 
     def open_topic(self, turn: UnderstoodTurn, said: meaning.TopicStatement) -> Reply:
         """Ask about what the speaker wants to speak of, which may be a new thing."""
-        conversation, topic, denied = self._conversation, said.topic, said.denied
-        conversation.note(topic, said.props, is_so=not denied)
-        key = ("noted_not" if denied else "noted") if said.props else "topic"
-        phrase = partial(conversation.language.answers.state_phrase, topic, denied=denied)
-        slots = {"object": topic, "rules": tuple(map(phrase, said.props))}
+        conversation = self._conversation
+        conversation.note(said.topic, said.props, is_so=not said.denied)
+        key = ("noted_not" if said.denied else "noted") if said.props else "topic"
+        slots = {"object": said.topic, "properties": said.props}
         spoken = conversation.say(AnswerContent(key, slots))
         conversation.believe(turn, (), spoken, turn.understood.new_words, kind="topic")
         conversation.wait_for(turn)

@@ -39,7 +39,6 @@ KINDS = {  # what a command of the CLI listens to -> kinds of meaning
     "do": ("command", "control"),
     "ask": ("question",),
 }
-ALWAYS_HEARD = ("error", "ask_back", "acknowledgement")
 
 
 class DialogueManager:
@@ -141,7 +140,7 @@ class DialogueManager:
             text, speaker, heard=heard, accepted=self._accepted
         )
         turn = UnderstoodTurn(understood, heard, keep)
-        if only and understood.kind not in (*KINDS[only], *ALWAYS_HEARD):
+        if only and understood.kind not in (*KINDS[only], "error", "ask_back", "acknowledgement"):
             return self.conversation.answered(turn, f"only_{only}", "not_understood")
         if understood.kind not in {"acknowledgement", "control"}:
             self.conversation.open_question = None

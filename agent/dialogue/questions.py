@@ -33,9 +33,7 @@ _ABOUT_ANY = """SELECT ?rule {
 
 _PARTS = "SELECT ?part { GRAPH graph:domain { ?part hilt:partOf ?object } } ORDER BY ?part"
 
-_PROPERTIES = (
-    "SELECT ?of { GRAPH graph:domain { ?thing hilt:partOf? ?object ; hilt:property ?of } }"
-)
+_PROPERTIES = "SELECT ?of { GRAPH graph:domain { ?it hilt:partOf? ?object ; hilt:property ?of } }"
 
 SURE = (0.6, 0.9)
 """From these certainties on Hilt says that it is fairly sure, and quite sure."""
@@ -82,11 +80,8 @@ def _best_for(question: Question, known: Conversation) -> Answered:
     best = inference.best
     if best is None:
         return spoken("nothing_known_for", affordance=_use(question)), ()
-    equal = [each for each in inference.candidates if each.certainty == best.certainty]
-    if len(equal) > 1:
-        names = tuple(each.object for each in equal)
-        said = spoken("equally_good", done=True, objects=names, affordance=_use(question))
-        return said, tuple(rule for each in equal for rule in each.rules)
+    if sum(each.certainty == best.certainty for each in inference.candidates) > 1:
+        return _objects_for(question, known)
     materials = {rule.material for rule in best.rules}
     use = _use(question) if None in materials else _use(question, *sorted(filter(None, materials)))
     return spoken("best_for", done=True, object=best.object, affordance=use), best.rules
@@ -169,26 +164,25 @@ def _is_kind_of(question: Question, known: Conversation) -> Answered:
 def _about(question: Question, known: Conversation) -> Answered:
     if question.object is None:
         return _objects_for(question, known)
-    rules, phrase = known.base.rules(object=question.object), known.language.answers.state_phrase
-    noted = ((atom.name, held.lower > 0) for atom, held in known.noted[question.object].items())
-    states = (phrase(question.object, name, denied=False) for name, is_so in noted if is_so)
-    said = (*map(known.quote, rules), *states)
-    if not said:
+    rules, noted = known.base.rules(object=question.object), known.noted[question.object]
+    slots = {"object": question.object, "rules": tuple(map(known.quote, rules))}
+    slots["properties"] = tuple(atom.name for atom, held in noted.items() if held.lower > 0)
+    if not rules and not slots["properties"]:
         return spoken("nothing_about", object=question.object), ()
-    return spoken("about", done=True, rules=said), tuple(rules)
+    key = ("about_both" if rules else "about_state") if slots["properties"] else "about"
+    return spoken(key, done=True, **slots), tuple(rules)
 
 
 def _state(question: Question, known: Conversation) -> Answered:
     name, prop = question.object, question.property or ""
     if name is None:
-        things = (each for each in {*known.visible(), *known.noted} if _is_like(each, prop, known))
-        names = tuple(sorted(things))
+        things = {*known.visible(), *known.noted}
+        names = tuple(sorted(each for each in things if _is_like(each, prop, known)))
         return spoken("all_so" if names else "none_so", done=True, objects=names), ()
     is_so = _is_like(name, prop, known)
     if is_so is None:
         return spoken("is_it_so", object=name, property=prop), ()
-    state = known.language.answers.state_phrase(name, prop, denied=not is_so)
-    return spoken("is_used_for" if is_so else "is_denied", done=True, rule=state), ()
+    return spoken("yes_is" if is_so else "no_is", done=True, object=name, properties=prop), ()
 
 
 def _is_like(name: str, prop: str, known: Conversation) -> bool | None:
@@ -295,7 +289,9 @@ def why(question: Question, known: Conversation) -> Answered:
     if not rules and question.part and (question.context or last is None):
         rules = tuple(_grasps(rule for rule in _meant(question, known) if rule.asserts))
     if rules:
-        return _because(rules, known), rules
+        is_alike = rules[-1].status == "induced"
+        told = {"texts": known.words_of(rules[-1])} if is_alike else _sources(rules, known)
+        return spoken("because_alike" if is_alike else "because_told", done=True, **told), rules
     if last is None:
         return spoken("nothing_done"), ()
     wrong = _not_so(question, known.decision)
@@ -305,12 +301,6 @@ def why(question: Question, known: Conversation) -> Answered:
         # What the command itself names needs no rule.
         return _as_said(last), ()
     return _because_of_decision(known, last), ()
-
-
-def _because(rules: Sequence[Rule], known: Conversation) -> AnswerContent:
-    if rules[-1].status == "induced":
-        return spoken("because_alike", done=True, texts=known.words_of(rules[-1]))
-    return spoken("because_told", done=True, **_sources(rules, known))
 
 
 def _because_of_decision(known: Conversation, last: Reply) -> AnswerContent:

@@ -205,8 +205,7 @@ class TreeExecutor:
     def _observed(self, percept: Percept, features: Sequence[Atom]) -> Observation:
         is_point = self._affordances.settings.detection == "point"
         seen = percept_as_observation(percept, features, point=is_point)
-        is_meant = percept.object == self._request.name("object")
-        told = self._request.contexts if is_meant else {}  # goes before what is seen
+        told = self._request.contexts if percept.object == self._request.name("object") else {}
         return replace(seen, atoms={each: told.get(each, seen.atoms[each]) for each in seen.atoms})
 
     def _notify(self, step: WalkStep) -> None:

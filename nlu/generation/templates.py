@@ -35,7 +35,6 @@ PHRASES = (
     *("functional", "negative", "seldom", "possible"),  # rules on uses
     *("action", "holding", "forbidden", "seldom_by"),  # rules on holding
     *("kind", "no_kind"),  # relations of kinds
-    *("state", "no_state"),  # what a thing at hand is like
     *("must_not", "may", "only_by", "must_first", "may_without"),  # norms
     *("by_part", "in_place", "to_whom", "with_tool"),  # what is added to an act
     *("for_material", "noted", "source", "any_object", "any_with", "joined"),
@@ -91,11 +90,6 @@ class AnswerTemplates:
         """Return of which kind an object is in words: "a bread knife is a kind of knife"."""
         kinds: dict[str, Slot] = {"object": relation.object, "kind": relation.kind_of}
         return self.fill(self.phrases["no_kind" if relation.denies else "kind"], kinds)
-
-    def state_phrase(self, name: str, prop: str, *, denied: bool) -> str:
-        """Return what a thing at hand is like, or is not like: "the mug is hot"."""
-        slots = {"object": name, "property": prop}
-        return self.fill(self.phrases["no_state" if denied else "state"], slots)
 
     def norm_phrase(self, norm: meaning.Norm) -> str:
         """Return a norm in words: "I must not pass a knife to a child in the kitchen"."""

@@ -81,12 +81,6 @@ class KnownWords:
         """The tokens that are not known."""
         return [token for token in tokens.items if not self.has(token.word)]
 
-    def things(self, tokens: Tokens) -> list[str]:
-        """The known kinds of objects that single words name, each once."""
-        forms = ([word, *self.origins(word, "plural")[:1]] for word in tokens.words)
-        found = (next((w for w in each if self.lexicon.is_name(w, ("N",))), None) for each in forms)
-        return list(dict.fromkeys(filter(None, found)))
-
     def origins(self, word: str, form: str) -> list[str]:
         """The words of which a word may be some form, the likeliest first."""
         return self.builder.inflection.origins(word, form)

@@ -76,12 +76,21 @@ class UtteranceParser:
         problem = self.clarification.of_input(text, tokens)
         if problem is not None:
             return _failed(Understanding.of(tokens, context, problem), ())
-        found = _Attempt(self, accepted).understand(tokens, context)
+        found, before = _Attempt(self, accepted).understand(tokens, context), context.discourse
+        is_open = isinstance(found.meaning, AskBack) and not found.meaning.choices
+        if before.has_failed and is_open:
+            # What cannot be referred to after a turn that failed may be what was named before.
+            at_point = replace(context, discourse=replace(before, has_failed=False))
+            again = _Attempt(self, accepted).understand(tokens, at_point)
+            if again.reading and not isinstance(again.meaning, AskBack):
+                offer = replace(again.reading, meaning=AskBack(choices=(again.meaning,)))
+                return replace(again, discourse=before).chosen(self.clarification.licensed(offer))
         if found.reading is None and not _is_procedure(found):
             known = self.known_words
             # If it may name an object, "it" no longer is the last one.
             may_name = any(not known.has(word) or known.names(word) for word in tokens.words)
-            return _failed(found, known.things(tokens)) if may_name else found
+            named = [word for word in tokens.words if known.lexicon.is_name(word, ("N",))]
+            return _failed(found, named) if may_name else found
         sure = found.reading.interval if found.reading else context.recognition
         if self.parser.pragmatics.is_enough(sure):
             return found

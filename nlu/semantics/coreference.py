@@ -9,7 +9,7 @@ other half; one about two objects is rejected, one over several objects or acts 
 from dataclasses import replace
 
 from .discourse import SOMETHING, Discourse, use_form
-from .meaning import ActionRule, Command, FunctionalRule, Question, ToolCommand
+from .meaning import ActionRule, Command
 from .predicates import PredicateForm, UninterpretableError
 
 IT, THEY, ONE, THE_TWO = map(PredicateForm, ("it", "they", "one", "theTwo"))
@@ -63,10 +63,12 @@ def resolve(form: PredicateForm, discourse: Discourse) -> PredicateForm:
 
 def _ordinal(part: PredicateForm, discourse: Discourse) -> PredicateForm | None:
     if part == LAST_USE:
-        use, material = _use_spoken_of(discourse.last)
-        if use is None:
+        last = discourse.last
+        named = getattr(last, "target", None) or getattr(last, "tool", last)
+        use = getattr(named, "affordance", None) or getattr(named, "used_for", None)
+        if named is None or use is None:
             raise UninterpretableError("no_referent", asks=True, word="the use")
-        return use_form(use, material)
+        return use_form(use, getattr(named, "material", None) or getattr(last, "patient", None))
     if part == ONE:
         is_described = isinstance(discourse.last, Command) and discourse.last.target.object is None
         known = None if is_described else discourse.object
@@ -76,18 +78,6 @@ def _ordinal(part: PredicateForm, discourse: Discourse) -> PredicateForm | None:
     if len(discourse.pair) < 2:
         raise UninterpretableError("no_referent", asks=True, word=f"the {part.name}")
     return discourse.pair[_ORDINALS[part.name]]
-
-
-def _use_spoken_of(last: object) -> tuple[str | None, str | None]:
-    match last:
-        case FunctionalRule() | Question():
-            return last.affordance, last.material
-        case Command(target=target):
-            return target.used_for, target.material
-        case ToolCommand(patient=patient, tool=tool):
-            return tool.used_for, patient
-        case _:
-            return None, None
 
 
 def _to_anyone(form: PredicateForm) -> PredicateForm | None:

@@ -83,8 +83,8 @@ class Interpreter:
                 return AskBack(choices=(self._statement(content.arguments[0]),))
             case "wantBelieve":
                 return self._statement(content)
-            case "want" if content.name == "and":
-                return self._plan(content)
+            case "want" if content.name == "and" and all(each.name != "not" for each in content):
+                return Plan(tuple(map(self.command, content.arguments)))
             case "want":
                 return self.command(content)
             case "wantKnow":
@@ -93,12 +93,6 @@ class Interpreter:
                 return self._correction(content, discourse)
             case _:
                 return Acknowledgement(content.name)
-
-    def _plan(self, form: PredicateForm) -> Plan:
-        steps = tuple(map(self.command, form.arguments))
-        if any(step.negated for step in steps):
-            raise UninterpretableError("one_thing_at_a_time")
-        return Plan(steps)
 
     def _statement(self, form: PredicateForm) -> Statement | KindStatement:
         if form.name == "and" and form.arguments[0].name == "graspObject":
@@ -233,28 +227,18 @@ class Interpreter:
         recipient = name_of(form.arguments[2]) if len(form.arguments) > 2 else None
         return Command(form.said, target, recipient=recipient)
 
-    def has_act(self, name: str) -> bool:
-        """Return whether an act is known: on an object, or with a tool."""
-        return name in GOALS or name in self.acts or name in self.tool_acts
-
     def is_act_on_object(self, name: str) -> bool:
         """Return whether a name is that of an act on one object."""
         said = name.replace("_", " ")
         return name in GOALS or said in self.acts or said in self.new_acts
 
     def _reference(self, form: PredicateForm) -> ObjectReference:
-        names: set[str] = set()
-        used_for: list[PredicateForm] = []
-        other = False
+        said: dict[str, list[PredicateForm]] = {"having": [], "used": [], "other": []}
         while form.name in {"having", "usedFor", "notUsedFor", "other"}:
-            if form.name == "other":
-                other = True
-            elif form.name == "having":
-                names.add(name_of(form.arguments[1]))
-            else:
-                used_for.append(form)
+            said["used" if form.name.endswith("For") else form.name].append(form)
             form = form.arguments[0]
-        props = tuple(sorted(names))
+        used_for, other = said["used"], bool(said["other"])
+        props = tuple(sorted({name_of(each.arguments[1]) for each in said["having"]}))
         if len(used_for) > 1 or (used_for and form.name not in SOMETHING):
             raise UninterpretableError("object_or_use")
         if used_for:
@@ -404,8 +388,7 @@ class Interpreter:
 
 
 def _state(form: PredicateForm) -> TopicStatement:
-    thing, *denied = form.arguments
-    return TopicStatement(*kind_and_properties(thing), denied=bool(denied))
+    return TopicStatement(*kind_and_properties(form.arguments[0]), denied=len(form.arguments) > 1)
 
 
 def _use(form: PredicateForm) -> tuple[str, str | None]:

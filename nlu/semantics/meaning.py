@@ -305,8 +305,7 @@ class Question(_Record):
     context: str | None = None
     part: str | None = None
     speaker: str | None = None
-    #: what the affordance is asked for ("bread", for cutting), or None for anything
-    material: str | None = None
+    material: str | None = None  #: what the affordance is asked for: "bread", for cutting
     norm: Norm | None = None  #: the permission that it asks for: "may you pick up the mug?"
     kind_of: str | None = None  #: the more general kind that it asks about: "is a spoon a tool?"
     property: str | None = None  #: what it asks about a thing at hand: "is the mug hot?"
@@ -451,9 +450,7 @@ Meaning = (
     Statement
     | NormStatement
     | KindStatement
-    | Command
-    | ToolCommand
-    | ActionCommand
+    | Act
     | Plan
     | ActionDefinition
     | Question
