@@ -213,7 +213,8 @@ class Language:
             found = self._by_phrase(text, context) or self._with_offers(found, context)
         if found.kind in {"error", "ask_back"}:
             found = self._without_courtesies(found, context) or found
-        if not isinstance(found.meaning, AskBack):
+        is_guess = found.reading and context.discourse.has_failed  # of what "it" was
+        if not isinstance(found.meaning, AskBack) or is_guess:
             return found
         return replace(found, discourse=after_offer(found.meaning.choices, found.discourse))
 

@@ -79,7 +79,6 @@ class UtteranceParser:
         found, before = _Attempt(self, accepted).understand(tokens, context), context.discourse
         is_open = isinstance(found.meaning, AskBack) and not found.meaning.choices
         if before.has_failed and is_open:
-            # What cannot be referred to after a turn that failed may be what was named before.
             at_point = replace(context, discourse=replace(before, has_failed=False))
             again = _Attempt(self, accepted).understand(tokens, at_point)
             if again.reading and not isinstance(again.meaning, AskBack):
