@@ -7,8 +7,6 @@
 The simulated body is made at the first command: teaching and asking need no robot.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Collection, Generator, Iterable, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import replace
@@ -117,7 +115,7 @@ class Agent(AbstractContextManager["Agent"]):
         vision: Vision | None = None,
         motion: Motion | None = None,
         dialogue: protocols.Dialogue | None = None,
-    ) -> Agent:
+    ) -> "Agent":
         """Return an agent over a knowledge base: `memory:`, a folder, or an endpoint.
 
         Without a location it is the user's own base; the rest is as in the constructor. DataError
@@ -292,7 +290,7 @@ class Agent(AbstractContextManager["Agent"]):
         return self.base.utterance(utterance).text
 
     @cached_property
-    def body(self) -> Body:
+    def body(self) -> "Body":
         """The simulated body, made at its first use.
 
         MissingExtraError if the simulator is not installed.
@@ -324,7 +322,7 @@ class Agent(AbstractContextManager["Agent"]):
         )
 
     @contextmanager
-    def in_scene(self, scene: Scene, *, simulate: bool = False) -> Generator[Agent]:
+    def in_scene(self, scene: "Scene", *, simulate: bool = False) -> "Generator[Agent]":
         """Another agent for the block: with the same knowledge, in a scene of its own."""
         language, config = self.dialogue.conversation.language, replace(self.config, contexts=())
         embodiment = replace(self.embodiment, scene=scene, simulate=simulate)

@@ -1,7 +1,5 @@
 """JSON documents that the commands print with `--json` and the service answers with."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict
@@ -26,7 +24,7 @@ if TYPE_CHECKING:
 class Explanation:
     """A command that is decided and not carried out, and what would change the decision."""
 
-    def __init__(self, agent: Agent, text: str, speaker: str) -> None:
+    def __init__(self, agent: "Agent", text: str, speaker: str) -> None:
         self.reply = agent.hear(text, speaker=speaker, only="do", keep=False)
         nodes = self.reply.decision.inferences if self.reply.decision else ()
         chosen = agent.affordances.settings
@@ -46,14 +44,14 @@ class Explanation:
         }
 
 
-def episode_as_json(episode: Episode) -> Json:
+def episode_as_json(episode: "Episode") -> Json:
     """One entry of `hilt episodes --json`."""
     time = episode.time and episode.time.isoformat()
     known = {"id": episode.id, "time": time, "speaker": episode.speaker}
     return {**known, **json.loads(episode.document)}
 
 
-def graph_as_json(rules: Iterable[Rule]) -> Json:
+def graph_as_json(rules: "Iterable[Rule]") -> Json:
     """The rules as nodes and edges, as `hilt graph --json` prints them."""
     found = graph_of(rules)
     return {
@@ -62,18 +60,18 @@ def graph_as_json(rules: Iterable[Rule]) -> Json:
     }
 
 
-def question_as_json(named: NamedQuery) -> Json:
+def question_as_json(named: "NamedQuery") -> Json:
     """One entry of `hilt query --list --json`."""
     parameters = [asdict(each) for each in named.parameters.values()]
     return {"name": named.name, "question": named.question, "parameters": parameters}
 
 
-def trust_as_json(trust: Mapping[str, Interval]) -> Json:
+def trust_as_json(trust: "Mapping[str, Interval]") -> Json:
     """As `hilt trust --json` prints it."""
     return {name: {"lower": each.lower, "upper": each.upper} for name, each in trust.items()}
 
 
-def things_as_json(body: Body) -> list[dict[str, Any]]:
+def things_as_json(body: "Body") -> list[dict[str, Any]]:
     """What stands where, as `hilt scene show --json` prints it: metres, and what holds it."""
     world = body.world
     return [
@@ -87,7 +85,7 @@ def things_as_json(body: Body) -> list[dict[str, Any]]:
     ]
 
 
-def rules_to_forget(base: KnowledgeBase, name: str, speaker: str) -> list[Rule]:
+def rules_to_forget(base: "KnowledgeBase", name: str, speaker: str) -> "list[Rule]":
     """The active rules that a name means, or the "last" ones of a speaker.
 
     UnknownNameError if there are none; HiltError if they do not hold any more.
@@ -99,7 +97,7 @@ def rules_to_forget(base: KnowledgeBase, name: str, speaker: str) -> list[Rule]:
     return found
 
 
-def forget_rules(base: KnowledgeBase, rules: Sequence[Rule], said: str, speaker: str) -> str:
+def forget_rules(base: "KnowledgeBase", rules: "Sequence[Rule]", said: str, speaker: str) -> str:
     """Retract rules, and return the answer, which the history keeps."""
     from .presentation.console import rule_text
 
@@ -109,7 +107,7 @@ def forget_rules(base: KnowledgeBase, rules: Sequence[Rule], said: str, speaker:
     return answer
 
 
-def forgotten_as_json(base: KnowledgeBase, said: str, before: int) -> Json:
+def forgotten_as_json(base: "KnowledgeBase", said: str, before: int) -> Json:
     """As `hilt forget --json` prints it: the rules retracted after an utterance."""
     done = rule_changes(base, since=before)
     return {"said": said, "retracted": [rule.as_json() for one in done for rule in one.retracted]}

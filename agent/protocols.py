@@ -5,8 +5,6 @@ values: a `Percept` for an object in view, a `MotionReport` for an attempted act
 an utterance. A failure is a report with a reason, never an exception.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Collection, Mapping, Sequence
 from pathlib import Path
 from threading import Event
@@ -79,7 +77,7 @@ class ExtraPrimitives(Protocol):
     """
 
     def perform(
-        self, action: str, arguments: Mapping[str, Percept | str], constraint: Candidate | None
+        self, action: str, arguments: Mapping[str, Percept | str], constraint: "Candidate | None"
     ) -> MotionReport:
         """Perform one of these primitives.
 
@@ -121,11 +119,11 @@ class ClearingMotion(Protocol):
 class Dialogue(Protocol):
     """Understands utterances and words the answers."""
 
-    def understand(self, text: str, *, speaker: str) -> Meaning | None:
+    def understand(self, text: str, *, speaker: str) -> "Meaning | None":
         """Return the meaning of an utterance; None leaves it to Hilt's own grammar."""
         ...
 
-    def say(self, answer: AnswerContent, spoken: str) -> str:
+    def say(self, answer: "AnswerContent", spoken: str) -> str:
         """Return the wording of an answer."""
         ...
 
@@ -135,11 +133,11 @@ class SpeechRecogniser(Protocol):
 
     name: str  #: what it is called in the calibration and in the history
 
-    def recognise(self, sound: Sound) -> Sequence[Transcript]:
+    def recognise(self, sound: "Sound") -> "Sequence[Transcript]":
         """Return the texts that may have been said, best first; none for a sound without words."""
         ...
 
-    def learn(self, language: Language) -> None:
+    def learn(self, language: "Language") -> None:
         """Take note of the words that are known now; one with words of its own does nothing."""
         ...
 

@@ -194,7 +194,7 @@ def _speaker(_: ReadableStore, node: Iri, properties: Properties) -> Iterable[Qu
     return trust_quads(name, Interval(*lower, *upper).rounded())
 
 
-def _learned(mapping: LearnedMapping[Any]) -> _Reader:
+def _learned(mapping: LearnedMapping[Any]) -> "_Reader":
     told = {mapping.fields[name].predicate: mapping.fields[name] for name in TOLD}
 
     def read(_: ReadableStore, node: Iri, properties: Properties) -> Iterator[Quad]:

@@ -11,8 +11,6 @@ write keeps up to date; it is made anew after a migration, and on request. A bas
 of that graph last of all, so that one that was made in part is made again.
 """
 
-from __future__ import annotations
-
 import hashlib
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import AbstractContextManager, suppress
@@ -110,7 +108,7 @@ class KnowledgeBase(RuleWriter, AbstractContextManager["KnowledgeBase"]):
                 self.derive()
 
     @classmethod
-    def open(cls, location: str | Path, *, read_only: bool = False) -> KnowledgeBase:
+    def open(cls, location: str | Path, *, read_only: bool = False) -> "KnowledgeBase":
         """Open a base, or create one; StoreError if it cannot be opened, with what to do.
 
         The location is `memory:`, a folder, or the address of a SPARQL endpoint. `read_only`
@@ -136,7 +134,7 @@ class KnowledgeBase(RuleWriter, AbstractContextManager["KnowledgeBase"]):
     def query(
         self,
         text: str,
-        bindings: query_text.Bindings | None = None,
+        bindings: "query_text.Bindings | None" = None,
         *,
         limits: QueryLimits | None = None,
     ) -> QueryResult:
@@ -153,7 +151,7 @@ class KnowledgeBase(RuleWriter, AbstractContextManager["KnowledgeBase"]):
         with query_text.errors_as_typed(text, bound):
             return self.store.run(bound, limits)
 
-    def select(self, text: str, bindings: query_text.Bindings | None = None) -> SelectResult:
+    def select(self, text: str, bindings: "query_text.Bindings | None" = None) -> SelectResult:
         """The rows of a SELECT query; as `query` otherwise."""
         return self.store.select(_prepared(text, bindings))
 
@@ -173,8 +171,8 @@ class KnowledgeBase(RuleWriter, AbstractContextManager["KnowledgeBase"]):
 
     def load_domain(
         self,
-        objects: ObjectTypes,
-        actions: Actions,
+        objects: "ObjectTypes",
+        actions: "Actions",
         classes: Mapping[str, str | None] | None = None,
         people: Mapping[str, str] | None = None,
     ) -> bool:
@@ -230,7 +228,7 @@ class KnowledgeBase(RuleWriter, AbstractContextManager["KnowledgeBase"]):
             store.apply(insert=[MARK])
 
 
-def _prepared(text: str, bindings: query_text.Bindings | None) -> str:
+def _prepared(text: str, bindings: "query_text.Bindings | None") -> str:
     query_text.refuse_external_access(text)
     return query_text.bind_variables(text, bindings or {})
 

@@ -38,6 +38,7 @@ _FILLED: Mapping[str, str] = {
     **dict.fromkeys(("act", "context:act", "context:to"), "<act>"),
     "often": "[<often>]",
     "props": "[<property>]",
+    "property": "<property>",
     **dict.fromkeys(("recipient:name", "speaker:name"), "<person>"),
     "target": "<target>",
     "rule": "<rule>",
@@ -111,7 +112,7 @@ def _rules(language: Language) -> dict[str, list[str]]:
         "props": sections["targets"]["props"].replace("{props}", "<property>"),
     }
     stated = [sections["rules"][key] for key in ("functional", "action")]
-    replies = [*sections["replies"].values(), sections["rules"]["last_taken_back"]]
+    replies = [*sections["replies"].values(), sections["rules"]["taken_back"]]
     return {
         "utterance": [f"<{kind}>" for kind in KINDS],  # the first one, which is public
         "rule": list(map(form, stated)),

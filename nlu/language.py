@@ -213,7 +213,8 @@ class Language:
             found = self._by_phrase(text, context) or self._with_offers(found, context)
         if found.kind in {"error", "ask_back"}:
             found = self._without_courtesies(found, context) or found
-        if not isinstance(found.meaning, AskBack):
+        is_guess = found.reading and context.discourse.has_failed  # of what "it" was
+        if not isinstance(found.meaning, AskBack) or is_guess:
             return found
         return replace(found, discourse=after_offer(found.meaning.choices, found.discourse))
 
@@ -275,10 +276,6 @@ class Language:
         """Return this language with further turns of phrase; a later one replaces an earlier."""
         return replace(self, phrases={**self.phrases, **{each.key: each for each in phrases}})
 
-    def with_frames(self, frames: Mapping[str, tuple[str, ...]]) -> "Language":
-        """Return this language with these taught actions, whose names it has as words."""
-        return replace(self, frames=frames)
-
     @cached_property
     def _tokens(self) -> Callable[[str], Tokens]:
         return lru_cache(maxsize=8)(partial(tokenize, contractions=self.builder.contractions))
@@ -303,6 +300,11 @@ class Language:
         """Return which of `count` choices a text takes, from 1; 0 for none, None for no answer."""
         lists = load_word_lists(self.folder / "choices.yaml")
         return choice_of(self._tokens(text).words, count, lists)
+
+    def opposites(self, prop: str) -> set[str]:
+        """Return the properties that no thing has together with one: "cold" beside "hot"."""
+        pairs = load_word_lists(self.folder / "choices.yaml").phrases("opposites")
+        return {other for pair in pairs if prop in pair for other in pair} - {prop}
 
     def control(self, text: str) -> Control | None:
         """Return the control that a text is ("stop", "put it down"), None for any other text."""

@@ -1,7 +1,5 @@
 """Shared parts of the commands: opening bases, reading input, printing results and errors."""
 
-from __future__ import annotations
-
 import json
 import os
 import re
@@ -33,7 +31,7 @@ STDIN = "-"  # instead of a text
 MOST_MISTAKES = 20  # that are reported one by one
 
 
-def open_for_reading(kb: str | None) -> KnowledgeBase:
+def open_for_reading(kb: str | None) -> "KnowledgeBase":
     """Open a knowledge base (None: the user's own) for reading, without waiting for writers.
 
     StoreError if there is none, or it cannot be read; nothing is created.
@@ -65,7 +63,7 @@ def require_base(kb: str | None) -> None:
     )
 
 
-def open_to_change(kb: str | None, *, dry_run: bool) -> KnowledgeBase:
+def open_to_change(kb: str | None, *, dry_run: bool) -> "KnowledgeBase":
     """Open or create a knowledge base; for a dry run only read it, one that is missing as empty."""
     location = kb or str(config.default_location())
     if not dry_run or not _is_missing(location):
@@ -80,7 +78,7 @@ def _is_missing(location: str) -> bool:
     return ":" not in location and not is_there
 
 
-def terminal(*, stderr: bool = False) -> Console:
+def terminal(*, stderr: bool = False) -> "Console":
     """Return the console of the terminal, whose colours and width rich detects.
 
     Elsewhere lines are as long as their texts, unless COLUMNS says how long they may be.
@@ -117,7 +115,7 @@ def spinner(doing: str) -> AbstractContextManager[object]:
 
 
 def converse(
-    agent: Agent,
+    agent: "Agent",
     text: str,
     speaker: str,
     only: Literal["tell", "do", "ask"],
@@ -220,7 +218,7 @@ def print_json(document: object, *, err: bool = False) -> None:
 
 
 def show(
-    found: Any, render: Callable[[Any], RenderableType], *, as_json: bool, soft_wrap: bool = False
+    found: Any, render: "Callable[[Any], RenderableType]", *, as_json: bool, soft_wrap: bool = False
 ) -> None:
     """Print a result, or a list of results, as JSON or as it is rendered for people."""
     if not as_json:
@@ -231,7 +229,7 @@ def show(
         print_json(found.as_json())
 
 
-def show_import(found: ImportSummary, source: str, *, dry_run: bool, as_json: bool) -> None:
+def show_import(found: "ImportSummary", source: str, *, dry_run: bool, as_json: bool) -> None:
     """Print what was read from a file or another base."""
     if as_json:
         print_json({"applied": not dry_run, **found.as_json()})

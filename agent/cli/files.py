@@ -1,7 +1,5 @@
 """Commands on files: export, import, validate, backup, restore."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable, Generator
 from contextlib import closing, contextmanager
@@ -147,7 +145,7 @@ def _as_json(error: DataError) -> dict[str, object]:
     return {"node": None, "property": None, **where, "problem": error.problem}
 
 
-def _findings_in_file(file: str, file_format: str | None) -> list[ValidationFinding]:
+def _findings_in_file(file: str, file_format: str | None) -> "list[ValidationFinding]":
     from ...kb.formats.import_export import read_file
     from ...kb.validation import findings, locate_findings
 
@@ -159,7 +157,7 @@ def _findings_in_file(file: str, file_format: str | None) -> list[ValidationFind
     return locate_findings(found, text)
 
 
-def _findings_in_base(kb: str | None, *, deep: bool) -> list[ValidationFinding]:
+def _findings_in_base(kb: str | None, *, deep: bool) -> "list[ValidationFinding]":
     from ...kb.stores.base import EmbeddedStore
     from ...kb.validation import findings
 

@@ -1,7 +1,5 @@
 """Commands on past utterances and episodes, and on differences between bases."""
 
-from __future__ import annotations
-
 import sys
 import time
 from collections.abc import Generator, Iterator
@@ -226,7 +224,7 @@ def replay(
     common.exit_with(not found.differences)
 
 
-def _forgotten(base: KnowledgeBase, what: list[str], speaker: str) -> str:
+def _forgotten(base: "KnowledgeBase", what: list[str], speaker: str) -> str:
     from ...kb.learned import PHRASES, TAUGHT_ACTIONS, WORDS
     from ..documents import forget_rules, rules_to_forget
 
@@ -258,7 +256,7 @@ def _forgotten(base: KnowledgeBase, what: list[str], speaker: str) -> str:
 
 def _new_states(
     kb: str | None, since: int | None, every: float, seconds: float | None
-) -> Iterator[tuple[KnowledgeBase, range]]:
+) -> "Iterator[tuple[KnowledgeBase, range]]":
     from ...kb.stores.mark import read_mark
 
     folder = Path(kb or config.default_location()).expanduser()
@@ -276,7 +274,7 @@ def _new_states(
 
 
 @contextmanager
-def _opened(name: str) -> Generator[KnowledgeBase]:
+def _opened(name: str) -> "Generator[KnowledgeBase]":
     from ...kb.formats.import_export import import_file
     from ...kb.knowledge_base import KnowledgeBase
 

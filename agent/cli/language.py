@@ -1,7 +1,5 @@
 """Commands about the language: parse, and the lexicon."""
 
-from __future__ import annotations
-
 import json
 import random
 from pathlib import Path
@@ -128,13 +126,13 @@ def grammar(
         typer.echo(grammar_of(language), nl=False)
 
 
-def _session(lexicon: Path | None) -> Session:
+def _session(lexicon: Path | None) -> "Session":
     from ...nlu.language import Language, Session
 
     return Session(Language.load(extra_lexicon=lexicon))
 
 
-def _parse_file(session: Session, path: Path, speaker: str) -> None:
+def _parse_file(session: "Session", path: Path, speaker: str) -> None:
     for number, line in enumerate(read_text(path).split("\n"), start=1):
         if not line.strip():
             continue

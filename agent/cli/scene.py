@@ -1,7 +1,5 @@
 """Commands about scenes, clouds and objects: scene show, grasp, object import."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -84,7 +82,7 @@ def import_(
     announce(document, f"{name}: {', '.join(parts)}. See {out} and {picture}.", as_json=as_json)
 
 
-def _picture(body: Body, path: Path, camera: Camera, *, names: bool = False) -> None:
+def _picture(body: "Body", path: Path, camera: "Camera", *, names: bool = False) -> None:
     from ...sim.media.pictures import draw_names, save_picture, take_picture
 
     picture = take_picture(body.world.engine, camera)

@@ -1,7 +1,5 @@
 """Commands of the service: serve, mcp, token add, token list, token remove."""
 
-from __future__ import annotations
-
 import re
 from datetime import timedelta
 from pathlib import Path
@@ -132,7 +130,7 @@ def remove(
     announce(gone.as_json(), f"Removed {gone.id} ({gone.name}).", as_json=as_json)
 
 
-def _tokens(kb: str | None) -> TokenFile:
+def _tokens(kb: str | None) -> "TokenFile":
     with extra_required("serve", "fastapi"):
         from ..web import server
         from ..web.tokens import TokenFile

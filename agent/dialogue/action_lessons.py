@@ -41,7 +41,7 @@ class ActionLessons:
         frames = {n: d.all_links for n, d in definitions.items() if len(d.parameters) != 1}
         words = [NewWord(name, "context", name) for name in definitions]
         language = self._conversation.language.with_words(words)
-        self._conversation.language = language.with_frames(frames)
+        self._conversation.language = replace(language, frames=frames)
 
     def learn(self, turn: UnderstoodTurn, said: meaning.ActionDefinition) -> Reply:
         """Learn an action, or ask how its first unknown step is done."""
@@ -65,9 +65,9 @@ class ActionLessons:
     def lacks_objects(self, request: Request) -> bool:
         """Whether a request names too few or too many objects for a taught action."""
         tree = self.actions.trees.get(request.action)
-        if tree is None or tree.objects is None:
-            return False
-        return {*tree.parameters} != {*request.arguments}
+        return bool(
+            tree and tree.objects is not None and {*tree.parameters} != {*request.arguments}
+        )
 
     def other_kind(self, request: Request, taxonomy: Taxonomy) -> Mapping[str, str] | None:
         """Return the slots of the question about an object of another kind than was told of."""

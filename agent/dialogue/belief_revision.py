@@ -10,7 +10,7 @@ from dataclasses import replace
 from itertools import chain
 
 from ...inference.taxonomy import Taxonomy
-from ...kb.interval import CERTAIN, VACUOUS
+from ...kb.interval import VACUOUS
 from ...kb.rule import Atom, Rule
 from ...nlu.lexicon.vocabulary import NewWord
 from ...nlu.semantics import meaning
@@ -131,9 +131,10 @@ class BeliefRevision:
     def open_topic(self, turn: UnderstoodTurn, said: meaning.TopicStatement) -> Reply:
         """Ask about what the speaker wants to speak of, which may be a new thing."""
         conversation = self._conversation
-        conversation.noted[said.topic] |= {Atom("property", name): CERTAIN for name in said.props}
-        key, slots = "noted" if said.props else "topic", {"properties": said.props}
-        spoken = conversation.say(AnswerContent(key, {"object": said.topic, **slots}))
+        conversation.note(said.topic, said.props, is_so=not said.denied)
+        key = ("noted_not" if said.denied else "noted") if said.props else "topic"
+        slots = {"object": said.topic, "properties": said.props}
+        spoken = conversation.say(AnswerContent(key, slots))
         conversation.believe(turn, (), spoken, turn.understood.new_words, kind="topic")
         conversation.wait_for(turn)
         return conversation.reply(turn, spoken, "asked" if said.props else "done")

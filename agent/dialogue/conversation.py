@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 from ...kb.history import IMPORT
-from ...kb.interval import Interval
+from ...kb.interval import CERTAIN, Interval
 from ...kb.knowledge_base import KnowledgeBase
 from ...kb.learned import LearnedPhrase
 from ...kb.rule import Atom, Rule
@@ -151,6 +151,13 @@ class Conversation:
         more["words"] = [replace(each, look=looks.get(name, "")) for name, each in kept.items()]
         self.base.believe(*said, rules, answer=spoken, heard=turn.heard, **more)
         self.language = self.language.with_words(words)
+
+    def note(self, name: str, props: Iterable[str], *, is_so: bool) -> None:
+        """Note what the thing of a kind at hand is like or not; of opposites the last one holds."""
+        for prop in props:
+            denied = self.language.opposites(prop) if is_so else {prop}
+            told = dict.fromkeys(denied, Interval(0.0, 0.0)) | ({prop: CERTAIN} if is_so else {})
+            self.noted[name] |= {Atom("property", each): held for each, held in told.items()}
 
     def lesson_reply(self, turn: UnderstoodTurn, rules: Iterable[Rule], spoken: str) -> Reply:
         """Return the reply to a lesson, and make its rules the topic."""

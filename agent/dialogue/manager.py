@@ -40,7 +40,6 @@ KINDS = {  # what a command of the CLI listens to -> kinds of meaning
     "do": ("command", "control"),
     "ask": ("question",),
 }
-ALWAYS_HEARD = ("error", "ask_back", "acknowledgement")
 
 
 class DialogueManager:
@@ -146,7 +145,7 @@ class DialogueManager:
             text, speaker, heard=heard, accepted=self._accepted
         )
         turn = UnderstoodTurn(understood, heard, keep)
-        if only and understood.kind not in (*KINDS[only], *ALWAYS_HEARD):
+        if only and understood.kind not in (*KINDS[only], "error", "ask_back", "acknowledgement"):
             return self.conversation.answered(turn, f"only_{only}", "not_understood")
         if understood.kind not in {"acknowledgement", "control"}:
             self.conversation.open_question = None
@@ -373,6 +372,11 @@ class DialogueManager:
         if found.ending == "failed":
             conversation.topic, conversation.unanswered = (), conversation.say(found)
             self._clarification.wait_to_learn(turn, said)
+        if said.object and said.property:
+            said_so = meaning.TopicStatement(said.object, (said.property,))
+            yes = partial(self._beliefs.open_topic, turn, said_so)
+            no = partial(self._beliefs.open_topic, turn, replace(said_so, denied=True))
+            conversation.wait_for(turn, yes, no=no, needs_yes=True)
         if found.key in {"is_not_used_for", "is_used_otherwise"}:
             use, sure = said.affordance or "", conversation.language.usual
             rule = meaning.FunctionalRule(said.object or "", use, sure, material=said.material)

@@ -33,6 +33,8 @@ _ABOUT_ANY = """SELECT ?rule {
 
 _PARTS = "SELECT ?part { GRAPH graph:domain { ?part hilt:partOf ?object } } ORDER BY ?part"
 
+_PROPERTIES = "SELECT ?of { GRAPH graph:domain { ?it hilt:partOf? ?object ; hilt:property ?of } }"
+
 SURE = (0.6, 0.9)
 """From these certainties on Hilt says that it is fairly sure, and quite sure."""
 
@@ -69,12 +71,17 @@ def _objects_for(question: Question, known: Conversation) -> Answered:
 def _best_for(question: Question, known: Conversation) -> Answered:
     rules = _functional(question, known)
     goal = Goal("find", Target(used_for=question.affordance, material=question.material))
-    told = {_kind(rule): dict.fromkeys(rule.features, CERTAIN) for rule in rules if rule.object}
+    asked = question.among
+    meant = [rule for rule in rules if rule.object and (not asked or rule.object in asked)]
+    told = {_kind(rule): dict.fromkeys(rule.features, CERTAIN) for rule in meant}
     seen = [Observation(name, name, features) for name, features in told.items()]
     kinds = Taxonomy.from_base(known.base)
-    best = Affordances(known.base, taxonomy=kinds).infer(FIND, goal, seen).best
+    inference = Affordances(known.base, taxonomy=kinds).infer(FIND, goal, seen)
+    best = inference.best
     if best is None:
         return spoken("nothing_known_for", affordance=_use(question)), ()
+    if sum(each.certainty == best.certainty for each in inference.candidates) > 1:
+        return _objects_for(question, known)
     materials = {rule.material for rule in best.rules}
     use = _use(question) if None in materials else _use(question, *sorted(filter(None, materials)))
     return spoken("best_for", done=True, object=best.object, affordance=use), best.rules
@@ -159,10 +166,33 @@ def _is_kind_of(question: Question, known: Conversation) -> Answered:
 def _about(question: Question, known: Conversation) -> Answered:
     if question.object is None:
         return _objects_for(question, known)
-    rules = known.base.rules(object=question.object)
-    if not rules:
+    rules, noted = known.base.rules(object=question.object), known.noted[question.object]
+    slots = {"object": question.object, "rules": tuple(map(known.quote, rules))}
+    slots["properties"] = tuple(atom.name for atom, held in noted.items() if held.lower > 0)
+    if not rules and not slots["properties"]:
         return spoken("nothing_about", object=question.object), ()
-    return spoken("about", done=True, rules=tuple(map(known.quote, rules))), tuple(rules)
+    key = ("about_both" if rules else "about_state") if slots["properties"] else "about"
+    return spoken(key, done=True, **slots), tuple(rules)
+
+
+def _state(question: Question, known: Conversation) -> Answered:
+    name, prop = question.object, question.property or ""
+    if name is None:
+        things = {*known.visible(), *known.noted}
+        names = tuple(sorted(each for each in things if _is_like(each, prop, known)))
+        return spoken("all_so" if names else "none_so", done=True, objects=names), ()
+    is_so = _is_like(name, prop, known)
+    if is_so is None:
+        return spoken("is_it_so", object=name, property=prop), ()
+    return spoken("yes_is" if is_so else "no_is", done=True, object=name, properties=prop), ()
+
+
+def _is_like(name: str, prop: str, known: Conversation) -> bool | None:
+    told = known.noted[name].get(Atom("property", prop))
+    if told is not None:
+        return told.lower > 0
+    found = known.base.select(_PROPERTIES, {"object": [atom_iri(Atom("object", name))]})
+    return prop in {atom_from_iri(cast(Iri, row[0])).name for row in found} or None
 
 
 def _confidence(question: Question, known: Conversation) -> Answered:
@@ -261,7 +291,9 @@ def why(question: Question, known: Conversation) -> Answered:
     if not rules and question.part and (question.context or last is None):
         rules = tuple(_grasps(rule for rule in _meant(question, known) if rule.asserts))
     if rules:
-        return _because(rules, known), rules
+        is_alike = rules[-1].status == "induced"
+        told = {"texts": known.words_of(rules[-1])} if is_alike else _sources(rules, known)
+        return spoken("because_alike" if is_alike else "because_told", done=True, **told), rules
     if last is None:
         return spoken("nothing_done"), ()
     wrong = _not_so(question, known.decision)
@@ -271,12 +303,6 @@ def why(question: Question, known: Conversation) -> Answered:
         # What the command itself names needs no rule.
         return _as_said(last), ()
     return _because_of_decision(known, last), ()
-
-
-def _because(rules: Sequence[Rule], known: Conversation) -> AnswerContent:
-    if rules[-1].status == "induced":
-        return spoken("because_alike", done=True, texts=known.words_of(rules[-1]))
-    return spoken("because_told", done=True, **_sources(rules, known))
 
 
 def _because_of_decision(known: Conversation, last: Reply) -> AnswerContent:
@@ -471,6 +497,7 @@ _ANSWERS: Mapping[str, Callable[[Question, Conversation], Answered]] = {
     "parts": _parts,
     "see": _see,
     "source": _source,
+    "state": _state,
     "trust": _trust,
     "uses_of": _uses_of,
     "what_if": _what_if,

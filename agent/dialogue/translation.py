@@ -3,7 +3,7 @@
 `nlu` knows no rules and `kb` no sentences; only this module imports both.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -166,21 +166,19 @@ def declined(said: SimpleCommand) -> AnswerContent:
     return AnswerContent("will_not", {"goal": said.goal, "object": name}, "refused")
 
 
-def action_words(known: actions.Actions, language: Language) -> list[NewWord]:
-    """Return the words that name actions and that the language does not have yet.
+def action_words(known: actions.Actions, language: Language) -> Iterator[NewWord]:
+    """Yield the words that name actions and that the language does not have yet.
 
     An action on a patient is done with a tool: "stir" comes with "used for stirring". Only a name
     that is one lower-case word can be said.
     """
     sayable = {*GOALS, *language.acts, *language.tool_acts}
-    words: list[NewWord] = []
     for name, tree in known.trees.items():
         if name in sayable or not name.islower() or not name.isalpha():
             continue
         is_use = "patient" in tree.parameters
         word = language.inflection.form(name, "ing") if is_use else name
-        words.append(NewWord(word, "affordance" if is_use else "context", word))
-    return words
+        yield NewWord(word, "affordance" if is_use else "context", word)
 
 
 def word_to_keep(word: NewWord, speaker: str) -> LearnedWord:

@@ -13,7 +13,7 @@ from functools import partial
 from ...inference.affordance import Affordances
 from ...inference.node_rules import FIND, acting_for
 from ...inference.norms import NormChecker
-from ...inference.types import Candidate, Goal, Inference, Target
+from ...inference.types import Candidate, Goal, Inference, Observation, Target
 from ...kb.rule import Atom
 from ...ontology.actions import FIXED, Actions, ActionTree, DescribedObject, Loop, Precondition
 from ...ontology.actions import Step as TreeStep
@@ -183,8 +183,7 @@ class TreeExecutor:
         goal = Goal(self._request.action, target, self._request.contexts)
         features = affordances.features(node, goal)
         percepts = self._search(node, features, arguments)
-        is_point = affordances.settings.detection == "point"
-        observations = [percept_as_observation(p, features, point=is_point) for p in percepts]
+        observations = [self._observed(percept, features) for percept in percepts]
         try:
             inference = affordances.infer(node, goal, observations)
         except ConflictError as error:
@@ -202,6 +201,12 @@ class TreeExecutor:
         if failure is None and action != FIND:
             self._context.done.append((action, self.name(self._target(arguments))))
         return failure
+
+    def _observed(self, percept: Percept, features: Sequence[Atom]) -> Observation:
+        is_point = self._affordances.settings.detection == "point"
+        seen = percept_as_observation(percept, features, point=is_point)
+        told = self._request.contexts if percept.object == self._request.name("object") else {}
+        return replace(seen, atoms={each: told.get(each, seen.atoms[each]) for each in seen.atoms})
 
     def _notify(self, step: WalkStep) -> None:
         for watcher in self._context.watchers:

@@ -4,8 +4,6 @@ An `Embodiment` is what an `AgentConfig` says about the robot once all names in 
 makes the simulated body and the vision of the agent.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -57,7 +55,7 @@ class Embodiment:
         self.noise_model()
 
     @classmethod
-    def from_config(cls, config: AgentConfig) -> Embodiment:
+    def from_config(cls, config: AgentConfig) -> "Embodiment":
         """Return the embodiment that a configuration names.
 
         DataError for a wrong scene, objects file or noise; UnknownNameError for any unknown name.
@@ -67,7 +65,7 @@ class Embodiment:
         robot = {name: getattr(config, name) for name in ROBOT_OPTIONS}
         return cls(scene, kinds, config.objects, gui=config.gui, **robot)
 
-    def open_body(self, interruption: Interruption | None = None) -> Body:
+    def open_body(self, interruption: "Interruption | None" = None) -> "Body":
         """Return a new simulated body, whose motions can be interrupted.
 
         MissingExtraError without the simulator; SimulationError if there is no room for the scene.
@@ -104,7 +102,7 @@ class Embodiment:
         needs = ("abilities", "grasp", "lift")
         return sees, call_plugin("hilt.motion", motion, self, methods=needs) if motion else None
 
-    def open_vision(self, body: Body | None) -> Vision:
+    def open_vision(self, body: "Body | None") -> Vision:
         """Return the vision of a body, or perfect vision without one; noise included."""
         vision = body or PerfectVision(self.scene, self.household.objects)
         noise = self.noise_model()
@@ -119,7 +117,7 @@ class Embodiment:
         """Whether perception cannot fail, so that the scene itself says what is in view."""
         return not self.noise and (not self.simulate or self.vision == _DEFAULTS.vision)
 
-    def noise_model(self) -> NoiseLevels | None:
+    def noise_model(self) -> "NoiseLevels | None":
         """Return how perception fails, None if it does not; DataError if the text is wrong."""
         if not self.noise:
             return None  # saves the import of numpy

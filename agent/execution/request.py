@@ -1,7 +1,5 @@
 """A request for a goal, and the review of its arguments (paper, section 4.2)."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
@@ -41,7 +39,7 @@ class Request:
     #: the ids of norms that the speaker may lift, and has lifted for this request
     unheeded: frozenset[str] = frozenset()
 
-    def confirmed(self, result: GoalResult) -> Request | None:
+    def confirmed(self, result: GoalResult) -> "Request | None":
         """Return this request for the object or part that Hilt asked about, after a "yes"."""
         if result.answer.ending != "asked":
             return None
@@ -55,7 +53,7 @@ class Request:
             return replace(self, part=str(result.answer.slots["part"]))
         return self._about(Target(object=candidates[0].object, is_confirmed=True))
 
-    def choosing(self, name: str | None, properties: Iterable[str], result: GoalResult) -> Request:
+    def choosing(self, name: str | None, props: Iterable[str], result: GoalResult) -> "Request":
         """Return this request for what was named when Hilt asked about an object or a part.
 
         Without a name it is the object first meant, with these properties.
@@ -63,16 +61,16 @@ class Request:
         if name and result.decision and result.decision.part:
             return replace(self, part=name)
         if name:
-            return self._about(Target(object=name, properties=frozenset(properties)))
+            return self._about(Target(object=name, properties=frozenset(props)))
         meant = self.arguments.get(self._chosen)
         target = meant if isinstance(meant, Target) else Target()
-        return self._about(replace(target, properties=target.properties | frozenset(properties)))
+        return self._about(replace(target, properties=target.properties | frozenset(props)))
 
     def name(self, parameter: str) -> str:
         """Return the kind of object that an argument names."""
         return named(self.arguments.get(parameter)) or "thing"
 
-    def told(self, result: GoalResult, *, is_so: bool) -> Request | None:
+    def told(self, result: GoalResult, *, is_so: bool) -> "Request | None":
         """Return this request after Hilt asked whether an object has a property; None otherwise."""
         if result.answer.key != "is_it_so":
             return None
@@ -84,7 +82,7 @@ class Request:
     def _chosen(self) -> str:
         return TOOL if TOOL in self.arguments or PATIENT in self.arguments else "object"
 
-    def _about(self, target: Target) -> Request:
+    def _about(self, target: Target) -> "Request":
         arguments = {**self.arguments, self._chosen: target}
         return replace(self, arguments=arguments, assumed=self.assumed - {self._chosen})
 

@@ -5,8 +5,6 @@ interval. The part to act on is tinted; before the hand moves, the planned grasp
 possible ones, those ruled out, and the chosen one.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -31,14 +29,14 @@ class Film:
     DataError if the file cannot be written; MissingExtraError without the extra of the simulator.
     """
 
-    def __init__(self, body: Body, goals: GoalManager, path: Path) -> None:
+    def __init__(self, body: "Body", goals: "GoalManager", path: Path) -> None:
         self.path = path
         self._body, self._goals = body, goals
         self._recorder: WorldRecorder = body.record(path)
         self._utterance = ""
         self._bound = ""
 
-    def __enter__(self) -> Film:
+    def __enter__(self) -> "Film":
         self._recorder.__enter__()
         self._goals.watchers.append(self._at)
         self._body.on_plan = self._planned
@@ -73,7 +71,7 @@ class Film:
             self._recorder.pause(SHOW_FOUND)
 
     def _planned(
-        self, name: str, part: str | None, plan: RankedGrasps, taken: Grasp | None
+        self, name: str, part: str | None, plan: "RankedGrasps", taken: "Grasp | None"
     ) -> None:
         from ...sim.media.pictures import ACCEPTED, CHOSEN, REJECTED
 

@@ -1,7 +1,5 @@
 """Sounds from a file or a microphone, as recognisers take them, and the texts they may be."""
 
-from __future__ import annotations
-
 import warnings
 import wave
 from collections.abc import Callable, Generator, Iterable, Iterator
@@ -49,7 +47,7 @@ class Sound:
     DataError if it is empty, silent, or longer than 30 s.
     """
 
-    samples: NDArray[np.float32]
+    samples: "NDArray[np.float32]"
     source: str = MICROPHONE
 
     def __post_init__(self) -> None:
@@ -62,7 +60,7 @@ class Sound:
             raise DataError(problem, source=self.source)
 
     @classmethod
-    def read(cls, file: Path | BytesIO) -> Sound:
+    def read(cls, file: Path | BytesIO) -> "Sound":
         """Read a WAV file of any rate, width and number of channels.
 
         DataError if there is none, it is cut off, or is no utterance; MissingExtraError.
@@ -107,13 +105,13 @@ class Sound:
         """Write a WAV file, whose folder is made; DataError if that fails."""
         write_wav(path, RATE, self.pcm)
 
-    def _levels(self, seconds: float) -> NDArray[np.float32]:
+    def _levels(self, seconds: float) -> "NDArray[np.float32]":
         size = min(self.samples.size, int(seconds * RATE))
         frames = self.samples[: self.samples.size // size * size].reshape(-1, size)
         return np.sqrt((frames**2).mean(axis=1))
 
 
-def _as_float(found: NDArray[Any]) -> NDArray[np.float64]:
+def _as_float(found: "NDArray[Any]") -> "NDArray[np.float64]":
     if found.dtype.kind == "f":
         return found.astype(float)
     middle = 128.0 if found.dtype.kind == "u" else 0.0  # 8-bit samples have no sign

@@ -8,8 +8,6 @@ visible as one unit at the end, or drops all when something is wrong. What is no
 The statements of one rule must stand together, as they do in every export.
 """
 
-from __future__ import annotations
-
 import io
 from array import array
 from collections import Counter, defaultdict, deque
@@ -97,7 +95,7 @@ class _Import:
     source: str
     check: Callable[[Store], Iterable[ValidationFinding]]
     rest: list[Quad] = field(default_factory=list[Quad])  # what belongs to no rule
-    asserted: dict[int, array[int]] = field(  # ids of rules by the number of an utterance
+    asserted: "dict[int, array[int]]" = field(  # ids of rules by the number of an utterance
         default_factory=lambda: defaultdict(lambda: array("Q"))
     )
     new: dict[int, int] = field(default_factory=dict[int, int])  # rule -> utterance; 0 where none
@@ -256,7 +254,7 @@ class _Import:
             plan.insert.append(Quad(BASE_NODE, SEQUENCE, plan.last, BASE_GRAPH))
         writer.write_quads(plan.insert)
 
-    def _by_utterance(self) -> dict[int, array[int]]:
+    def _by_utterance(self) -> "dict[int, array[int]]":
         found: dict[int, array[int]] = defaultdict(lambda: array("Q"))
         for number, utterance in self.new.items():
             found[utterance].append(number)

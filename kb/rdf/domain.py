@@ -4,8 +4,6 @@ It comes from `objects.yaml` and `actions.yaml` and is rewritten whenever they h
 the classes, parts and properties of objects, never their affordances.
 """
 
-from __future__ import annotations
-
 import hashlib
 from collections.abc import Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING, TypeAlias
@@ -29,8 +27,8 @@ MASS, SUBCLASS_OF = term("mass"), external("rdfs:subClassOf")
 
 
 def domain_quads(
-    objects: ObjectTypes,
-    actions: Actions,
+    objects: "ObjectTypes",
+    actions: "Actions",
     classes: Mapping[str, str | None] | None = None,
     people: Mapping[str, str] | None = None,
 ) -> list[Quad]:
@@ -60,7 +58,7 @@ def _class_statements(
             yield from _is_a(iri(kind, name), iri(kind, above))
 
 
-def _object_statements(objects: ObjectTypes) -> Iterator[Statement]:
+def _object_statements(objects: "ObjectTypes") -> Iterator[Statement]:
     for name, kind in objects.items():
         yield iri("object", name), MASS, decimal(kind.mass)
         yield from _having(iri("object", name), PROPERTY, "property", kind.properties)
@@ -77,7 +75,7 @@ def _object_statements(objects: ObjectTypes) -> Iterator[Statement]:
             yield from _having(node, PROPERTY, "property", part.properties)
 
 
-def _action_statements(actions: Actions) -> Iterator[Statement]:
+def _action_statements(actions: "Actions") -> Iterator[Statement]:
     for name in (*actions.primitives, *actions.trees):
         yield from _named("action", name)
     for name, above in actions.kinds.items():

@@ -60,15 +60,11 @@ class Realizer:
                 raise UnknownNameError("sentence for", said.kind, SECTIONS)
 
     def _retraction(self, said: meaning.Retraction) -> str:
-        if said.part:
-            return self._say("rules", "taken_back_part", part=said.part)
-        if said.rule:
-            return self._say("rules", "taken_back", rule=self._rule(said.rule, reported=True))
-        if not said.about:
-            return self._say("rules", "last_taken_back")
         if said.about == meaning.ANY_OBJECT:
             return self._say("rules", "all_taken_back")
-        return self._say("rules", "taken_back_about", object=said.about)
+        rule = self._rule(said.rule, reported=True) if said.rule else None
+        slots = _given({"part": said.part, "rule": rule, "object": said.about})
+        return self._say("rules", " ".join(["taken_back", *slots]), **slots)
 
     def _rule(self, rule: meaning.Rule | meaning.KindRelation, *, reported: bool = False) -> str:
         if rule.source:

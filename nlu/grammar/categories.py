@@ -7,8 +7,6 @@ slashes group to the left. A plain slash only applies, which is the safe default
 stands for; t, what is so or is to be done; d, a degree of confidence; and functions between them.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
@@ -26,7 +24,7 @@ class AtomicCategory:
         return self.name
 
     @property
-    def atom(self) -> AtomicCategory:
+    def atom(self) -> "AtomicCategory":
         """The category itself."""
         return self
 
@@ -45,8 +43,8 @@ class AtomicCategory:
 class Functor:
     """A category that gives `result` once it has found `argument`."""
 
-    result: Category
-    argument: Category
+    result: "Category"
+    argument: "Category"
     forward: bool  # whether the argument is sought to the right
     composes: bool = False  # whether the slash allows harmonic composition
 
@@ -67,7 +65,7 @@ class Functor:
 Category: TypeAlias = AtomicCategory | Functor
 
 
-def type_of(category: Category, atoms: Mapping[str, Type]) -> Type:
+def type_of(category: Category, atoms: "Mapping[str, Type]") -> "Type":
     """The type of the meanings of a category; `KeyError` with the name of an unknown atom."""
     if isinstance(category, AtomicCategory):
         return atoms[category.name]
@@ -78,8 +76,8 @@ def type_of(category: Category, atoms: Mapping[str, Type]) -> Type:
 class FunctionType:
     """The type of functions from `source` to `target`."""
 
-    source: Type
-    target: Type
+    source: "Type"
+    target: "Type"
 
     def __str__(self) -> str:
         source = f"({self.source})" if isinstance(self.source, FunctionType) else str(self.source)

@@ -5,8 +5,6 @@ tree in between. The lexer is contextual: it knows at each place what may follow
 read as a slash or as a "λ". A mistake is a `DataError` with its place and what was expected.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import cache, reduce
 from itertools import chain
@@ -119,7 +117,7 @@ _MAKERS: dict[str, Callable[..., object]] = {
 
 
 @cache
-def _parser() -> Lark:
+def _parser() -> "Lark":
     from lark import Lark
 
     makers: Any = SimpleNamespace(**{rule: _of_parts(make) for rule, make in _MAKERS.items()})

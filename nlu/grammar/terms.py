@@ -12,8 +12,6 @@ checked against their category before they are used (`typecheck`), so evaluation
     'f(f(a))'
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import partial
@@ -48,7 +46,7 @@ class Constant(_Shown):
 class Lambda(_Shown):
     """A function; `hint` is only the name its variable is shown with."""
 
-    body: Term
+    body: "Term"
     hint: str = field(default="x", compare=False)
 
 
@@ -56,8 +54,8 @@ class Lambda(_Shown):
 class Application(_Shown):
     """A function applied to one argument."""
 
-    function: Term
-    argument: Term
+    function: "Term"
+    argument: "Term"
 
 
 Leaf: TypeAlias = BoundVariable | Constant
@@ -70,9 +68,9 @@ class NeutralTerm:
 
     head: str | int
     """The name of the constant, or the depth of the binder of the free variable."""
-    arguments: tuple[Value, ...] = ()
+    arguments: "tuple[Value, ...]" = ()
 
-    def __call__(self, argument: Value) -> Value:
+    def __call__(self, argument: "Value") -> "Value":
         """This value with one more argument."""
         return NeutralTerm(self.head, (*self.arguments, argument))
 

@@ -5,8 +5,6 @@ Derivations and meanings are only computed on demand, for what spans the whole u
 category of a span the `MAX_DERIVATIONS` cheapest derivations are kept.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from operator import attrgetter
@@ -30,7 +28,7 @@ class Derivation(NamedTuple):
     start: int
     end: int
     rule: Entry | UnaryRule | BinaryRule  # the lexical entry or rule that gave it
-    parts: tuple[Derivation, ...] = ()  # one for a unary rule, two for a combination
+    parts: "tuple[Derivation, ...]" = ()  # one for a unary rule, two for a combination
 
 
 class _BackPointer(NamedTuple):
@@ -196,7 +194,7 @@ class DerivationStep:
     category: str
     term: str  # the lambda term of its span, in normal form
     rule: str  # `>`, `<`, `>B`, `<B`, a unary rule, or empty for a word
-    parts: tuple[DerivationStep, ...]
+    parts: "tuple[DerivationStep, ...]"
 
     def __str__(self) -> str:
         mark = self.rule if self.parts else f'"{self.words}"'

@@ -166,7 +166,7 @@ class Clarifier:
         if isinstance(meaning, NormStatement):
             return self.answers.join([self.answers.norm_phrase(norm) for norm in meaning.norms])
         try:
-            return f'"{self.realizer.realize(meaning)}"'
+            return f'"{self.realizer.realize(meaning).rstrip("?")}"'
         except UnknownNameError:
             return str(meaning.as_json())
 

@@ -39,7 +39,7 @@ MAX_EXPECTED = 5
 
 _WORD_COST = 1e-3  # of two readings alike that with longer turns of phrase is likelier
 
-_STATED = frozenset({"implies", "and", "says", *KIND_FORMS})
+_STATED = frozenset({"implies", "and", "says", "stateOf", *KIND_FORMS})
 """The forms of statements, which a question mark makes questions."""
 
 

@@ -19,7 +19,7 @@ from ..lexicon.tokenizer import BREAK, Token, Tokens
 from ..lexicon.unknown_words import KnownWords, is_word
 from ..lexicon.vocabulary import NewWord
 from ..semantics.discourse import Discourse
-from ..semantics.interpretation import kind_and_properties
+from ..semantics.interpretation import GOALS, kind_and_properties
 from ..semantics.meaning import (
     ANY_OBJECT,
     Act,
@@ -199,8 +199,8 @@ class ProcedureReader:
 
     def is_act(self, name: str) -> bool:
         """Whether an act of this name is one that Hilt knows, taught or not."""
-        interpreter = self.parser.interpreter
-        return interpreter.has_act(name) or name in self.frames
+        own = self.parser.interpreter
+        return any(name in known for known in (GOALS, own.acts, own.tool_acts, self.frames))
 
     def _is_other(self, name: str) -> bool:
         if self._is_learned(name):

@@ -238,7 +238,7 @@ def features_of_names(
         if denied or any(rule.material and rule.affordance in acts for rule in uses):
             yield "use", frozenset({"act"})
     elif isinstance(meaning, NormStatement):
-        if "place" in new and not reader.is_place(new["place"].word):
+        if "place" in new and not new["place"].word.endswith(reader.endings["place"]):
             yield "place", frozenset({"new"})
     elif isinstance(meaning, (Command, ToolCommand)) and "object" in new:
         said = new["object"]

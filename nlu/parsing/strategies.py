@@ -75,13 +75,21 @@ class UtteranceParser:
         tokens = tokenize(text, self.known_words.builder.contractions)
         problem = self.clarification.of_input(text, tokens)
         if problem is not None:
-            return _failed(Understanding.of(tokens, context, problem))
-        found = _Attempt(self, accepted).understand(tokens, context)
+            return _failed(Understanding.of(tokens, context, problem), ())
+        found, before = _Attempt(self, accepted).understand(tokens, context), context.discourse
+        is_open = isinstance(found.meaning, AskBack) and not found.meaning.choices
+        if before.has_failed and is_open:
+            at_point = replace(context, discourse=replace(before, has_failed=False))
+            again = _Attempt(self, accepted).understand(tokens, at_point)
+            if again.reading and not isinstance(again.meaning, AskBack):
+                offer = replace(again.reading, meaning=AskBack(choices=(again.meaning,)))
+                return replace(again, discourse=before).chosen(self.clarification.licensed(offer))
         if found.reading is None and not _is_procedure(found):
             known = self.known_words
             # If it may name an object, "it" no longer is the last one.
             may_name = any(not known.has(word) or known.names(word) for word in tokens.words)
-            return _failed(found) if may_name else found
+            named = [word for word in tokens.words if known.lexicon.is_name(word, ("N",))]
+            return _failed(found, named) if may_name else found
         sure = found.reading.interval if found.reading else context.recognition
         if self.parser.pragmatics.is_enough(sure):
             return found
@@ -315,8 +323,10 @@ def _is_procedure(found: Understanding) -> bool:
     return is_about or isinstance(meant, (Plan, ActionDefinition, ActionCommand))
 
 
-def _failed(found: Understanding) -> Understanding:
-    return replace(found, discourse=replace(found.discourse, has_failed=True))
+def _failed(found: Understanding, things: Sequence[str]) -> Understanding:
+    named, discourse = tuple(map(PredicateForm.named, things)), found.discourse
+    discourse = discourse.naming(*named) if named else discourse
+    return replace(found, discourse=replace(discourse, has_failed=True))
 
 
 def _segmentations(tokens: Tokens) -> Iterator[tuple[Tokens, ...]]:

@@ -106,10 +106,6 @@ class FeatureReader:
         """Whether one of some nouns names what is no part of an object: places, people, clothes."""
         return not self.nouns["elsewhere"].isdisjoint(words)
 
-    def is_place(self, word: str) -> bool:
-        """Whether a noun names a place by how it ends: "hallway", "boiler room"."""
-        return word.endswith(self.endings["place"])
-
     def is_abstract(self, *words: str) -> bool:
         """Whether one of some nouns names nothing that can be taken."""
         return not self.nouns["abstract"].isdisjoint(words) or words[0].endswith(

@@ -9,10 +9,10 @@ other half; one about two objects is rejected, one over several objects or acts 
 from dataclasses import replace
 
 from .discourse import SOMETHING, Discourse, use_form
-from .meaning import ActionRule, Command, FunctionalRule, Question
+from .meaning import ActionRule, Command
 from .predicates import PredicateForm, UninterpretableError
 
-IT, THEY, ONE = map(PredicateForm, ("it", "they", "one"))
+IT, THEY, ONE, THE_TWO = map(PredicateForm, ("it", "they", "one", "theTwo"))
 LAST_USE = PredicateForm("lastUse")
 PRONOUNS = frozenset({IT, THEY})
 PERSONAL = frozenset(map(PredicateForm, ("him", "her", "them")))
@@ -43,6 +43,10 @@ def resolve(form: PredicateForm, discourse: Discourse) -> PredicateForm:
             raise UninterpretableError("of_which_object", asks=True)
     form = form.mapped(_with_each_material).mapped(_with_each_part)
     form = form.mapped(_to_anyone).mapped(lambda part: _person(part, discourse))
+    if THE_TWO in form:
+        if len(discourse.pair) < 2:
+            raise UninterpretableError("no_referent", asks=True, word="both")
+        form, discourse = form.replacing(THE_TWO, THEY), replace(discourse, named=discourse.pair)
     if THEY in form:
         return _resolve_they(form, discourse)
     if len(discourse.named) > 1 and discourse.object != THEY:
@@ -60,9 +64,11 @@ def resolve(form: PredicateForm, discourse: Discourse) -> PredicateForm:
 def _ordinal(part: PredicateForm, discourse: Discourse) -> PredicateForm | None:
     if part == LAST_USE:
         last = discourse.last
-        if not isinstance(last, (FunctionalRule, Question)) or last.affordance is None:
+        named = getattr(last, "target", None) or getattr(last, "tool", last)
+        use = getattr(named, "affordance", None) or getattr(named, "used_for", None)
+        if named is None or use is None:
             raise UninterpretableError("no_referent", asks=True, word="the use")
-        return use_form(last.affordance, last.material)
+        return use_form(use, getattr(named, "material", None) or getattr(last, "patient", None))
     if part == ONE:
         is_described = isinstance(discourse.last, Command) and discourse.last.target.object is None
         known = None if is_described else discourse.object
@@ -183,6 +189,8 @@ def resolve_rules(form: PredicateForm, discourse: Discourse) -> PredicateForm:
             if IT not in act:
                 raise UninterpretableError("one_thing_at_a_time")
             form = act.replacing(IT, thing)
+        case "whenIs", (norm, state) if IT in norm and noun_of(state) != IT:
+            form = PredicateForm("whenIs", (norm.replacing(IT, noun_of(state)), state))
         case name, _ if name in _TWICE and IT in form and _acted_on(form):
             form = form.replacing(IT, _acted_on(form) or IT)
         case _:

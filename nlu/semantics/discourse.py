@@ -77,7 +77,8 @@ def update_discourse(meaning: Meaning, content: PredicateForm, discourse: Discou
             pass
     discourse = replace(discourse.accessible, person=person, asks_why=asks_why)
     named = list(_named_objects(meaning))
-    if isinstance(meaning, Question):  # it names a kind, but "it" is "the red mug"
+    if isinstance(meaning, Question) and not meaning.property:
+        # It names a kind, but "it" is "the red mug".
         described = [part for part in content if part.name == "having"]
         named = [next((part for part in described if each in part), each) for each in named]
     if named:
@@ -128,6 +129,8 @@ def _references(meaning: Meaning) -> Iterator[ObjectReference]:
         case NormStatement(norms=norms):
             for norm in norms:
                 yield from _references(norm.act)
+        case Question(among=tuple(names)):
+            yield from map(ObjectReference, names)
         case Question(norm=Norm(act=act)):
             yield from _references(act)
         case Question(ask="how" | "see", affordance=str(use), material=material):

@@ -52,7 +52,7 @@ class FragmentValues:
         return self.mode in {"also", "same", "too"}
 
 
-def complete(fragment: FragmentValues, discourse: Discourse) -> Meaning:
+def complete(fragment: FragmentValues, discourse: Discourse) -> Meaning:  # noqa: PLR0912
     """Return the meaning of a fragment; `UninterpretableError` if no turn is completed by it."""
     discourse = discourse.accessible
     if fragment.mode == "keep":
@@ -68,7 +68,9 @@ def complete(fragment: FragmentValues, discourse: Discourse) -> Meaning:
     if discourse.asks_why and fragment.asks and isinstance(rule, ActionRule):
         completed = Question("how", object=rule.object, context=rule.context)
     if fragment.material and not fragment.use:
-        fragment = _with_use_of(completed, fragment)
+        if not isinstance(completed, (FunctionalRule, Question)) or completed.material is None:
+            raise _nothing()
+        fragment = replace(fragment, use=completed.affordance)
     match completed:
         case FunctionalRule() | ActionRule() as rule:
             return _as_rule(fragment, rule)
@@ -221,12 +223,6 @@ def _as_question(  # noqa: PLR0911 - a case per slot
 
 def _offered(rule: Rule) -> AskBack:
     return AskBack(choices=(Statement((rule,)),))
-
-
-def _with_use_of(last: object, fragment: FragmentValues) -> FragmentValues:
-    if not isinstance(last, (FunctionalRule, Question)) or last.material is None:
-        raise _nothing()
-    return replace(fragment, use=last.affordance)
 
 
 def _as_command(  # noqa: PLR0911 - a case per slot

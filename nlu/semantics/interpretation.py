@@ -15,6 +15,7 @@ from .meaning import (
     Acknowledgement,
     ActionRule,
     Answer,
+    AskBack,
     Command,
     Confidence,
     FunctionalRule,
@@ -23,6 +24,7 @@ from .meaning import (
     Meaning,
     ObjectReference,
     PartNaming,
+    Plan,
     Question,
     Retraction,
     Rule,
@@ -79,9 +81,13 @@ class Interpreter:
             case "wantBelieve" if content.name == "shown":
                 return _shown(content.arguments[0])
             case "wantBelieve" if content.name == "stateOf":
-                return TopicStatement(*kind_and_properties(content.arguments[0]))
+                return _state(content)
+            case "wantBelieve" if content.name == "supposing":  # it may be said of now only
+                return AskBack(choices=(self._statement(content.arguments[0]),))
             case "wantBelieve":
                 return self._statement(content)
+            case "want" if content.name == "and" and all(each.name != "not" for each in content):
+                return Plan(tuple(map(self.command, content.arguments)))
             case "want":
                 return self.command(content)
             case "wantKnow":
@@ -139,7 +145,7 @@ class Interpreter:
         else:
             yield self._functional_rule(form)
 
-    def _correction(self, form: PredicateForm, discourse: Discourse) -> Meaning:
+    def _correction(self, form: PredicateForm, discourse: Discourse) -> Meaning:  # noqa: PLR0911 - a case per form
         if form.name == "retractAbout":
             return Retraction(about=kind_and_properties(form.arguments[0])[0])
         if form.name == "retractPart":
@@ -148,6 +154,8 @@ class Interpreter:
             return Retraction(is_of_told=form.name == "retractTold")
         if form.name == "retract":
             return Retraction(self._one_rule(form.arguments[0]))
+        if form.name == "correct" and form.arguments[0].name == "stateOf":
+            return _state(form.arguments[0])
         if form.name == "correct" and form.arguments[0].name in {"implies", "and", *KIND_FORMS}:
             return with_rules(self._stated(form.arguments[0]), revises=True)
         return self._fragment(form, discourse)
@@ -222,28 +230,18 @@ class Interpreter:
         recipient = name_of(form.arguments[2]) if len(form.arguments) > 2 else None
         return Command(form.said, target, recipient=recipient)
 
-    def has_act(self, name: str) -> bool:
-        """Return whether an act is known: on an object, or with a tool."""
-        return name in GOALS or name in self.acts or name in self.tool_acts
-
     def is_act_on_object(self, name: str) -> bool:
         """Return whether a name is that of an act on one object."""
         said = name.replace("_", " ")
         return name in GOALS or said in self.acts or said in self.new_acts
 
     def _reference(self, form: PredicateForm) -> ObjectReference:
-        names: set[str] = set()
-        used_for: list[PredicateForm] = []
-        other = False
+        said: dict[str, list[PredicateForm]] = {"having": [], "used": [], "other": []}
         while form.name in {"having", "usedFor", "notUsedFor", "other"}:
-            if form.name == "other":
-                other = True
-            elif form.name == "having":
-                names.add(name_of(form.arguments[1]))
-            else:
-                used_for.append(form)
+            said["used" if form.name.endswith("For") else form.name].append(form)
             form = form.arguments[0]
-        props = tuple(sorted(names))
+        used_for, other = said["used"], bool(said["other"])
+        props = tuple(sorted({name_of(each.arguments[1]) for each in said["having"]}))
         if len(used_for) > 1 or (used_for and form.name not in SOMETHING):
             raise UninterpretableError("object_or_use")
         if used_for:
@@ -310,8 +308,15 @@ class Interpreter:
         match form.name, form.arguments:
             case (name, ()) if name in table.bare:
                 return Question(ask)
+            case "best", (use, PredicateForm(name="both", arguments=things)):
+                return replace(_question_on_use(ask, use), among=tuple(map(_kind, things)))
             case (_, (thing, *_)) if kind:
                 return self._question_naming(ask, kind, thing)
+            case "isTrue" | "which", (PredicateForm(name="stateOf", arguments=(thing, *_)),):
+                name, props = kind_and_properties(thing)
+                if len(props) != 1:
+                    raise UninterpretableError("one_thing_at_a_time")
+                return Question("state", None if name == ANY_OBJECT else name, property=props[0])
             case "hasPart", (thing, part):
                 return Question(ask, object=_kind(thing), part=part_and_owner(part)[0])
             case "howSure", (PredicateForm(arguments=()) as thing, *_):
@@ -383,6 +388,10 @@ class Interpreter:
             return Question(ask, _kind(act.arguments[-1]), context=act.said, part=part)
         target = self._reference(act.arguments[1])
         return replace(_question_on_target(ask, target), context=act.said, part=part)
+
+
+def _state(form: PredicateForm) -> TopicStatement:
+    return TopicStatement(*kind_and_properties(form.arguments[0]), denied=len(form.arguments) > 1)
 
 
 def _use(form: PredicateForm) -> tuple[str, str | None]:

@@ -13,21 +13,8 @@ from pathlib import Path
 from typing import TypeVar
 
 from ...ontology.yaml_reader import YamlNode, read_yaml
+from . import meaning as meanings
 from .clause_features import ASIDE, CONDITION, MAIN, UtteranceFeatures, Values
-from .meaning import (
-    LIKELY,
-    ActionRule,
-    Command,
-    Confidence,
-    KindRelation,
-    KindStatement,
-    Meaning,
-    NormStatement,
-    Retraction,
-    Rule,
-    Statement,
-    ToolCommand,
-)
 
 LICENCE_FILE = Path(__file__).parents[2] / "ontology" / "licence.yaml"
 
@@ -36,7 +23,7 @@ ABSENT = "none"  # stands in a row for the absence of a feature
 
 KINDS = ("use", "holding", "correction", "retraction", "command", "prohibition", "norm")
 
-AnyRule = TypeVar("AnyRule", Rule, KindRelation)
+AnyRule = TypeVar("AnyRule", meanings.Rule, meanings.KindRelation)
 
 _CLAUSES = (MAIN, CONDITION, ASIDE)
 
@@ -63,28 +50,30 @@ class LicenceTable:
     """The table of rows, and by feature and value the interval that bounds the one of a rule."""
 
     rows: Sequence[LicenceRow]
-    degrees: Mapping[tuple[str, str], Confidence]
+    degrees: Mapping[tuple[str, str], meanings.Confidence]
 
-    def outcome(self, meaning: Meaning, features: UtteranceFeatures) -> str:
+    def outcome(self, meaning: meanings.Meaning, features: UtteranceFeatures) -> str:
         """Return `ACCEPT`, or the name of the answer that asks whether this is meant."""
         match meaning:
-            case Statement(rules):
+            case meanings.Statement(rules):
                 kinds = frozenset(map(_kind, rules))
-            case KindStatement():
+            case meanings.KindStatement():
                 kinds = frozenset({"use"})  # what holds of objects of a kind, as their uses do
-            case NormStatement():
+            case meanings.NormStatement():
                 kinds = frozenset({"norm"})
-            case Retraction():
+            case meanings.Retraction():
                 kinds = frozenset({"retraction"})
-            case Command(negated=negated) | ToolCommand(negated=negated):
+            case meanings.Plan():
+                kinds = frozenset({"command"})
+            case meanings.Command(negated=negated) | meanings.ToolCommand(negated=negated):
                 kinds = frozenset({"prohibition" if negated else "command"})
             case _:
                 return ACCEPT
         return next(row.then for row in self.rows if row.applies(kinds, features))
 
-    def weakened(self, meaning: Meaning, features: UtteranceFeatures) -> Meaning:
+    def weakened(self, meaning: meanings.Meaning, features: UtteranceFeatures) -> meanings.Meaning:
         """Return a meaning whose rules are as sure as their features allow."""
-        if not isinstance(meaning, (Statement, KindStatement)):
+        if not isinstance(meaning, (meanings.Statement, meanings.KindStatement)):
             return meaning
         bounds = [
             self.degrees[feature, value]
@@ -93,12 +82,11 @@ class LicenceTable:
             for value in values
             if (feature, value) in self.degrees
         ]
-        if isinstance(meaning, KindStatement):
-            return KindStatement(tuple(_bounded(each, bounds) for each in meaning.rules))
-        return Statement(tuple(_bounded(rule, bounds) for rule in meaning.rules))
+        rules = tuple(_bounded(rule, bounds) for rule in meaning.rules)  # pyright: ignore
+        return replace(meaning, rules=rules)  # pyright: ignore
 
 
-def bounded(interval: Confidence, bound: Confidence) -> Confidence:
+def bounded(interval: meanings.Confidence, bound: meanings.Confidence) -> meanings.Confidence:
     """Return an interval that is no surer than another one.
 
     Its lower bound is at most that of `bound`. When it says that something is not so, its upper
@@ -106,13 +94,13 @@ def bounded(interval: Confidence, bound: Confidence) -> Confidence:
     interval that contains that of a stronger one.
     """
     lower, upper = interval
-    if upper < LIKELY:
+    if upper < meanings.LIKELY:
         return lower, max(upper, round(1 - bound[0], 4))
     return min(lower, bound[0]), upper
 
 
 def load_licence(
-    features: Values, degrees: Mapping[str, Confidence], path: Path = LICENCE_FILE
+    features: Values, degrees: Mapping[str, meanings.Confidence], path: Path = LICENCE_FILE
 ) -> LicenceTable:
     """Return the licence of a file, with all values of each feature and the interval per degree.
 
@@ -145,13 +133,13 @@ def _row(field: YamlNode, features: Values) -> LicenceRow:
     return LicenceRow(frozenset(parts["of"].texts(choices=KINDS)), clauses, parts["then"].text())
 
 
-def _kind(rule: Rule) -> str:
+def _kind(rule: meanings.Rule) -> str:
     if rule.revises:
         return "correction"
-    return "holding" if isinstance(rule, ActionRule) else "use"
+    return "holding" if isinstance(rule, meanings.ActionRule) else "use"
 
 
-def _bounded(rule: AnyRule, bounds: Sequence[Confidence]) -> AnyRule:
+def _bounded(rule: AnyRule, bounds: Sequence[meanings.Confidence]) -> AnyRule:
     if rule.revises:
         return rule
     return replace(rule, confidence=reduce(bounded, bounds, rule.confidence))

@@ -5,8 +5,6 @@ with a space between several ("wine glass"); affordances are gerunds ("cutting")
 pair (lower, upper) in [0, 1]. `as_json` follows the meaning schema of `docs/language.md`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import ClassVar, Generic, TypeVar
@@ -91,7 +89,7 @@ class ActionRule(_Rule):
 Rule = FunctionalRule | ActionRule
 
 
-def is_contradictory(rules: Sequence[Rule | KindRelation]) -> bool:
+def is_contradictory(rules: "Sequence[Rule | KindRelation]") -> bool:
     """Return whether of some rules, in the order they were said, one contradicts another.
 
     A rule on grasping after one on an action with the same grip is about that action, too.
@@ -106,7 +104,7 @@ def is_contradictory(rules: Sequence[Rule | KindRelation]) -> bool:
     return False
 
 
-def _as_grasp(rule: Rule | KindRelation) -> Rule | KindRelation:
+def _as_grasp(rule: "Rule | KindRelation") -> "Rule | KindRelation":
     return replace(rule, context="grasp") if isinstance(rule, ActionRule) else rule
 
 
@@ -300,22 +298,18 @@ class Question(_Record):
     """A question of the speaker."""
 
     kind: ClassVar[str] = "question"
-    #: `about`, `best_for`, `capabilities`, `confidence`, `exceptions`, `first_told`, `hearing`,
-    #: `holding`, `how`, `identity`, `is_kind_of`, `is_used_for`, `known`, `last_asked`,
-    #: `last_done`, `last_spoken_of`, `last_told`, `objects_for`, `parts`, `repeated`, `see`,
-    #: `source`, `told`, `trust`, `uses_of`, `wellbeing`, `what_if`, `which_context`,
-    #: `why`, `why_not`, `forbidden` or `may`
-    ask: str
+    ask: str  #: what is asked: one of the names that `docs/language.md` lists
     #: object, affordance, context, part, speaker: what the question names, else None
     object: str | None = None
     affordance: str | None = None
     context: str | None = None
     part: str | None = None
     speaker: str | None = None
-    #: what the affordance is asked for ("bread", for cutting), or None for anything
-    material: str | None = None
+    material: str | None = None  #: what the affordance is asked for: "bread", for cutting
     norm: Norm | None = None  #: the permission that it asks for: "may you pick up the mug?"
     kind_of: str | None = None  #: the more general kind that it asks about: "is a spoon a tool?"
+    property: str | None = None  #: what it asks about a thing at hand: "is the mug hot?"
+    among: tuple[str, ...] | None = None  #: the things that are compared, if not all
 
 
 @dataclass(frozen=True)
@@ -343,6 +337,7 @@ class TopicStatement(_Record):
 
     topic: str  # a kind of object
     props: tuple[str, ...] = ()  # the properties that the one at hand is said to have, sorted
+    denied: bool = False  # whether it is said not to have them
     shown: bool = False  # whether it is said to be at hand: "this is a mallet"
 
     @property
@@ -427,7 +422,7 @@ class AskBack:
 
     kind: ClassVar[str] = "ask_back"
     question: str = ""
-    choices: tuple[Meaning | str, ...] = ()
+    choices: "tuple[Meaning | str, ...]" = ()
 
     def as_json(self) -> Json:
         """Return the JSON object, which leaves the question out because it is spoken."""
@@ -450,7 +445,7 @@ class Misunderstanding:
         return {"error": True} | {key: _plain(value) for key, value in vars(self).items()}
 
 
-def with_rules(meaning: Meaning, **changes: object) -> Meaning:
+def with_rules(meaning: "Meaning", **changes: object) -> "Meaning":
     """Return a meaning with these attributes of its rules changed, if it has any."""
     if not isinstance(meaning, (Statement, KindStatement)):
         return meaning
@@ -458,7 +453,7 @@ def with_rules(meaning: Meaning, **changes: object) -> Meaning:
     return replace(meaning, rules=rules)  # pyright: ignore
 
 
-def only_revises(meaning: Meaning) -> bool:
+def only_revises(meaning: "Meaning") -> bool:
     """Return whether a meaning only changes what was taught: "make it rarely, would you?"."""
     return isinstance(meaning, Statement) and all(rule.revises for rule in meaning.rules)
 
@@ -467,9 +462,7 @@ Meaning = (
     Statement
     | NormStatement
     | KindStatement
-    | Command
-    | ToolCommand
-    | ActionCommand
+    | Act
     | Plan
     | ActionDefinition
     | Question

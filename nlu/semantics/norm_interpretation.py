@@ -66,7 +66,9 @@ def _given_to(form: PredicateForm, speaker: PredicateForm) -> PredicateForm | No
 
 
 def _when_it_is(norm: Norm, thing: PredicateForm) -> Norm:
-    act, (_, props) = _command(norm.act), kind_and_properties(thing)
+    act, (kind, props) = _command(norm.act), kind_and_properties(thing)
+    if kind != act.target.object:
+        raise UninterpretableError("two_objects", first=str(act.target.object), second=kind)
     props = tuple(sorted({*act.target.props, *props}))
     return replace(norm, act=replace(act, target=replace(act.target, props=props)))
 

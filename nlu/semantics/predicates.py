@@ -7,8 +7,6 @@ is a variable. The rules are data (`pragmatics.yaml`), each with an interval of 
 Scheutz et al. (2013) and Williams et al. (2015). Paper, section 3.2.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
@@ -41,10 +39,10 @@ class PredicateForm:
     """
 
     name: str
-    arguments: tuple[PredicateForm, ...] = ()
+    arguments: "tuple[PredicateForm, ...]" = ()
 
     @classmethod
-    def named(cls, name: str) -> PredicateForm:
+    def named(cls, name: str) -> "PredicateForm":
         """Return the form of a name as people spell it: `wine_glass` for "wine glass"."""
         return cls(name.replace(" ", "_"))
 
@@ -58,7 +56,7 @@ class PredicateForm:
             return self.name
         return f"{self.name}({','.join(map(str, self.arguments))})"
 
-    def __iter__(self) -> Iterator[PredicateForm]:
+    def __iter__(self) -> "Iterator[PredicateForm]":
         """This form and all forms within it, from the outside in, left to right."""
         yield self
         for argument in self.arguments:
@@ -69,7 +67,7 @@ class PredicateForm:
         """Whether this is a variable of a pattern."""
         return len(self.name) == 1 and self.name.isupper() and not self.arguments
 
-    def mapped(self, change: Callable[[PredicateForm], PredicateForm | None]) -> PredicateForm:
+    def mapped(self, change: "Callable[[PredicateForm], PredicateForm | None]") -> "PredicateForm":
         """Return the form with parts replaced; `change` returns None for a part to keep."""
         changed = change(self)
         if changed is not None:
@@ -78,7 +76,7 @@ class PredicateForm:
             return self
         return PredicateForm(self.name, tuple(each.mapped(change) for each in self.arguments))
 
-    def replacing(self, old: PredicateForm, new: PredicateForm) -> PredicateForm:
+    def replacing(self, old: "PredicateForm", new: "PredicateForm") -> "PredicateForm":
         """Return the form with every part that is `old` replaced."""
         return self.mapped(lambda part: new if part == old else None)
 
@@ -157,7 +155,7 @@ class Pragmatics:
     rules: tuple[PragmaticRule, ...]
     threshold: float
 
-    def intentions(self, act: PredicateForm, heard: Confidence = CERTAIN) -> list[Intention]:
+    def intentions(self, act: PredicateForm, heard: Confidence = CERTAIN) -> "list[Intention]":
         """Return what an act `heard` as (lower, upper) in [0, 1] may intend, the surest first."""
         found: dict[PredicateForm, list[Confidence]] = {}
         for rule in self.rules:
@@ -169,7 +167,7 @@ class Pragmatics:
         intentions = [Intention(form, each, _certainty(each)) for form, each in fused.items()]
         return sorted(intentions, key=lambda each: -each.certainty)
 
-    def meant(self, act: PredicateForm, heard: Confidence = CERTAIN) -> list[Intention]:
+    def meant(self, act: PredicateForm, heard: Confidence = CERTAIN) -> "list[Intention]":
         """Return the intentions that are sure enough; unless it is one, Hilt must ask."""
         return [each for each in self.intentions(act, heard) if self.is_enough(each.interval)]
 

@@ -65,7 +65,7 @@ def test_use_stays_a_rule(language: Language, text: str):
         "I don't mind holding the mug by the rim",
         "I don't mind if you don't hold the mug by the rim",
         "feel free not to pass the knife",
-        "never pick up an empty bottle",
+        "never pick up a spotless bottle",
     ],
 )
 def test_norm_that_cannot_be_kept_is_not_agreed_to(language: Language, text: str):
