@@ -4,7 +4,7 @@ A form must express exactly one meaning that Hilt has; otherwise it is rejected 
 part of a form is ever dropped to make it fit.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from ..lexicon.vocabulary import NewWord
@@ -76,12 +76,8 @@ class Interpreter:
                 return self._fragment(content, discourse)
             case "wantBelieve" if content.name in _UNLEARNABLE:
                 raise UnlearnableError(_UNLEARNABLE[content.name])
-            case "wantBelieve" if content.name == "topic":
-                return TopicStatement(_kind(content.arguments[0]))
-            case "wantBelieve" if content.name == "shown":
-                return _shown(content.arguments[0])
-            case "wantBelieve" if content.name == "stateOf":
-                return _state(content)
+            case "wantBelieve" if content.name in _TOPICS:
+                return _TOPICS[content.name](content)
             case "wantBelieve" if content.name == "supposing":  # it may be said of now only
                 return AskBack(choices=(self._statement(content.arguments[0]),))
             case "wantBelieve":
@@ -436,7 +432,8 @@ def _kind(form: PredicateForm) -> str:
     return kind
 
 
-def _shown(form: PredicateForm) -> TopicStatement | PartNaming:
+def _shown(said: PredicateForm) -> TopicStatement | PartNaming:
+    form = said.arguments[0]
     if form.name != "partOf":
         return TopicStatement(_kind(form), shown=True)
     part, owner = form.arguments
@@ -444,6 +441,13 @@ def _shown(form: PredicateForm) -> TopicStatement | PartNaming:
         return PartNaming(name_of(part), other=True)
     name, props = kind_and_properties(owner)
     return PartNaming(name_of(part), props, object=None if name == ANY_OBJECT else name)
+
+
+_TOPICS: Mapping[str, Callable[[PredicateForm], Meaning]] = {
+    "topic": lambda said: TopicStatement(_kind(said.arguments[0])),
+    "shown": _shown,
+    "stateOf": _state,
+}
 
 
 def kind_and_properties(form: PredicateForm) -> tuple[str, tuple[str, ...]]:
