@@ -276,7 +276,7 @@ class Agent(AbstractContextManager["Agent"]):
         return tuple(percept.object for percept in found if percept.name not in unknown)
 
     @property
-    def eyes(self) -> LearnedDetector | None:
+    def eyes(self) -> "LearnedDetector | None":
         """The learned eyes of the simulated body; None with another vision."""
         is_learned = self.simulate and self.embodiment.vision.startswith("learned")
         return self.body.eyes if is_learned else None
