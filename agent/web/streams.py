@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 from fastapi import APIRouter, Depends, Header, Query, WebSocket
 from fastapi.sse import EventSourceResponse, ServerSentEvent
-from starlette.websockets import WebSocketDisconnect, WebSocketState
+from starlette.websockets import WebSocketDisconnect
 
 from ..execution.outcome import Json
 from .events import EventStream
@@ -66,10 +66,11 @@ async def live(socket: WebSocket) -> None:
             shown.add_done_callback(lambda done: done.exception())
             code = await _both_ways(socket, stream, service, first.get("since"))
     except Problem as problem:
-        await _ended(socket, _TOO_MANY if problem.status_code == 429 else _WHO)
+        code = _TOO_MANY if problem.status_code == 429 else _WHO
     except (WebSocketDisconnect, asyncio.TimeoutError, ValueError, KeyError):
         code = _WHO
-    await _ended(socket, code)
+    with suppress(RuntimeError, WebSocketDisconnect):  # it has ended already
+        await socket.close(code)
 
 
 def hello(service: Service) -> Json:
@@ -82,13 +83,11 @@ async def _both_ways(
     socket: WebSocket, stream: EventStream, service: Service, since: int | None
 ) -> int:
     async def listen() -> None:
-        try:
-            async for _ in socket.iter_text():  # what it says after its hello is not needed
-                pass
-        finally:
-            stream.close(_NORMAL)
+        async for _ in socket.iter_text():  # what it says after its hello is not needed
+            pass
 
     listening = asyncio.ensure_future(listen())
+    listening.add_done_callback(lambda _: stream.close(_NORMAL))
     try:
         async for event in stream.read(since, service.base):
             if isinstance(event, bytes):
@@ -98,9 +97,3 @@ async def _both_ways(
     finally:
         listening.cancel()
     return stream.end or _NORMAL
-
-
-async def _ended(socket: WebSocket, code: int) -> None:
-    if socket.application_state is not WebSocketState.DISCONNECTED:
-        with suppress(RuntimeError, WebSocketDisconnect):
-            await socket.close(code)
