@@ -130,7 +130,7 @@ class ModelTools:
     def may_hold(self, object: str, part: str, action: str, context: Context[Any]) -> Finding:
         """Whether an object may be held by a part for an action: proper, improper or unknown."""
         for each in self._held(object, action, context):
-            if each.argument and each.argument.name == part:
+            if each.part == part:
                 return self._finding(each)
         return Finding(object=object, part=part)
 
@@ -215,10 +215,9 @@ class ModelTools:
     def _finding(self, found: Candidate) -> Finding:
         verdicts: dict[str, Any] = {"accepted": "proper", "denied": "improper"}
         words_of = self._service.agent.dialogue.conversation.words_of
-        argument = found.argument
         return Finding(
             object=found.object,
-            part=argument.name if argument and argument.kind == "part" else None,
+            part=found.part,
             verdict=verdicts.get(found.verdict, "unknown"),
             lower=found.interval.lower,
             upper=found.interval.upper,
@@ -234,8 +233,7 @@ class ModelTools:
 def _against(decision: Decision | None) -> Sequence[Rule]:
     named = decision.named_part if decision else None
     denied = decision.part.denied if decision and decision.part else ()
-    about = [each for each in denied if each.argument and each.argument.name == named]
-    return [rule for each in about for rule in each.rules]
+    return [rule for each in denied if named and each.part == named for rule in each.rules]
 
 
 def _told(tool: Callable[..., Any]) -> Callable[..., Awaitable[Any]]:
