@@ -25,10 +25,8 @@ from starlette.routing import Route
 from starlette.types import Receive, Scope, Send
 
 from ...inference.types import Candidate, Target
-from ...kb.rule import Rule
 from ...ontology.errors import HiltError
 from ..documents import Explanation
-from ..execution.outcome import Decision
 from ..execution.request import Request
 from .problems import Problem, problem_of
 from .sayings import Said
@@ -193,7 +191,9 @@ class ModelTools:
             reply = agent.hear(command, speaker=caller.speaker, only="do", keep=False)
             decision = reply.decision
             known: dict[str, Any] = {"proofs": decision.proofs_as_json()} if decision else {}
-            against = _against(decision)
+            part, named = (decision.part, decision.named_part) if decision else (None, None)
+            denied = part.denied if part and named else ()
+            against = [rule for each in denied if each.part == named for rule in each.rules]
             if against:  # a person may name another part than was told; a model may not
                 because = "; ".join(agent.dialogue.conversation.words_of(rule) for rule in against)
                 return CommandPlan(outcome="refused", said=f"I was told: {because}", **known)
@@ -228,12 +228,6 @@ class ModelTools:
         owner = self._who(context)
         roles = {"teacher", "operator"} if owner.may("admin") else owner.roles
         return Caller(owner.id, f"model of {owner.speaker}", frozenset(roles))
-
-
-def _against(decision: Decision | None) -> Sequence[Rule]:
-    named = decision.named_part if decision else None
-    denied = decision.part.denied if decision and decision.part else ()
-    return [rule for each in denied if named and each.part == named for rule in each.rules]
 
 
 def _told(tool: Callable[..., Any]) -> Callable[..., Awaitable[Any]]:

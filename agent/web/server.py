@@ -180,9 +180,8 @@ async def healthz() -> Json:
 
 
 @_health.get("/readyz")
-def readyz(request: Request) -> Json:
+def readyz(service: routes.TheService) -> Json:
     """Whether the base is open, and the robot able to move."""
-    service: Service = request.app.state.service
     if service.is_stopping:
         raise Problem(503, "stopping", "Stopping", "The service ends.")
     return {"ready": True, "sequence": service.base.sequence, "moves": service.agent.simulate}

@@ -12,8 +12,8 @@ from starlette.websockets import WebSocketDisconnect
 from ..execution.outcome import Json
 from .events import EventStream
 from .problems import Problem
-from .routes import TheService
-from .security import CALLER, Gate, Reader
+from .routes import TheGate, TheService
+from .security import CALLER, Reader
 from .service import Service
 
 router = APIRouter(prefix="/api/v1", tags=["events"])
@@ -45,18 +45,16 @@ async def events(
 
 
 @router.websocket("/live")
-async def live(socket: WebSocket) -> None:
+async def live(socket: WebSocket, service: TheService, gate: TheGate) -> None:
     """The same events as JSON texts, and frames of the scene as binary messages.
 
     Who has no cookie sends `{"type": "hello", "token": ..., "since": ...}` first.
     """
-    service: Service = socket.app.state.service
     await socket.accept()
     code = _NORMAL
     try:
         # The cookie says who listens, or a token in the first message.
         first: dict[str, Any] = await asyncio.wait_for(socket.receive_json(), _HELLO_SECONDS)
-        gate: Gate = socket.app.state.gate
         token = first.get("token")
         caller = gate.caller_with(socket, str(token)) if token else gate.caller_of(socket)
         socket.scope[CALLER] = caller
