@@ -41,24 +41,23 @@ def find_doubt(
     rank, threshold = operators.rank, inference.threshold
     accepted = [each for each in inference.candidates if operators.accepts(each.told, threshold)]
     told = max(accepted, key=lambda each: round(rank(each.told), DIGITS), default=None)
-    if told is None or told.argument is None or told.experience is None:
+    if told is None or told.part is None or told.experience is None:
         return None
     is_changed = inference.best is None or inference.best.argument != told.argument
     if told.contradiction <= settings.contradiction and not is_changed:
         return None
     context = acting_for(inference.node)
-    known = {each.argument.name: each for each in inference.candidates if each.argument}
+    known = {each.part: each for each in inference.candidates if each.part}
 
     def merit(part: str) -> tuple[float, float]:
         said = known[part].told if part in known else VACUOUS
         counts = affordances.outcomes(kind, part, context)
         return round(rank(counts.interval), DIGITS), rank(said)
 
-    denied = {each.argument.name for each in inference.denied if each.argument}
-    name = told.argument.name
+    denied = {each.part for each in inference.denied}
     others = [part for part in dict.fromkeys((*known, *parts)) if part not in denied]
     best = max(others, key=merit)
-    instead = best if merit(best)[0] > merit(name)[0] else None
+    instead = best if merit(best)[0] > merit(told.part)[0] else None
     teachers = tuple(dict.fromkeys(rule.speaker for rule in told.rules if rule.asserts))
     tried = affordances.outcomes(kind, instead, context) if instead else NO_TRIALS
-    return Doubt(kind, context, name, told.experience, teachers, instead, tried)
+    return Doubt(kind, context, told.part, told.experience, teachers, instead, tried)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ...ontology.errors import DataError
+from ...ontology.errors import DataError, check_simulator
 from ...ontology.objects import Household
 from ...ontology.plugins import call_plugin, plugin_names
 from ...sim.scene.scene import Scene, parse_scene
@@ -70,8 +70,6 @@ class Embodiment:
 
         MissingExtraError without the simulator; SimulationError if there is no room for the scene.
         """
-        from ...ontology.errors import check_simulator
-
         check_simulator()
         from ...sim.body import Body
 

@@ -19,7 +19,6 @@ from .outcome_answer import FORBIDDEN
 from .request import PATIENT, TOOL, Arguments, Request, named
 
 USE = "use"  # what is done with a tool, whatever for
-_RECIPIENT = "recipient"
 
 
 class NormGuard:
@@ -47,7 +46,7 @@ class NormGuard:
 
         That is told before anything is looked for, by what the command itself names.
         """
-        recipient = arguments.get(_RECIPIENT)
+        recipient = arguments.get("recipient")
         if isinstance(recipient, str):
             self._recipients[node] = recipient
         if "/" in node:
@@ -88,15 +87,12 @@ class NormGuard:
         seen = percept.properties if percept else frozenset[str]()
         people = self._recipients.items()
         roles = [name.lower() for path, name in people if f"{node}/".startswith(f"{path}/")]
-        materials = self._checker.affordances.taxonomy.names_above("object", self._patient)
+        patient = named(self._arguments.get(PATIENT))
+        materials = self._checker.affordances.taxonomy.names_above("object", patient)
         given = [*(Atom("role", each) for each in roles), *(Atom("material", m) for m in materials)]
         contexts = {**self._request.contexts, **dict.fromkeys(given, CERTAIN)}
         known = (name, seen | target.properties, part or self.part, contexts)
         return Act(actions, *known, tuple(self._done), self._holding())
-
-    @property
-    def _patient(self) -> str | None:
-        return named(self._arguments.get(PATIENT))
 
     def _ahead(self, target: Target) -> tuple[str, ...]:
         found: list[str] = []
@@ -121,7 +117,7 @@ class NormGuard:
             self.verdicts.append(verdict)
         if verdict.forbidding is None or (is_named and verdict.unseen):
             return None
-        name = self._patient or act.object or "thing"
+        name = named(self._arguments.get(PATIENT)) or act.object or "thing"
         slots = {"goal": self._request.action, "object": name, "norm": verdict.forbidding.id}
         key, ending = ("norm_unseen", "asked") if verdict.unseen else ("forbidden", "refused")
         return AnswerContent(key, slots, ending, FORBIDDEN)

@@ -88,8 +88,7 @@ class Decision:
     def chosen_part(self) -> str | None:
         """The part to act on; None when none is named, concluded, or left by a prohibition."""
         best = self.part.best if self.part else None
-        concluded = best.argument.name if best and best.argument else None
-        return self.named_part or self.allowed_part or concluded
+        return self.named_part or self.allowed_part or (best and best.part)
 
     @property
     def rules(self) -> tuple[Rule, ...]:

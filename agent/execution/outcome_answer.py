@@ -23,7 +23,6 @@ _UNMET = {  # kind of precondition -> the answer where it is not met, and where 
     "sees": ("nothing_seen", "see_one"),
     "holds": ("not_held", "grasped_somewhere"),
 }
-_DONE_OTHERWISE = ("did", "did_by", "did_by")
 _EMPTIED = {"letGo": "released", "placeObject": "put_down", "returnObject": "put_back"}
 _MOTION = {  # reason of a motion report -> the answer with a part, and without
     "unreachable": ("unreachable_part", "unreachable"),
@@ -52,7 +51,7 @@ def done(action: str, decision: Decision, speaker: str, recipient: str) -> Answe
     teacher = best.rules[-1].speaker if best and best.rules else None
     if teacher:
         slots["speaker"] = "you" if teacher == speaker else proper_name(teacher)
-    plain, by_part, as_told = _DONE.get(action, _DONE_OTHERWISE)
+    plain, by_part, as_told = _DONE.get(action, ("did", "did_by", "did_by"))
     return AnswerContent(as_told if teacher else by_part if decision.chosen_part else plain, slots)
 
 

@@ -18,7 +18,6 @@ from .outcome import AnswerContent, Failure, WorldOutcome
 from .request import Arguments, named
 
 DRIVEN = "driven"  # what the robot senses when something is in all the way
-LOST = ("dropped", "nothing_held")
 MM = 1e3  # in a metre
 _FIRMNESS = ("score", "slip_m", "slip_rad")  # of reports and of the outcome
 _GRASPED = ("touched", "attempts", *_FIRMNESS)
@@ -185,7 +184,7 @@ class PrimitiveExecutor:
 
     def _not_driven(self, reason: str) -> AnswerContent:
         tool = self.tool or "thing"
-        if reason in LOST:
+        if _OUTCOMES.get(reason) == "dropped":
             return AnswerContent("dropped", {"object": tool}, "failed", reason)
         key = "not_driven" if reason == "not_driven" else "cannot_strike"
         slots = {"goal": self.goal, "patient": self.patient or "thing", "tool": tool}

@@ -50,7 +50,7 @@ _EDGE = ""  # stands for a word before and after a sentence
 
 Phones = tuple[str, ...]
 Floats = npt.NDArray[np.float32]
-_Groups = Sequence[tuple[list[int], npt.NDArray[np.int64], Floats]]  # words of as many phones
+_Group = tuple[list[int], npt.NDArray[np.int64], Floats]  # words of as many phones
 
 
 class _Edge(NamedTuple):
@@ -143,15 +143,11 @@ class SoundRepair:
     ) -> list[list[_Edge]]:
         """Return the words that sound most like what is heard from each place on."""
         edges = [list[_Edge]() for _ in range(len(heard) + 1)]
-        common = self._grammar_costs(heard, names)[:-1] + REPLACING
-        rare = (
-            self._span_costs(heard, self._rare_groups, len(self._rare_words), starts)
-            + REPLACING
-            + RARE
-        )
+        common = self._grammar_costs(heard, names)[:-1]
+        rare = self._span_costs(heard, self._rare_groups, len(self._rare_words), starts)
         for words, places, costs in (
-            (self._words, range(len(heard)), common),
-            (self._rare_words, starts, rare),
+            (self._words, range(len(heard)), common + REPLACING),
+            (self._rare_words, starts, rare + REPLACING + RARE),
         ):
             for place, all_costs in zip(places, costs, strict=True):
                 row = all_costs[:, 1 : len(heard) - place + 1]
@@ -175,9 +171,7 @@ class SoundRepair:
         words = re.findall(r"[\w']+", text)
         return [each for word in words for each in self._sounds.of_word(word)[0]]
 
-    def _words_by_length(
-        self, words: Iterable[str], first: int = 0
-    ) -> Iterator[tuple[list[int], npt.NDArray[np.int64], Floats]]:
+    def _words_by_length(self, words: Iterable[str], first: int = 0) -> Iterator[_Group]:
         groups = defaultdict[tuple[int, int], list[tuple[int, list[tuple[int, float]]]]](list)
         for number, word in enumerate(words, first):
             for variant, phones in enumerate(self._sounds.of_word(word)):
@@ -188,7 +182,11 @@ class SoundRepair:
             yield numbers, values[..., 0].astype(int), values[..., 1].astype(np.float32)
 
     def _span_costs(
-        self, heard: Sequence[tuple[int, float]], groups: _Groups, count: int, places: Sequence[int]
+        self,
+        heard: Sequence[tuple[int, float]],
+        groups: Sequence[_Group],
+        count: int,
+        places: Sequence[int],
     ) -> Floats:
         """Return what a word costs that is heard as so many phones: by place, word and number."""
         phones, gaps = [phone for phone, _ in heard], [GAP * weight for _, weight in heard]
@@ -295,12 +293,10 @@ class _Sounds:
         A word that is not in the dictionary sounds as its letters do; the endings of inflected
         words and articles count half.
         """
-        spelled = re.findall("|".join(self.letters), word.lower())
-        variants = self.words.get(word.lower()) or [
-            sum((self.letters[each] for each in spelled), ())
-        ]
+        letters = re.findall("|".join(self.letters), word.lower())
+        spelled = sum((self.letters[each] for each in letters), ())
         found: list[list[tuple[int, float]]] = []
-        for phones in variants:
+        for phones in self.words.get(word.lower()) or [spelled]:
             weights = [0.5 if word.lower() in self.articles else 1.0] * len(phones)
             if len(phones) > 1 and phones[-1] in self.endings:
                 weights[-1] = 0.5

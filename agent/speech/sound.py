@@ -101,10 +101,6 @@ class Sound:
         low, high = np.quantile(self._levels(0.02), (0.1, 0.9)) + 1e-9
         return float(np.clip(20 * np.log10(high / low), 0, 60))
 
-    def write(self, path: Path) -> None:
-        """Write a WAV file, whose folder is made; DataError if that fails."""
-        write_wav(path, RATE, self.pcm)
-
     def _levels(self, seconds: float) -> "NDArray[np.float32]":
         size = min(self.samples.size, int(seconds * RATE))
         frames = self.samples[: self.samples.size // size * size].reshape(-1, size)
@@ -119,7 +115,7 @@ def _as_float(found: "NDArray[Any]") -> "NDArray[np.float64]":
 
 
 def write_wav(path: Path, rate: int, pcm: bytes) -> None:
-    """Write mono 16-bit samples; DataError if that fails."""
+    """Write mono 16-bit samples to a WAV file, whose folder is made; DataError if that fails."""
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         with wave.open(str(path), "wb") as file:

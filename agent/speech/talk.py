@@ -13,7 +13,7 @@ from ...nlu.semantics.discourse import Discourse
 from ...ontology.errors import HiltError
 from ..protocols import Voice
 from .listening import Heard, Listener
-from .sound import Sound, microphone
+from .sound import RATE, Sound, microphone, write_wav
 from .voices import find_voice, spoken_form
 
 
@@ -63,7 +63,7 @@ class Talk:
 def keep(sound: Sound, heard: Heard, folder: Path) -> None:
     """Write a sound as the next `N.wav` of a folder, and what was heard as `N.json`."""
     path = next(file for n in count(1) if not (file := folder / f"{n}.wav").exists())
-    sound.write(path)
+    write_wav(path, RATE, sound.pcm)
     path.with_suffix(".json").write_text(json.dumps(heard.as_json()), encoding="utf-8")
 
 

@@ -51,7 +51,7 @@ class Evaluations:
     """The evaluations in a folder, and the one that runs."""
 
     def __init__(self, folder: Path, hub: Hub) -> None:
-        self._folder, self._hub = folder, hub
+        self.folder, self._hub = folder, hub
         self._running = dict[str, asyncio.subprocess.Process]()  # one at most
         self._following: asyncio.Task[None] | None = None
 
@@ -59,7 +59,7 @@ class Evaluations:
         """Begin one, and return its id; Problem 409 while another runs."""
         if self._running:
             raise Problem(409, "busy", "Busy", f"Evaluation {next(iter(self._running))} runs.")
-        folder = self._folder / (name := token_hex(4))
+        folder = self.folder / (name := token_hex(4))
         folder.mkdir(parents=True)
         with (folder / _RESULT).open("wb") as result:
             command = [sys.executable, "-m", "hilt", *wish.arguments(folder)]
@@ -78,35 +78,20 @@ class Evaluations:
 
     def as_json(self, name: str) -> Json:
         """How far one is, and its result; UnknownNameError if there is none."""
-        folder = self._folder / name
-        names = [each.name for each in self._folder.glob("*")]
+        folder = self.folder / name
+        names = [each.name for each in self.folder.glob("*")]
         if name not in names:
             raise NotFoundError("evaluation", name, names)
         journal = (folder / JOURNAL).read_bytes() if (folder / JOURNAL).exists() else b""
         lines = journal.split(b"\n")[:-1]  # those that are whole
-        cases = json.loads(lines[0])["cases"] if lines else 0
-        result = (folder / _RESULT).read_bytes()
-        runs = name in self._running
-        state = "running" if runs else "done" if result else "ended"
-        known: Json = {
+        result, runs = (folder / _RESULT).read_bytes(), name in self._running
+        return {
             "evaluation": name,
-            "state": state,
+            "state": "running" if runs else "done" if result else "ended",
             "done": max(0, len(lines) - 1),
-            "of": cases,
+            "of": json.loads(lines[0])["cases"] if lines else 0,
+            "result": json.loads(result) if result and not runs else None,
         }
-        return known | {"result": json.loads(result) if result and not runs else None}
-
-    def all(self) -> list[Json]:
-        """All of them, oldest first."""
-        found = sorted(self._folder.glob("*"), key=lambda each: each.stat().st_mtime)
-        return [self.as_json(each.name) for each in found]
-
-    def report(self, name: str) -> Path:
-        """Its report; UnknownNameError if there is none yet."""
-        self.as_json(name)
-        if not (file := self._folder / name / _REPORT).exists():
-            raise NotFoundError("report", name, [])
-        return file
 
     async def stop(self, name: str | None = None) -> None:
         """Stop one, or the one that runs; its journal is kept."""
@@ -133,7 +118,8 @@ async def begin(found: Theirs, response: Response, _: Operator, wish: Evaluation
 @router.get("")
 def all_evaluations(found: Theirs, _: Reader) -> list[Json]:
     """All evaluations, oldest first."""
-    return found.all()
+    folders = sorted(found.folder.glob("*"), key=lambda each: each.stat().st_mtime)
+    return [found.as_json(each.name) for each in folders]
 
 
 @router.get("/{name}")
@@ -145,7 +131,10 @@ def evaluation(found: Theirs, _: Reader, name: str) -> Json:
 @router.get("/{name}/report", response_class=HTMLResponse)
 def report(found: Theirs, _: Reader, name: str) -> FileResponse:
     """Its report for people, as HTML."""
-    return FileResponse(found.report(name), headers={"Content-Security-Policy": _POLICY})
+    found.as_json(name)
+    if not (file := found.folder / name / _REPORT).exists():
+        raise NotFoundError("report", name, [])
+    return FileResponse(file, headers={"Content-Security-Policy": _POLICY})
 
 
 @router.delete("/{name}", status_code=204)

@@ -11,7 +11,8 @@ import time
 from collections.abc import Awaitable, Callable, Sequence
 from contextlib import AbstractAsyncContextManager
 from functools import wraps
-from typing import Any, Literal, TypeVar, cast
+from inspect import iscoroutinefunction
+from typing import Any, Literal, cast
 
 from mcp.server.mcpserver import Context, MCPServer
 from mcp.server.mcpserver.exceptions import ToolError
@@ -24,11 +25,8 @@ from starlette.routing import Route
 from starlette.types import Receive, Scope, Send
 
 from ...inference.types import Candidate, Target
-from ...kb.rule import Rule
 from ...ontology.errors import HiltError
-from ..agent import Agent
 from ..documents import Explanation
-from ..execution.outcome import Decision
 from ..execution.request import Request
 from .problems import Problem, problem_of
 from .sayings import Said
@@ -36,7 +34,6 @@ from .security import CALLER, Gate
 from .service import Service
 from .tokens import Caller
 
-T = TypeVar("T")
 TRUST = 0.3  # in what a model teaches, until somebody says otherwise
 PLAN_SECONDS = 60
 WhoAsks = Callable[[Context[Any]], Caller]
@@ -121,48 +118,41 @@ class ModelTools:
         self._service, self._who = service, who
         self._plans: dict[str, tuple[CommandPlan, str, Caller, float]] = {}  # and until when
 
-    async def how_to_hold(self, object: str, action: str, context: Context[Any]) -> Finding:
+    def how_to_hold(self, object: str, action: str, context: Context[Any]) -> Finding:
         """By which part an object ("knife") is held for an action ("pass", "pickUp")."""
-        for each in await self._held(object, action, context):
+        for each in self._held(object, action, context):
             if each.verdict == "accepted":
                 return self._finding(each)
         return Finding(object=object)
 
-    async def may_hold(self, object: str, part: str, action: str, context: Context[Any]) -> Finding:
+    def may_hold(self, object: str, part: str, action: str, context: Context[Any]) -> Finding:
         """Whether an object may be held by a part for an action: proper, improper or unknown."""
-        for each in await self._held(object, action, context):
-            if each.argument and each.argument.name == part:
+        for each in self._held(object, action, context):
+            if each.part == part:
                 return self._finding(each)
         return Finding(object=object, part=part)
 
-    async def _held(self, name: str, action: str, context: Context[Any]) -> Sequence[Candidate]:
+    def _held(self, name: str, action: str, context: Context[Any]) -> Sequence[Candidate]:
         caller = self._model(context)
-
-        def inferred(agent: Agent) -> Sequence[Candidate]:
-            target = {"object": Target(object=name), "recipient": caller.speaker}
+        target = {"object": Target(object=name), "recipient": caller.speaker}
+        with self._service.deciding([], f"objects:{name}") as agent:
             decision = agent.attempt("", Request(action, target, caller.speaker))[0].decision
-            return decision.part.candidates if decision and decision.part else ()
+        return decision.part.candidates if decision and decision.part else ()
 
-        return await self._deciding(inferred, f"objects:{name}")
-
-    async def what_for(self, use: str, context: Context[Any]) -> list[Finding]:
+    def what_for(self, use: str, context: Context[Any]) -> list[Finding]:
         """Which objects in view are used for something ("cutting"), surest first."""
         caller = self._model(context)
-
-        def inferred(agent: Agent) -> list[Finding]:
-            target = {"object": Target(used_for=use), "recipient": caller.speaker}
+        target = {"object": Target(used_for=use), "recipient": caller.speaker}
+        with self._service.deciding([]) as agent:
             decision = agent.attempt("", Request("pass", target, caller.speaker))[0].decision
-            found = decision.object.candidates if decision else ()
-            return [self._finding(each) for each in found if each.accepted]
+        found = decision.object.candidates if decision else ()
+        return [self._finding(each) for each in found if each.accepted]
 
-        return await self._deciding(inferred)
-
-    async def explain(self, command: str, context: Context[Any]) -> dict[str, Any]:
+    def explain(self, command: str, context: Context[Any]) -> dict[str, Any]:
         """The proof of what would be decided for a command, and what would change it."""
         caller = self._model(context)
-        return await self._deciding(
-            lambda agent: Explanation(agent, command, caller.speaker).as_json()
-        )
+        with self._service.deciding([]) as agent:
+            return Explanation(agent, command, caller.speaker).as_json()
 
     async def teach(self, sentence: str, context: Context[Any]) -> dict[str, Any]:
         """Teach one sentence: "A knife is used for cutting". It counts as little trusted."""
@@ -172,7 +162,7 @@ class ModelTools:
     async def plan(self, command: str, context: Context[Any]) -> CommandPlan:
         """Decide a command ("pass me the knife by the blade"), with its proof; nothing moves."""
         caller = await self._introduced(context)
-        plan = await self._planned(command, caller)
+        plan = await run_in_threadpool(self._planned, command, caller)
         if plan.outcome == "done":
             now = time.monotonic()
             self._plans = {id_: each for id_, each in self._plans.items() if each[-1] > now}
@@ -186,7 +176,7 @@ class ModelTools:
         if found is None or found[2] != caller or found[3] < time.monotonic():
             raise ToolError("There is no such plan of yours, or it is too old. Plan again.")
         planned, command, *_ = found
-        again = await self._planned(command, caller)
+        again = await run_in_threadpool(self._planned, command, caller)
         chosen = (planned.object, planned.part, "done")
         if (again.object, again.part, again.outcome) != chosen:
             raise ToolError(f"It would be decided otherwise now: {again.said} Plan again.")
@@ -196,27 +186,20 @@ class ModelTools:
         finally:
             self._service.lease(caller, 0)
 
-    async def _planned(self, command: str, caller: Caller) -> CommandPlan:
-        def decided(agent: Agent) -> CommandPlan:
+    def _planned(self, command: str, caller: Caller) -> CommandPlan:
+        with self._service.deciding([]) as agent:
             reply = agent.hear(command, speaker=caller.speaker, only="do", keep=False)
             decision = reply.decision
             known: dict[str, Any] = {"proofs": decision.proofs_as_json()} if decision else {}
-            against = _against(decision)
+            part, named = (decision.part, decision.named_part) if decision else (None, None)
+            denied = part.denied if part and named else ()
+            against = [rule for each in denied if each.part == named for rule in each.rules]
             if against:  # a person may name another part than was told; a model may not
                 because = "; ".join(agent.dialogue.conversation.words_of(rule) for rule in against)
                 return CommandPlan(outcome="refused", said=f"I was told: {because}", **known)
             if decision and decision.object.best:
                 known |= {"object": decision.object.best.object, "part": decision.chosen_part}
             return CommandPlan(outcome=reply.ending, said=reply.said, **known)
-
-        return await self._deciding(decided)
-
-    async def _deciding(self, decide: Callable[[Agent], T], scene: str | None = None) -> T:
-        def decided() -> T:
-            with self._service.deciding([], scene) as agent:
-                return decide(agent)
-
-        return await run_in_threadpool(decided)
 
     async def _introduced(self, context: Context[Any]) -> Caller:
         """The model, of whom the base knows from now on how far it is trusted."""
@@ -232,10 +215,9 @@ class ModelTools:
     def _finding(self, found: Candidate) -> Finding:
         verdicts: dict[str, Any] = {"accepted": "proper", "denied": "improper"}
         words_of = self._service.agent.dialogue.conversation.words_of
-        argument = found.argument
         return Finding(
             object=found.object,
-            part=argument.name if argument and argument.kind == "part" else None,
+            part=found.part,
             verdict=verdicts.get(found.verdict, "unknown"),
             lower=found.interval.lower,
             upper=found.interval.upper,
@@ -248,20 +230,15 @@ class ModelTools:
         return Caller(owner.id, f"model of {owner.speaker}", frozenset(roles))
 
 
-def _against(decision: Decision | None) -> Sequence[Rule]:
-    named = decision.named_part if decision else None
-    denied = decision.part.denied if decision and decision.part else ()
-    about = [each for each in denied if each.argument and each.argument.name == named]
-    return [rule for each in about for rule in each.rules]
-
-
-def _told(tool: Callable[..., Awaitable[Any]]) -> Callable[..., Awaitable[Any]]:
-    """Let a model read why it is refused."""
+def _told(tool: Callable[..., Any]) -> Callable[..., Awaitable[Any]]:
+    """Let a model read why it is refused; what decides does so in a thread."""
 
     @wraps(tool)
     async def told(*given: Any, **named: Any) -> Any:
         try:
-            return await tool(*given, **named)
+            if iscoroutinefunction(tool):
+                return await tool(*given, **named)
+            return await run_in_threadpool(tool, *given, **named)
         except (Problem, HiltError) as error:
             raise ToolError(problem_of(error).detail) from error
 

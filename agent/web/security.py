@@ -83,13 +83,9 @@ class Gate:
 
     def __post_init__(self) -> None:
         self._limiter = MovingWindowRateLimiter(MemoryStorage())
+        self._owner = Caller(OWNER, self.settings.speaker, frozenset(ROLES))
         # It opens the next session of the owner.
         self.key = secrets.token_urlsafe(24) if self.settings.needs_key else None
-
-    @property
-    def owner(self) -> Caller:
-        """Who started the service."""
-        return Caller(OWNER, self.settings.speaker, frozenset(ROLES))
 
     def begin_session(self, asked: HTTPConnection, key: str, *, tokens: bool = True) -> None:
         """Give a browser a cookie for the key, which counts once, or for a token; or Problem.
@@ -120,7 +116,7 @@ class Gate:
         if scheme.lower() == "bearer":
             caller = self.caller_with(asked, secret.strip())
         elif not self.settings.needs_key:
-            caller = self.owner
+            caller = self._owner
         elif caller is None:
             raise _unknown("Show a token (Authorization: Bearer hilt_...), or open the page.")
         asked.scope[CALLER] = caller
@@ -132,7 +128,7 @@ class Gate:
 
     def _in_session(self, asked: HTTPConnection) -> Caller | None:
         valid = {each.id: each.caller for each in self.tokens.tokens() if each.is_valid}
-        caller = ({OWNER: self.owner} | valid).get(asked.session.get("caller", ""))
+        caller = ({OWNER: self._owner} | valid).get(asked.session.get("caller", ""))
         is_own = asked.headers.get("sec-fetch-site") == "same-origin" or "origin" in asked.headers
         if caller and asked.scope.get("method", "GET") not in _READS and not is_own:
             raise forbidden("A cookie counts for requests of the page only.")

@@ -180,9 +180,8 @@ async def healthz() -> Json:
 
 
 @_health.get("/readyz")
-def readyz(request: Request) -> Json:
+def readyz(service: routes.TheService) -> Json:
     """Whether the base is open, and the robot able to move."""
-    service: Service = request.app.state.service
     if service.is_stopping:
         raise Problem(503, "stopping", "Stopping", "The service ends.")
     return {"ready": True, "sequence": service.base.sequence, "moves": service.agent.simulate}
@@ -215,23 +214,6 @@ def _built(name: str) -> Response:
     file = STATIC / name
     headers = {"Cache-Control": "no-cache"}
     return FileResponse(file, headers=headers) if file.exists() else PlainTextResponse(_NO_PAGE)
-
-
-class _Server(uvicorn.Server):
-    def __init__(
-        self, config: uvicorn.Config, service: Service | None, ready: Callable[[], None]
-    ) -> None:
-        super().__init__(config)
-        self._service, self._ready = service, ready
-
-    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
-        await super().startup(sockets)
-        self._ready()
-
-    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
-        if self._service:
-            await self._service.stop()
-        await super().shutdown(sockets)
 
 
 Ready = Callable[[str, "str | None", int], None]  # takes the URL with the key, the key, the port
@@ -295,7 +277,18 @@ def _run(
     host = f"[{settings.host}]" if ":" in settings.host else settings.host
     address = f"http{'s' * bool(settings.certificate)}://{host}:{port}/"
     url = f"{address}?key={key}" if key else address
-    _Server(config, service, lambda: ready(url, key, port)).run([listener])
+
+    class Server(uvicorn.Server):
+        async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+            await super().startup(sockets)
+            ready(url, key, port)
+
+        async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+            if service:
+                await service.stop()
+            await super().shutdown(sockets)
+
+    Server(config).run([listener])
 
 
 def check_place(gate: Gate) -> None:

@@ -219,19 +219,23 @@ class Service:
             config = replace(self.agent.config, scene=safe_scene(scene))
             chosen = Embodiment.from_config(config).scene
         with self.agent.in_scene(chosen) as other:
-            other.dialogue.contexts.update(self.agent.dialogue.contexts)
-            with _in_contexts(other, contexts):
-                yield other
+            own = AgentConfig(contexts=(*contexts,)).context_intervals()
+            other.dialogue.contexts.update({**self.agent.dialogue.contexts, **own})
+            yield other
 
     def _hear(self, job: Job) -> Json:
         if job.stops != self._stops:
             raise Problem(409, "stopped", "Stopped", "The robot was stopped before this.")
         job.state, self._current = "begun", job
         self._publish_job(job)
+        contexts = self.agent.dialogue.contexts
+        before = {**contexts}
         try:
-            with _in_contexts(self.agent, job.said.context):
-                return self._reply(job)
+            contexts.update(AgentConfig(contexts=(*job.said.context,)).context_intervals())
+            return self._reply(job)
         finally:
+            contexts.clear()
+            contexts.update(before)
             self._current = None
             if self.live_scene:
                 self.live_scene.look()
@@ -395,18 +399,6 @@ class Service:
         """Release the body and the base, after what the agent does now."""
         await asyncio.get_running_loop().run_in_executor(self._thread, self.agent.close)
         self._thread.shutdown()
-
-
-@contextmanager
-def _in_contexts(agent: Agent, contexts: list[str]) -> Generator[None]:
-    known = agent.dialogue.contexts
-    before = {**known}
-    known.update(AgentConfig(contexts=(*contexts,)).context_intervals())
-    try:
-        yield
-    finally:
-        known.clear()
-        known.update(before)
 
 
 def safe_scene(scene: str) -> str:

@@ -7,13 +7,13 @@ from typing import Annotated, Any
 
 from fastapi import APIRouter, Depends, Header, Query, WebSocket
 from fastapi.sse import EventSourceResponse, ServerSentEvent
-from starlette.websockets import WebSocketDisconnect, WebSocketState
+from starlette.websockets import WebSocketDisconnect
 
 from ..execution.outcome import Json
 from .events import EventStream
 from .problems import Problem
-from .routes import TheService
-from .security import CALLER, Gate, Reader
+from .routes import TheGate, TheService
+from .security import CALLER, Reader
 from .service import Service
 
 router = APIRouter(prefix="/api/v1", tags=["events"])
@@ -45,18 +45,16 @@ async def events(
 
 
 @router.websocket("/live")
-async def live(socket: WebSocket) -> None:
+async def live(socket: WebSocket, service: TheService, gate: TheGate) -> None:
     """The same events as JSON texts, and frames of the scene as binary messages.
 
     Who has no cookie sends `{"type": "hello", "token": ..., "since": ...}` first.
     """
-    service: Service = socket.app.state.service
     await socket.accept()
     code = _NORMAL
     try:
         # The cookie says who listens, or a token in the first message.
         first: dict[str, Any] = await asyncio.wait_for(socket.receive_json(), _HELLO_SECONDS)
-        gate: Gate = socket.app.state.gate
         token = first.get("token")
         caller = gate.caller_with(socket, str(token)) if token else gate.caller_of(socket)
         socket.scope[CALLER] = caller
@@ -66,10 +64,11 @@ async def live(socket: WebSocket) -> None:
             shown.add_done_callback(lambda done: done.exception())
             code = await _both_ways(socket, stream, service, first.get("since"))
     except Problem as problem:
-        await _ended(socket, _TOO_MANY if problem.status_code == 429 else _WHO)
+        code = _TOO_MANY if problem.status_code == 429 else _WHO
     except (WebSocketDisconnect, asyncio.TimeoutError, ValueError, KeyError):
         code = _WHO
-    await _ended(socket, code)
+    with suppress(RuntimeError, WebSocketDisconnect):  # it has ended already
+        await socket.close(code)
 
 
 def hello(service: Service) -> Json:
@@ -82,13 +81,11 @@ async def _both_ways(
     socket: WebSocket, stream: EventStream, service: Service, since: int | None
 ) -> int:
     async def listen() -> None:
-        try:
-            async for _ in socket.iter_text():  # what it says after its hello is not needed
-                pass
-        finally:
-            stream.close(_NORMAL)
+        async for _ in socket.iter_text():  # what it says after its hello is not needed
+            pass
 
     listening = asyncio.ensure_future(listen())
+    listening.add_done_callback(lambda _: stream.close(_NORMAL))
     try:
         async for event in stream.read(since, service.base):
             if isinstance(event, bytes):
@@ -98,9 +95,3 @@ async def _both_ways(
     finally:
         listening.cancel()
     return stream.end or _NORMAL
-
-
-async def _ended(socket: WebSocket, code: int) -> None:
-    if socket.application_state is not WebSocketState.DISCONNECTED:
-        with suppress(RuntimeError, WebSocketDisconnect):
-            await socket.close(code)

@@ -114,11 +114,9 @@ class TokenFile:
     def find(self, secret: str) -> AccessToken | None:
         """The token that somebody shows, unless it has expired; None if there is none."""
         digest, now = _digest(secret), _now()
-        known = (each for each in self.tokens() if hmac.compare_digest(each.digest, digest))
+        known = (e for e in self.tokens() if hmac.compare_digest(e.digest, digest) and e.is_valid)
         found = next(known, None)
-        if found is None or not found.is_valid:
-            return None
-        if found.used is None or found.used < now - _NOTED:
+        if found and (found.used is None or found.used < now - _NOTED):
             with self._changing() as tokens:
                 noted = (replace(e, used=now) if e.id == found.id else e for e in tokens)
                 tokens[:] = list(noted)
