@@ -274,11 +274,11 @@ class Joints:
         self._client.call("changeConstraint", joint, maxForce=force)
 
     def tether(self, body: str, at: Array, *, force: float) -> int:
-        """Hold a body at a point (3,) [m] by at most `force` [N, Nm], as a hand; return its id."""
+        """Hold a body at a point (3,) [m] by at most `force` [N], as a person; return its id."""
         body_from_joint = poses.inverse(self._bodies.centre_of_mass(body)) @ poses.translation(*at)
         links = (*self._bodies.link_id(body), BASE, BASE)
         tether = self._join(
-            "FIXED", links, (0, 0, 0), body_from_joint, poses.translation(*at)
+            "POINT2POINT", links, (0, 0, 0), body_from_joint, poses.translation(*at)
         )
         self._client.call("changeConstraint", tether, maxForce=force)
         return tether
