@@ -62,7 +62,7 @@ class Body(Striking, AbstractContextManager["Body"]):
         world = World.build(scene, objects, gui=gui)
         seen = open_vision(world, source=vision, noise=noise, cameras=cameras)
         world.let_sleep()
-        arm = Robot(world.engine, kind, step=world.step, interruption=interruption)
+        arm = Robot(world.engine, kind, interruption=interruption)
         super().__init__(world, arm, seen, seed=seed)
 
     def close(self) -> None:

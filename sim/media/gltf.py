@@ -78,12 +78,7 @@ def pose_frame(engine: PhysicsEngine, nodes: Sequence[tuple[str, str]], *, scene
 
     `scene` is the number of the scene, modulo 65536. `UnknownNameError` for another body.
     """
-    links: dict[str, list[int]] = {}
-    for place, (body, _) in enumerate(nodes):
-        links.setdefault(body, []).append(place)
-    found = np.empty((len(nodes), 7), dtype="<f4")
-    for body, places in links.items():
-        found[places] = engine.bodies.link_poses(body, [nodes[place][1] for place in places])
+    found = np.array([engine.bodies.place_of(*node) for node in nodes], dtype="<f4")
     return _HEAD.pack(KIND, VERSION, scene % 65536, engine.steps * TIME_STEP) + found.tobytes()
 
 

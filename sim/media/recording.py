@@ -52,11 +52,11 @@ class WorldRecorder:
         self._freezes: dict[int, int] = {}  # index of a picture -> how often it is shown
 
     def __enter__(self) -> "WorldRecorder":
-        self._world.watchers.append(self._watch)
+        self._world.engine.watchers.append(self._watch)
         return self
 
     def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
-        self._world.watchers.remove(self._watch)
+        self._world.engine.watchers.remove(self._watch)
         if kind is None:
             if self._last != self._moment:
                 self.take()

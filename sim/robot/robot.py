@@ -42,22 +42,15 @@ LEAST_STRETCH = 1.02  # of a path that asks for too much acceleration
 class Robot:
     """A robot of one `kind` in a physics engine.
 
-    It stands at the origin. `step` advances time by a number of steps, by default with the engine's
-    own method. Motions end with a `MotionInterruptedError` when another thread asks the
-    `interruption` to stop.
+    It stands at the origin. Motions end with a `MotionInterruptedError` when another thread asks
+    the `interruption` to stop.
     """
 
     def __init__(
-        self,
-        engine: PhysicsEngine,
-        kind: RobotType,
-        *,
-        step: Callable[[int], None] | None = None,
-        interruption: Interruption | None = None,
+        self, engine: PhysicsEngine, kind: RobotType, *, interruption: Interruption | None = None
     ) -> None:
         self.engine, self.kind = engine, kind
         self.interruption = interruption or Interruption()
-        self._pass = step or engine.step
         self.chain = kind.arm
         self.spheres = arm_spheres(self.chain, kind.spheres)
         self._joints = self.chain.names
@@ -161,7 +154,7 @@ class Robot:
         self._hold_arm(self.joints)
         for _ in range(BRAKE_STEPS):
             self._step(1)
-            if np.abs(self.engine.joints.speeds(NAME, self._joints)).max() < AT_REST:
+            if np.abs(self.engine.joints.states(NAME, self._joints)[1]).max() < AT_REST:
                 break
         self.interruption.wait()
 
@@ -181,7 +174,7 @@ class Robot:
                 self.halt()
                 self._drive_fingers(*squeeze)
             self._step(1)
-            speeds = self.engine.joints.speeds(NAME, self.gripper.joints)
+            speeds = self.engine.joints.states(NAME, self.gripper.joints)[1]
             still = still + 1 if step > STILL_STEPS and np.abs(speeds).max() < STILL else 0
             if still == STILL_STEPS:
                 break
@@ -206,7 +199,7 @@ class Robot:
 
     def force_on_hand(self) -> Array:
         """The force (3,) that the hand exerts, with the arm's own weight, by its motors [N]."""
-        torques = self.engine.joints.torques(NAME, self._joints)
+        torques = self.engine.joints.states(NAME, self._joints)[2]
         jacobian = self.chain.jacobian(self.chain.frames(self.joints[None]))[0, :3]
         return np.linalg.lstsq(jacobian.T, torques, rcond=None)[0]
 
@@ -222,7 +215,7 @@ class Robot:
         return np.append(self.engine.steps * TIME_STEP, positions)
 
     def _step(self, count: int) -> None:
-        self._pass(count)
+        self.engine.step(count)
         if self.engine.steps % SAMPLE_STEPS < count:
             self._samples.append(self._sample())
 
