@@ -96,14 +96,9 @@ class GraspAttempts:
 
 
 def select_grasp(
-    task: GraspAttempts,
-    context: GraspContext,
-    planner: PathPlanner,
-    *,
-    lift: float,
-    rng: np.random.Generator,
+    task: GraspAttempts, context: GraspContext, planner: PathPlanner, *, rng: np.random.Generator
 ) -> tuple[RankedGrasps, GraspPath | None, str]:
-    """Select the best grasp that can be reached, lifted by `lift` [m], and was not tried before.
+    """Select the best grasp that can be reached and lifted, and was not tried before.
 
     Returns the last grasp plan, and the path to the grasp; without one None, and the reason.
     """
@@ -112,7 +107,7 @@ def select_grasp(
     for effort, enough in EFFORTS.items():
         plan = plan_grasps(cloud, planner.robot.gripper, rng=rng, effort=effort)
         fresh = [grasp for grasp in plan.grasps if not task.has_tried(grasp)]
-        path = next(planner.grasp_paths(fresh, lift=lift), None)
+        path = next(planner.grasp_paths(fresh), None)
         if best is None or (path and path.grasp.score > best.grasp.score):
             best = path
         if best is not None and best.grasp.score >= enough:
