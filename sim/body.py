@@ -130,9 +130,9 @@ def open_vision(
     check_vision(source)
     kind, _, file = source.partition(":")
     if kind == "mask":
-        return MaskDetector(world, noise=noise, cameras=cameras)
-    recogniser = Recogniser.load(Path(file)) if file else None
-    return LearnedDetector(world, recogniser=recogniser, noise=noise, cameras=cameras)
+        return MaskDetector(world, noise or NoiseLevels(), cameras)
+    recogniser = Recogniser.load(Path(file)) if file else Recogniser.default()
+    return LearnedDetector(world, noise or NoiseLevels(), cameras, recogniser)
 
 
 def check_vision(source: str) -> None:

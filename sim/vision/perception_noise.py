@@ -10,9 +10,8 @@ that those of the depth grow with its square, in steps; pixels at edges show som
 surfaces, or nothing; and what shines, as glass and steel do, has holes.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Protocol
 from zlib import crc32
 
 import numpy as np
@@ -82,14 +81,6 @@ class NoiseLevels:
         return np.random.default_rng([self.seed, crc32(name.encode()), *numbers])
 
 
-class Detector(Protocol):
-    """Anything that can search for objects by their features."""
-
-    def search(self, features: Sequence[str]) -> Sequence[Percept]:
-        """Return the visible objects that have one of the features."""
-        ...
-
-
 @dataclass(frozen=True)
 class NoisyDetector:
     """A detector with noise: it misses and confuses objects, and lowers their confidence.
@@ -99,7 +90,7 @@ class NoisyDetector:
     is that of the detector's cameras. Nothing is taken for a kind that was shown.
     """
 
-    detector: Detector
+    detect: Callable[[Sequence[str]], Sequence[Percept]]  #: the detector's `search`
     noise: NoiseLevels
     objects: Mapping[str, ObjectType]
 
@@ -107,7 +98,7 @@ class NoisyDetector:
         """Return the objects that seem to have one of the features, most confident first."""
         others = self.objects if features and self.noise.confused else ()
         searched = [*features, *(f"object:{name}" for name in others)]
-        noisy = (self._misperceived(percept) for percept in self.detector.search(searched))
+        noisy = (self._misperceived(percept) for percept in self.detect(searched))
         wanted = frozenset(features)
         known = {name: visible_features(kind) for name, kind in self.objects.items()}
         found = (p for p in noisy if p and wanted & known.get(p.object, wanted))
