@@ -5,7 +5,7 @@ The part constraint is a filter: both contact bands must lie wholly on the part.
 
 from collections import Counter
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -84,10 +84,6 @@ class GraspAttempts:
     def is_given_up(self) -> bool:
         """Whether no attempt is left."""
         return len(self.tried) >= MAX_ATTEMPTS
-
-    def with_failure(self, reason: str) -> "GraspAttempts":
-        """The task after an attempt has failed."""
-        return replace(self, failures=(*self.failures, reason))
 
     def has_tried(self, grasp: Grasp) -> bool:
         """Whether the gripper has closed at this place before."""
@@ -199,6 +195,5 @@ def _distinct(scores: GraspScores, count: int, *, above: float = 0.0) -> np.ndar
 
 def _as_grasps(scores: GraspScores) -> tuple[Grasp, ...]:
     numbers = np.stack([scores.width, scores.opening, scores.score], axis=1).tolist()
-    return tuple(
-        Grasp(pose, *row) for pose, row in zip(scores.world_from_grip, numbers, strict=True)
-    )
+    rows = zip(scores.world_from_grip, numbers, strict=True)
+    return tuple(Grasp(pose, *row) for pose, row in rows)

@@ -222,7 +222,7 @@ class PickAndPlace:
             reason = self._close_on(path, context, planner)
             if not reason:
                 break
-            self._task = self._task.with_failure(reason)
+            self._task = replace(self._task, failures=(*self._task.failures, reason))
             self._motion.release(planner, path.grasp.opening)
             self.in_hand = None
         return self._report("grasp", reason)
@@ -284,9 +284,9 @@ class PickAndPlace:
     ) -> MotionReport:
         report = act(held)
         while report.reason in LOST:
-            self._task = self._task.with_failure(report.reason)
+            report = replace(report, failures=(*self._task.failures, report.reason))
+            self._task = replace(self._task, failures=report.failures)
             self._put_away(self.in_hand or held)
-            report = replace(report, failures=self._task.failures)
             if self._task.is_given_up:
                 break
             recovered = recover()

@@ -121,8 +121,7 @@ def strip(pictures: Sequence[Picture], always: Sequence[int] = ()) -> Picture:
     places = np.linspace(0, max(len(others) - 1, 0), most - len(must)).round().astype(int)
     chosen = [pictures[i] for i in sorted([*must, *(others[place] for place in places)])]
     columns = min(most, STRIP_COLUMNS)
-    blank = np.full_like(chosen[0], 255)
-    chosen += [blank] * (-len(chosen) % columns)
+    chosen += [np.full_like(chosen[0], 255)] * (-len(chosen) % columns)
     rows = [np.hstack(chosen[i : i + columns]) for i in range(0, len(chosen), columns)]
     return np.vstack(rows)
 

@@ -28,7 +28,6 @@ STILL_STEPS = 30  # after which closing is over
 SQUEEZE_STEPS = 36  # in which the force builds up
 FRICTION, SPINNING = 1.0, 0.002  # of the fingers: rubber pads; [m] of a small contact patch
 GEAR_FORCE, GEAR_STIFFNESS = 200.0, 0.3
-GAIN = 0.3  # of the arm's motors: errors below a millimetre at full pace
 OPENING_FORCE = 40.0  # [N]
 PEAK = 1.5  # the highest speed of s = 3 t^2 - 2 t^3, in units of the mean one
 REACTION_STEPS = 6  # between two looks at the interruption while nothing is commanded: 25 ms
@@ -220,9 +219,8 @@ class Robot:
             self._samples.append(self._sample())
 
     def _hold_arm(self, position: Array, speed: Array | None = None) -> None:
-        self.engine.joints.drive_to(
-            NAME, self._joints, position, forces=self._efforts, gain=GAIN, speeds=speed
-        )
+        forces = self._efforts
+        self.engine.joints.drive_to(NAME, self._joints, position, forces=forces, speeds=speed)
 
 
 def time_path(
