@@ -26,7 +26,6 @@ from ..physics.rendering import VisualShape
 with extra_required("sim", "trimesh"):
     import trimesh
     from trimesh import Trimesh
-    from trimesh.exchange.gltf import export_glb
     from trimesh.visual import TextureVisuals
     from trimesh.visual.material import PBRMaterial
 
@@ -83,12 +82,12 @@ def pose_frame(engine: PhysicsEngine, nodes: Sequence[tuple[str, str]], *, scene
 
 
 def _write(shapes: Sequence[tuple[str, VisualShape]], path: Path) -> None:
-    scene = trimesh.Scene()
+    scene: Any = trimesh.Scene()
     for number, (body, shape) in enumerate(shapes):
         node = f"{body}/{shape.link}"
         scene.graph.update(frame_to=node, matrix=np.eye(4))
         scene.add_geometry(_mesh(shape), node_name=f"{node}#{number}", parent_node_name=node)
-    path.write_bytes(export_glb(scene, include_normals=True))
+    path.write_bytes(scene.export(file_type="glb", include_normals=True))
 
 
 def _mesh(shape: VisualShape) -> Trimesh:

@@ -76,8 +76,7 @@ class WorldRecorder:
         """Take one picture now, from near a place (3,) in the world [m] when it is given."""
         camera = self._camera
         if at is not None:
-            x, y, z = (float(each) for each in at)
-            camera = pictures.closeup((x, y, z), width=camera.width, height=camera.height)
+            camera = pictures.closeup(at, width=camera.width, height=camera.height)
         picture = pictures.take_picture(
             self._world.engine, camera, light=LIGHT, smoothing=SMOOTHING, tint=self.tint
         )

@@ -109,10 +109,8 @@ class Bodies:
         """Move a body to a pose, at rest."""
         record = self._record(body)
         world_from_com = world_from_base @ poses.inverse(record.com_from_base)
-        quaternion = poses.quaternion(world_from_com[:3, :3])
-        self._client.call(
-            "resetBasePositionAndOrientation", record.number, world_from_com[:3, 3], quaternion
-        )
+        at = world_from_com[:3, 3], poses.quaternion(world_from_com[:3, :3])
+        self._client.call("resetBasePositionAndOrientation", record.number, *at)
         self._client.call("resetBaseVelocity", record.number, (0, 0, 0), (0, 0, 0))
 
     def bounds(self, body: str, link: str) -> Array:

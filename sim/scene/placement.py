@@ -92,8 +92,9 @@ def _find_spot(
         if within and all(shapely.distance(spot.footprint, o.footprint) >= gap for o in taken):
             return spot
         if fixed and laid.placement.yaw is not None:
+            name = laid.placement.name
             raise SimulationError(
-                f'"{laid.placement.name}" stands less than {gap:g} m from another object. Move it.'
+                f'"{name}" stands less than {gap:g} m from another object. Move it.'
             )
     return None
 
