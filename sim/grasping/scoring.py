@@ -155,8 +155,7 @@ class HandPointPairs:
             index = np.flatnonzero((np.abs(local[0]) <= aside) & (local[2] <= ahead))
             found.append((index, local[:, index]))
         point = np.concatenate([np.zeros(0, dtype=int), *(index for index, _ in found)])
-        nothing = np.zeros((3, 0), dtype=np.float32)
-        x, y, z = np.concatenate([nothing, *(local for _, local in found)], axis=1)
+        x, y, z = np.hstack([np.zeros((3, 0), np.float32), *(local for _, local in found)])
         hand = np.repeat(np.arange(len(found)), [len(index) for index, _ in found])
         return cls(len(found), hand, x, y, z, cloud.labels[point])
 

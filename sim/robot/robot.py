@@ -139,8 +139,7 @@ class Robot:
 
     def timed(self, path: Array, *, pace: float) -> tuple[Array, Array]:
         """Positions and speeds (t, k) of a path (n, k) at each step, as `follow` executes it."""
-        limits = self.chain.speed, self.chain.acceleration
-        return time_path(path, *limits, step=TIME_STEP, pace=pace)
+        return time_path(path, self.chain.speed, self.chain.acceleration, step=TIME_STEP, pace=pace)
 
     def advance(self, count: int) -> None:
         """Let `count` steps pass while the arm stands still."""
