@@ -226,7 +226,7 @@ def _watch_links(body: Body) -> set[tuple[str, str]]:
                     (link, kinds[c.other].name if c.other in kinds else c.other) for c in found
                 )
 
-    body.world.watchers.append(look)
+    body.world.engine.watchers.append(look)
     return hits
 
 

@@ -60,7 +60,7 @@ def _drop(world: World, rng: np.random.Generator) -> None:
         centre = (points.min(axis=0) + points.max(axis=0)) / 2
         height = top + DROP - points[:, 2].min()
         world.engine.bodies.place(name, poses.pose(turn, (x - centre[0], y - centre[1], height)))
-        world.step(DROP_STEPS)
+        world.engine.step(DROP_STEPS)
         dropped = [each for each in world.kinds if each not in waiting]
         top = max(float(world.points(each)[:, 2].max()) for each in dropped)
     world.settle()

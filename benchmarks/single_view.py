@@ -22,7 +22,7 @@ from grasping_truth import finger_contacts
 from hilt.ontology.objects import ObjectType, load_objects
 from hilt.sim import Body, grasps_on_cloud, poses
 from hilt.sim.manipulation.hand_motions import LIFT_PACE, HandMotion
-from hilt.sim.manipulation.pick_and_place import HOLD_TIME, LIFT_HEIGHT, MIN_LIFT
+from hilt.sim.manipulation.pick_and_place import HOLD_TIME, MIN_LIFT
 from hilt.sim.physics.engine import TIME_STEP
 from hilt.sim.robot.path_planner import PathPlanner
 from hilt.sim.scene.scene import graspable, scene_with
@@ -68,7 +68,7 @@ def run(
         )
         counts = {"clouds": 1, "ms": round(1000 * (process_time() - started))}
         planner = PathPlanner(body.robot, seen, np.zeros((0, 3)))
-        path = next(planner.grasp_paths(plan.grasps, lift=LIFT_HEIGHT), None)
+        path = next(planner.grasp_paths(plan.grasps), None)
         if path is None:
             return counts | {"planned": int(bool(plan.grasps))}
         before = body.world.pose(name)[2, 3]

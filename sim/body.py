@@ -62,7 +62,7 @@ class Body(Striking, AbstractContextManager["Body"]):
         world = World.build(scene, objects, gui=gui)
         seen = open_vision(world, source=vision, noise=noise, cameras=cameras)
         world.let_sleep()
-        arm = Robot(world.engine, kind, step=world.step, interruption=interruption)
+        arm = Robot(world.engine, kind, interruption=interruption)
         super().__init__(world, arm, seen, seed=seed)
 
     def close(self) -> None:
@@ -130,9 +130,9 @@ def open_vision(
     check_vision(source)
     kind, _, file = source.partition(":")
     if kind == "mask":
-        return MaskDetector(world, noise=noise, cameras=cameras)
-    recogniser = Recogniser.load(Path(file)) if file else None
-    return LearnedDetector(world, recogniser=recogniser, noise=noise, cameras=cameras)
+        return MaskDetector(world, noise or NoiseLevels(), cameras)
+    recogniser = Recogniser.load(Path(file)) if file else Recogniser.default()
+    return LearnedDetector(world, noise or NoiseLevels(), cameras, recogniser)
 
 
 def check_vision(source: str) -> None:

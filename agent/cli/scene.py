@@ -75,8 +75,7 @@ def import_(
     import_object(file, out, links, roles, name=name, is_a=is_a)
     config = AgentConfig(objects=out, scene=f"objects:{name}")
     with spinner("Loading the object"), Embodiment.from_config(config).open_body() as body:
-        x, y, z = body.world.points(name).mean(axis=0).tolist()
-        _picture(body, picture, closeup((x, y, z)))
+        _picture(body, picture, closeup(body.world.points(name).mean(axis=0)))
         parts = {each.name: each.mass for each in body.world.kinds[name].parts.values()}
     document = {"object": name, "parts": parts, "file": str(out), "picture": str(picture)}
     announce(document, f"{name}: {', '.join(parts)}. See {out} and {picture}.", as_json=as_json)

@@ -108,7 +108,7 @@ class Embodiment:
             return vision
         from ...sim.vision.perception_noise import NoisyDetector
 
-        return NoisyDetector(vision, noise, self.household.objects)
+        return NoisyDetector(vision.search, noise, self.household.objects)
 
     @property
     def sees_all(self) -> bool:

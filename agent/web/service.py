@@ -71,7 +71,7 @@ class LiveScene:
         self.model = scene_model(self._engine)
         self.look()
         self._frame = partial(pose_frame, self._engine, self.model.nodes, scene=number)
-        body.world.watchers.append(self._watch)
+        body.world.engine.watchers.append(self._watch)
 
     def as_json(self) -> Json:
         """Where the shapes are, and the names of their nodes in the order of frames."""

@@ -3,7 +3,7 @@
 from collections import Counter
 from collections.abc import Collection, Sequence
 from pathlib import Path
-from typing import Any, TypedDict
+from typing import Any
 
 import numpy as np
 
@@ -71,30 +71,20 @@ def grasps_on_cloud(
     return RankedGrasps(best, dict((+rejected).most_common()))
 
 
-class CloudArrays(TypedDict, total=False):
-    """What a file says of a cloud: always its points, maybe their labels and the camera's pose."""
-
-    points: Array
-    labels: list[str]
-    base_from_camera: Array
-
-
-def read_cloud(path: str | Path, pose: str | Path | None = None) -> CloudArrays:
+def read_cloud(path: str | Path, pose: str | Path | None = None) -> dict[str, Any]:
     """Read what `grasps_on_cloud` takes from an .npz file with these arrays, or from a .ply file.
 
-    Labels are text, or numbers with an array of `names`; in a .ply file they are the property
-    `label`. A text file of 16 numbers may give the pose. DataError if a file cannot be read.
+    The points are always there, their `labels` and the pose `base_from_camera` maybe. Labels are
+    text, or numbers with an array of `names`; in a .ply file they are the property `label`. A text
+    file of 16 numbers may give the pose. DataError if a file cannot be read.
     """
     path = Path(path)
     try:
         found = _read_ply(path) if path.suffix.lower() == ".ply" else dict(np.load(path))
         if pose is not None:
             found["base_from_camera"] = np.loadtxt(pose).reshape(4, 4)
-        arrays = CloudArrays()
-        if "points" in found:
-            arrays["points"] = found["points"].astype(float)
-        if "base_from_camera" in found:
-            arrays["base_from_camera"] = found["base_from_camera"].astype(float)
+        numeric = [key for key in ("points", "base_from_camera") if key in found]
+        arrays: dict[str, Any] = {key: found[key].astype(float) for key in numeric}
     except Exception as error:  # readers have errors of their own for each way to be broken
         problem = str(error).rstrip(".")
         raise DataError(f"cannot be read as .npz or .ply: {problem}.", source=str(path)) from error

@@ -5,7 +5,7 @@ The part constraint is a filter: both contact bands must lie wholly on the part.
 
 from collections import Counter
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -85,10 +85,6 @@ class GraspAttempts:
         """Whether no attempt is left."""
         return len(self.tried) >= MAX_ATTEMPTS
 
-    def with_failure(self, reason: str) -> "GraspAttempts":
-        """The task after an attempt has failed."""
-        return replace(self, failures=(*self.failures, reason))
-
     def has_tried(self, grasp: Grasp) -> bool:
         """Whether the gripper has closed at this place before."""
         aside = (grasp.world_from_grip - other.world_from_grip for other in self.tried)
@@ -96,14 +92,9 @@ class GraspAttempts:
 
 
 def select_grasp(
-    task: GraspAttempts,
-    context: GraspContext,
-    planner: PathPlanner,
-    *,
-    lift: float,
-    rng: np.random.Generator,
+    task: GraspAttempts, context: GraspContext, planner: PathPlanner, *, rng: np.random.Generator
 ) -> tuple[RankedGrasps, GraspPath | None, str]:
-    """Select the best grasp that can be reached, lifted by `lift` [m], and was not tried before.
+    """Select the best grasp that can be reached and lifted, and was not tried before.
 
     Returns the last grasp plan, and the path to the grasp; without one None, and the reason.
     """
@@ -112,7 +103,7 @@ def select_grasp(
     for effort, enough in EFFORTS.items():
         plan = plan_grasps(cloud, planner.robot.gripper, rng=rng, effort=effort)
         fresh = [grasp for grasp in plan.grasps if not task.has_tried(grasp)]
-        path = next(planner.grasp_paths(fresh, lift=lift), None)
+        path = next(planner.grasp_paths(fresh), None)
         if best is None or (path and path.grasp.score > best.grasp.score):
             best = path
         if best is not None and best.grasp.score >= enough:
@@ -204,6 +195,5 @@ def _distinct(scores: GraspScores, count: int, *, above: float = 0.0) -> np.ndar
 
 def _as_grasps(scores: GraspScores) -> tuple[Grasp, ...]:
     numbers = np.stack([scores.width, scores.opening, scores.score], axis=1).tolist()
-    return tuple(
-        Grasp(pose, *row) for pose, row in zip(scores.world_from_grip, numbers, strict=True)
-    )
+    rows = zip(scores.world_from_grip, numbers, strict=True)
+    return tuple(Grasp(pose, *row) for pose, row in rows)

@@ -117,10 +117,7 @@ class _HeightMap:
         """
         margin = np.array([round(half / BIN), HALF_BINS])
         corner = starts[:, :2].min(axis=0) - margin * BIN
-        x, y = (
-            np.rint((each - low) / BIN).astype(int)
-            for each, low in zip(points[:2], corner, strict=True)
-        )
+        x, y = np.rint((points[:2] - corner[:, None]) / BIN).astype(int)
         middles = np.rint((starts[:, :2] - corner) / BIN).astype(int)
         columns, rows = middles.max(axis=0) + margin + 1
         inside = np.flatnonzero((x >= 0) & (x < columns) & (y >= 0) & (y < rows))

@@ -88,10 +88,8 @@ def score_grasps(
     near = replace(near, y=near.y - shift[near.hand])
     centred = world_from_grip @ poses.pose(np.eye(3), np.outer(shift, (0, 1, 0)))
     least = section_width + 2 * (np.abs(shift) + SPARE_ABOVE)
-    wide, narrow = (
-        np.minimum(np.maximum(width + 2 * spare, least), gripper.opening)
-        for spare in (SPARE, SPARE_TIGHT)
-    )
+    spares = np.array([[SPARE], [SPARE_TIGHT]])
+    wide, narrow = np.minimum(np.maximum(width + 2 * spares, least), gripper.opening)
     heights = _contact_profiles(near, width, gripper)
     touched = heights >= (width / 2 - LEVEL)[:, None, None, None]
     first_pad, second_pad = np.moveaxis(_filled(touched), 1, 0)
@@ -157,8 +155,7 @@ class HandPointPairs:
             index = np.flatnonzero((np.abs(local[0]) <= aside) & (local[2] <= ahead))
             found.append((index, local[:, index]))
         point = np.concatenate([np.zeros(0, dtype=int), *(index for index, _ in found)])
-        nothing = np.zeros((3, 0), dtype=np.float32)
-        x, y, z = np.concatenate([nothing, *(local for _, local in found)], axis=1)
+        x, y, z = np.hstack([np.zeros((3, 0), np.float32), *(local for _, local in found)])
         hand = np.repeat(np.arange(len(found)), [len(index) for index, _ in found])
         return cls(len(found), hand, x, y, z, cloud.labels[point])
 
@@ -259,11 +256,8 @@ def _rejection(near: HandPointPairs, width: Array, opening: Array, gripper: Grip
     slope = on_finger & beyond & (y > half + OUTWARD) & (y < half + gripper.finger_thickness)
     hit = slope | _is_swept(x, y, z, half_open, gripper)
     # Other parts may be between the fingers where they are clear of the pads; neighbours may not.
-    close = (
-        (x <= gripper.finger_width / 2 + PART_CLEARANCE)
-        & (z <= gripper.tip + PART_CLEARANCE)
-        & (y <= half_open + gripper.finger_thickness)
-    )
+    close = (x <= gripper.finger_width / 2 + PART_CLEARANCE) & (z <= gripper.tip + PART_CLEARANCE)
+    close &= y <= half_open + gripper.finger_thickness
     beside = close & (y >= half - RECESS)
     result = np.full(near.hands, _NONE)
     result[near.hands_with(hit & (near.label == PointLabel.TARGET))] = _SLOPE
@@ -292,11 +286,7 @@ def hits_table(
     outer = opening / 2 + gripper.finger_thickness
     root = opening / 2 + gripper.root_thickness
     palm_x, palm_y = (size / 2 for size in gripper.palm_size)
-    boxes = (
-        (half_x, outer, tip),
-        (half_x, root, gripper.root),
-        (palm_x, np.full_like(opening, palm_y), gripper.palm),
-    )
+    boxes = (half_x, outer, tip), (half_x, root, gripper.root), (palm_x, palm_y, gripper.palm)
     up_x, up_y, up_z, height = np.moveaxis(world_from_grip[:, 2], -1, 0)
     # Of each box the lowest of the corners (+-x, +-y, z).
     corners = [height + z * up_z - x * np.abs(up_x) - y * np.abs(up_y) for x, y, z in boxes]

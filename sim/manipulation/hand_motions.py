@@ -17,7 +17,7 @@ from .. import poses
 from ..grasping.context import GraspContext
 from ..physics.engine import GRAVITY, TIME_STEP
 from ..poses import Array, voxel_downsample
-from ..robot.collision import finger_spheres, hand_spheres
+from ..robot.collision import finger_spheres
 from ..robot.path_planner import MAX_PACE, GraspPath, PathPlanner, hand_orientations
 from ..robot.robot import Robot
 from ..vision.object_detector import ObjectDetector
@@ -35,7 +35,7 @@ PAD_MARGINS = (-0.001, 0.003, -0.001)  # [m], of the space between the pads in w
 OFF_HAND = 0.008  # [m] from the spheres of the hand, for its depths and shape are not exact
 PRESSED, MIN_POINTS = 0.002, 3  # [m] below the outermost point there; of a part that is touched
 NOTHING = np.zeros((0, 3))
-HELD_CELL, HELD_RADIUS = 0.015, 0.008  # [m], spheres that stand for a held object
+HELD_CELL = 0.015  # [m], voxel size of the points that stand for a held object
 HELD_GAP = 0.006  # [m] between a held object and obstacles
 RELEASE_HEIGHT = 0.003  # [m] above where it was taken up, an object is released
 PLACES = ((0.35, 0.66), (-0.36, 0.37))  # [m], x and y of the grip where objects are put down
@@ -175,15 +175,17 @@ class HandMotion:
     def release(self, planner: PathPlanner, opening: float) -> None:
         """Open the gripper to `opening` [m], retreat, and go home if there is a free path."""
         self._let_loose(planner, opening)
-        spheres = self.robot.body_spheres(self.robot.opening)
-        home = planner.plan_transit(self.robot.kind.home, spheres, planner.scene)
-        self._follow_if(home, TRANSIT_PACE)
+        home = planner.plan_transit(self.robot.kind.home, self.robot.opening)
+        if home is not None:
+            self.robot.follow(home, pace=TRANSIT_PACE)
 
     def _let_loose(self, planner: PathPlanner, opening: float) -> None:
         self.robot.open(opening)
         self.robot.advance(round(RELEASE_TIME / TIME_STEP))
         back = self.robot.world_from_grip @ poses.translation(0, 0, -RETREAT)
-        self._follow_if(planner.plan_straight(back), APPROACH_PACE)
+        path = planner.plan_straight(back)
+        if path is not None:
+            self.robot.follow(path, pace=APPROACH_PACE)
 
     def lift(self, held: HeldObject, height: float) -> bool:
         """Lift the held object by `height` [m]; return False as soon as it is lost."""
@@ -213,13 +215,8 @@ class HandMotion:
 
     def plan_carry(self, held: HeldObject, goal: Array) -> Array | None:
         """Plan a path to a posture on which neither the arm nor the held object hits anything."""
-        return held.planner.plan_transit(
-            goal,
-            self.robot.body_spheres(self.robot.opening),
-            held.planner.obstacles,
-            gap=HELD_GAP,
-            held=hand_spheres(self.robot.chain, held.points, HELD_RADIUS),
-        )
+        opening = self.robot.opening
+        return held.planner.plan_transit(goal, opening, gap=HELD_GAP, held=held.points)
 
     def carry(self, held: HeldObject, path: Array) -> str:
         """Follow a path, slower where the object could turn; return "dropped" if it is, or ""."""
@@ -340,7 +337,7 @@ class HandMotion:
         """Point at the middle of a cloud (n, 3), touching nothing; return why it failed, or ""."""
         if self.robot.kind.gripper:
             self.robot.open(0.0)
-        middle, spheres = cloud.mean(axis=0), self.robot.body_spheres(0.0)
+        middle = cloud.mean(axis=0)
         rotations = hand_orientations(POINTING_TILTS_DEG)
         along = rotations[..., 2]
         # The nearest point of the cloud along the approach direction keeps its distance.
@@ -348,12 +345,8 @@ class HandMotion:
         at = middle + (depth - self.robot.tip)[:, None] * along
         answer = planner.inverse_kinematics(poses.pose(rotations, at))
         for goal in answer.joints[answer.found]:
-            path = planner.plan_transit(goal, spheres, planner.scene, gap=POINTING_GAP / 2)
+            path = planner.plan_transit(goal, 0.0, gap=POINTING_GAP / 2)
             if path is not None:
                 free = self.robot.follow(path, pace=TRANSIT_PACE, stop=self.robot.is_touching)
                 return "" if free else "bumped"
         return "unreachable"
-
-    def _follow_if(self, path: Array | None, pace: float) -> None:
-        if path is not None:
-            self.robot.follow(path, pace=pace)

@@ -16,7 +16,7 @@ from .. import poses
 from ..grasping.context import GraspContext
 from ..grasping.planner import GraspAttempts, RankedGrasps, plan_grasps, select_grasp
 from ..physics.engine import TIME_STEP
-from ..robot.path_planner import Grasp, GraspPath, PathPlanner
+from ..robot.path_planner import LIFT_HEIGHT, Grasp, GraspPath, PathPlanner
 from ..robot.robot import Robot
 from ..scene.world import World
 from ..vision.object_detector import ObjectDetector
@@ -24,7 +24,6 @@ from ..vision.percept import Percept
 from .hand_motions import HandMotion, HeldObject
 from .motion_report import MotionReport
 
-LIFT_HEIGHT = 0.15  # [m]
 MIN_LIFT = 0.10  # [m], less is not lifted
 RAISED = 0.01  # [m], from which on an object has left the table, as after an interruption
 HOLD_TIME = 1.0  # [s], after a lift
@@ -34,6 +33,7 @@ WAYS, MAX_MOVED = 8, 5  # paths that are checked for what bars them; neighbours 
 ROOM, TOUCHING = 0.01, 0.012  # [m] from a path to what bars it; from an object to what may hide it
 LOST = {"slipped", "dropped"}  # reasons to take the object again, if it is not in the hand firmly
 
+HeldMotion: TypeAlias = Callable[[HeldObject], MotionReport]
 PlanListener: TypeAlias = Callable[[str, str | None, RankedGrasps, Grasp | None], None]
 
 
@@ -100,7 +100,7 @@ class PickAndPlace:
         """Point at an object without touching it; a held one is put back before."""
         return self._moved("point_at", lambda: self._point_at(percept))
 
-    def _act(self, action: str, act: Callable[[HeldObject], MotionReport]) -> MotionReport:
+    def _act(self, action: str, act: HeldMotion) -> MotionReport:
         held = self.in_hand
         if held is None:
             return MotionReport(action, ok=False, reason="nothing_held")
@@ -211,9 +211,7 @@ class PickAndPlace:
             if context is None or not len(context.target):
                 break
             planner = PathPlanner(self.robot, context.scene, context.obstacles)
-            plan, path, reason = select_grasp(
-                self._task, context, planner, lift=LIFT_HEIGHT, rng=self._rng
-            )
+            plan, path, reason = select_grasp(self._task, context, planner, rng=self._rng)
             if self.on_plan:
                 self.on_plan(self._task.name, self._task.part, plan, path.grasp if path else None)
             if path is None and self._make_room(context, planner):
@@ -224,7 +222,7 @@ class PickAndPlace:
             reason = self._close_on(path, context, planner)
             if not reason:
                 break
-            self._task = self._task.with_failure(reason)
+            self._task = replace(self._task, failures=(*self._task.failures, reason))
             self._motion.release(planner, path.grasp.opening)
             self.in_hand = None
         return self._report("grasp", reason)
@@ -250,7 +248,7 @@ class PickAndPlace:
         }
         cloud, ways = alone.labelled_cloud(planner.table), list[list[Percept]]()
         grasps = plan_grasps(cloud, self.robot.gripper, rng=self._rng).grasps if rest else ()
-        for path in islice(free.grasp_paths(grasps, lift=LIFT_HEIGHT), WAYS):
+        for path in islice(free.grasp_paths(grasps), WAYS):
             way, opening = np.vstack([path.approach, path.lift]), path.grasp.opening
             ways.append([p for p in rest if not near[p].is_clear(way, opening, gap=ROOM)])
         gaps = (np.linalg.norm(near[p].obstacles[:, None] - free.scene, axis=-1) for p in rest)
@@ -282,16 +280,13 @@ class PickAndPlace:
         return ""
 
     def _retry(
-        self,
-        held: HeldObject,
-        act: Callable[[HeldObject], MotionReport],
-        recover: Callable[[], MotionReport],
+        self, held: HeldObject, act: HeldMotion, recover: Callable[[], MotionReport]
     ) -> MotionReport:
         report = act(held)
         while report.reason in LOST:
-            self._task = self._task.with_failure(report.reason)
+            report = replace(report, failures=(*self._task.failures, report.reason))
+            self._task = replace(self._task, failures=report.failures)
             self._put_away(self.in_hand or held)
-            report = replace(report, failures=self._task.failures)
             if self._task.is_given_up:
                 break
             recovered = recover()
@@ -314,14 +309,11 @@ class PickAndPlace:
         return report
 
     def _hold(self, held: HeldObject, action: str, seconds: float) -> MotionReport:
-        steps, is_lost, done = round(seconds / TIME_STEP), self._motion.loss_check(), 0
-        while done < steps:
+        is_lost = self._motion.loss_check()
+        for done in range(round(seconds / TIME_STEP)):
             self.robot.advance(1)
             if is_lost():
-                break
-            done += 1
-        if done < steps:
-            return self._report(action, "dropped", held_s=done * TIME_STEP)
+                return self._report(action, "dropped", held_s=done * TIME_STEP)
         self.in_hand = held = self._motion.seen(held)
         is_loose = bool(np.greater(held.slip, (MAX_SLIP, MAX_TURN)).any())
         return self._report(action, "slipped" if is_loose else "", held_s=seconds)

@@ -102,11 +102,8 @@ class Striking(PickAndPlace):
     def _raise(self, held: HeldObject, start: Array) -> str:
         self.in_hand = held = self._motion.seen(held)  # a blow may have turned it
         now = self.robot.world_from_grip[:3, :3]
-        same_face = [
-            strike
-            for strike in self._strike_poses(held)
-            if poses.angle_between(strike.rotation, now) < SAME_FACE
-        ]
+        found = self._strike_poses(held)
+        same_face = [s for s in found if poses.angle_between(s.rotation, now) < SAME_FACE]
         points = self._points_in_grip(held)
         as_now = StrikePose(now, points[np.argmin((points @ now.T)[:, 2])], 0.0)
         goals = [strike.world_from_grip(start) for strike in [*same_face, as_now]]

@@ -26,7 +26,6 @@ from ..physics.rendering import VisualShape
 with extra_required("sim", "trimesh"):
     import trimesh
     from trimesh import Trimesh
-    from trimesh.exchange.gltf import export_glb
     from trimesh.visual import TextureVisuals
     from trimesh.visual.material import PBRMaterial
 
@@ -78,22 +77,17 @@ def pose_frame(engine: PhysicsEngine, nodes: Sequence[tuple[str, str]], *, scene
 
     `scene` is the number of the scene, modulo 65536. `UnknownNameError` for another body.
     """
-    links: dict[str, list[int]] = {}
-    for place, (body, _) in enumerate(nodes):
-        links.setdefault(body, []).append(place)
-    found = np.empty((len(nodes), 7), dtype="<f4")
-    for body, places in links.items():
-        found[places] = engine.bodies.link_poses(body, [nodes[place][1] for place in places])
+    found = np.array([engine.bodies.place_of(*node) for node in nodes], dtype="<f4")
     return _HEAD.pack(KIND, VERSION, scene % 65536, engine.steps * TIME_STEP) + found.tobytes()
 
 
 def _write(shapes: Sequence[tuple[str, VisualShape]], path: Path) -> None:
-    scene = trimesh.Scene()
+    scene: Any = trimesh.Scene()
     for number, (body, shape) in enumerate(shapes):
         node = f"{body}/{shape.link}"
         scene.graph.update(frame_to=node, matrix=np.eye(4))
         scene.add_geometry(_mesh(shape), node_name=f"{node}#{number}", parent_node_name=node)
-    path.write_bytes(export_glb(scene, include_normals=True))
+    path.write_bytes(scene.export(file_type="glb", include_normals=True))
 
 
 def _mesh(shape: VisualShape) -> Trimesh:

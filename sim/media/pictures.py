@@ -57,10 +57,10 @@ CHOSEN = Pen((0, 110, 50, 255), 3.0)
 OVERVIEW = Camera("overview", (1.60, -1.02, 0.86), (0.34, 0.0, 0.26), radians(41), 960, 720)
 
 
-def closeup(target: tuple[float, float, float], *, width: int = 960, height: int = 720) -> Camera:
-    """Return a camera that looks at a point on the table from near [m]."""
-    x, y, z = target
-    return Camera("closeup", (x + 0.42, y - 0.40, z + 0.34), target, radians(36), width, height)
+def closeup(target: Array, *, width: int = 960, height: int = 720) -> Camera:
+    """Return a camera that looks at a point (3,) on the table from near [m]."""
+    x, y, z = target.tolist()
+    return Camera("closeup", (x + 0.42, y - 0.40, z + 0.34), (x, y, z), radians(36), width, height)
 
 
 def take_picture(

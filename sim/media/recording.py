@@ -52,11 +52,11 @@ class WorldRecorder:
         self._freezes: dict[int, int] = {}  # index of a picture -> how often it is shown
 
     def __enter__(self) -> "WorldRecorder":
-        self._world.watchers.append(self._watch)
+        self._world.engine.watchers.append(self._watch)
         return self
 
     def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
-        self._world.watchers.remove(self._watch)
+        self._world.engine.watchers.remove(self._watch)
         if kind is None:
             if self._last != self._moment:
                 self.take()
@@ -76,8 +76,7 @@ class WorldRecorder:
         """Take one picture now, from near a place (3,) in the world [m] when it is given."""
         camera = self._camera
         if at is not None:
-            x, y, z = (float(each) for each in at)
-            camera = pictures.closeup((x, y, z), width=camera.width, height=camera.height)
+            camera = pictures.closeup(at, width=camera.width, height=camera.height)
         picture = pictures.take_picture(
             self._world.engine, camera, light=LIGHT, smoothing=SMOOTHING, tint=self.tint
         )
@@ -121,8 +120,7 @@ def strip(pictures: Sequence[Picture], always: Sequence[int] = ()) -> Picture:
     places = np.linspace(0, max(len(others) - 1, 0), most - len(must)).round().astype(int)
     chosen = [pictures[i] for i in sorted([*must, *(others[place] for place in places)])]
     columns = min(most, STRIP_COLUMNS)
-    blank = np.full_like(chosen[0], 255)
-    chosen += [blank] * (-len(chosen) % columns)
+    chosen += [np.full_like(chosen[0], 255)] * (-len(chosen) % columns)
     rows = [np.hstack(chosen[i : i + columns]) for i in range(0, len(chosen), columns)]
     return np.vstack(rows)
 

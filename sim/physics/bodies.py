@@ -16,6 +16,7 @@ from ..poses import Array
 from .pybullet_client import PhysicsClient, quiet
 
 BASE = -1  # PyBullet's index of a body's first link
+GAIN = 0.3  # of the error of position, corrected in one step: below a millimetre at full pace
 _T = TypeVar("_T")
 
 
@@ -95,28 +96,21 @@ class Bodies:
         state = self._client.call("getLinkState", number, index, computeForwardKinematics=1)
         return self.world_pose(state[4], state[5])
 
-    def link_poses(self, body: str, links: Sequence[str]) -> Array:
-        """Return x y z [m] and quaternion x y z w of links' URDF frames in the world (n, 7)."""
-        record, found = self._record(body), np.empty((len(links), 7))
-        indices = [record.links[link] for link in links]
-        if moving := [index for index in indices if index != BASE]:
-            states = self._client.call(
-                "getLinkStates", record.number, moving, computeForwardKinematics=1
-            )
-            found[[i != BASE for i in indices]] = [(*state[4], *state[5]) for state in states]
-        if BASE in indices:
+    def place_of(self, body: str, link: str) -> tuple[float, ...]:
+        """Return x y z [m] and quaternion x y z w of a link's URDF frame in the world."""
+        number, index = self.link_id(body, link)
+        if index == BASE:
             base = self.pose(body)
-            found[indices.index(BASE)] = (*base[:3, 3], *poses.quaternion(base[:3, :3]))
-        return found
+            return *base[:3, 3], *poses.quaternion(base[:3, :3])
+        state = self._client.call("getLinkState", number, index, computeForwardKinematics=1)
+        return *state[4], *state[5]
 
     def place(self, body: str, world_from_base: Array) -> None:
         """Move a body to a pose, at rest."""
         record = self._record(body)
         world_from_com = world_from_base @ poses.inverse(record.com_from_base)
-        quaternion = poses.quaternion(world_from_com[:3, :3])
-        self._client.call(
-            "resetBasePositionAndOrientation", record.number, world_from_com[:3, 3], quaternion
-        )
+        at = world_from_com[:3, 3], poses.quaternion(world_from_com[:3, :3])
+        self._client.call("resetBasePositionAndOrientation", record.number, *at)
         self._client.call("resetBaseVelocity", record.number, (0, 0, 0), (0, 0, 0))
 
     def bounds(self, body: str, link: str) -> Array:
@@ -160,10 +154,8 @@ class Bodies:
 
     def link_ids(self, body: str, link: str | None = None) -> Iterable[tuple[int, int]]:
         """PyBullet's numbers of a body and a link; of each of its links when `link` is None."""
-        if link is not None:
-            return (self.link_id(body, link),)
-        record = self._record(body)
-        return [(record.number, index) for index in record.links.values()]
+        links = self._record(body).links if link is None else (link,)
+        return [self.link_id(body, each) for each in links]
 
     def joint_ids(self, body: str, joints: Sequence[str]) -> tuple[int, list[int]]:
         """PyBullet's numbers of a body and of some of its joints."""
@@ -187,19 +179,15 @@ class Joints:
 
     def positions(self, body: str, joints: Sequence[str]) -> Array:
         """Positions of joints [rad] or [m], shape (len(joints),)."""
-        return self._states(body, joints, 0)
+        return self.states(body, joints)[0]
 
-    def speeds(self, body: str, joints: Sequence[str]) -> Array:
-        """Speeds of joints [rad/s] or [m/s], shape (len(joints),)."""
-        return self._states(body, joints, 1)
+    def states(self, body: str, joints: Sequence[str]) -> Array:
+        """Positions [rad] or [m], speeds [rad/s] or [m/s], torques [N m], shape (3, len(joints)).
 
-    def _states(self, body: str, joints: Sequence[str], column: int) -> Array:
+        The torques are what the motors of the joints applied in the last step.
+        """
         states = self._client.call("getJointStates", *self._bodies.joint_ids(body, joints))
-        return np.array([state[column] for state in states])
-
-    def torques(self, body: str, joints: Sequence[str]) -> Array:
-        """What the motors of joints applied in the last step [N m], shape (len(joints),)."""
-        return self._states(body, joints, 3)
+        return np.array([(position, speed, torque) for position, speed, _, torque in states]).T
 
     def efforts(self, body: str, joints: Sequence[str]) -> Array:
         """Highest torques [N m] or forces [N] of joints, as the URDF has them (len(joints),)."""
@@ -219,14 +207,12 @@ class Joints:
         positions: Sequence[float] | Array,
         *,
         forces: Sequence[float] | Array,
-        gain: float = 0.1,
         speeds: Sequence[float] | Array | None = None,
     ) -> None:
         """Let motors hold joints at positions from now on.
 
-        Positions are in [rad] or [m]; `forces` limit each motor [Nm] or [N]; `gain` is the
-        share of the error of position that is corrected in one step, in [0, 1]; that of speed is
-        corrected wholly. The target speeds are zero when None, otherwise in [rad/s] or [m/s].
+        Positions are in [rad] or [m]; `forces` limit each motor [Nm] or [N]. The target speeds are
+        zero when None, otherwise in [rad/s] or [m/s]; their error is corrected wholly in one step.
         """
         count = len(joints)
         self._client.call(
@@ -236,7 +222,7 @@ class Joints:
             targetPositions=positions,
             targetVelocities=[0.0] * count if speeds is None else speeds,
             forces=forces,
-            positionGains=[gain] * count,
+            positionGains=[GAIN] * count,
             velocityGains=[1.0] * count,
         )
 
@@ -262,26 +248,24 @@ class Joints:
         """
         number, (index, other_index) = self._bodies.joint_ids(body, [joint, other])
         axis = self._client.call("getJointInfo", number, index)[13]
-        gear = self._join("GEAR", (number, index, number, other_index), axis, np.eye(4), np.eye(4))
-        self._client.call("changeConstraint", gear, gearRatio=ratio, erp=stiffness, maxForce=force)
+        links, options = (
+            (number, index, number, other_index),
+            {"gearRatio": ratio, "erp": stiffness},
+        )
+        self._join("GEAR", links, axis, np.eye(4), np.eye(4), maxForce=force, **options)
 
     def fix_bodies(self, body: str, other: str, *, force: float) -> None:
         """Join the bases of two bodies by a fixed joint that bears at most `force` [N]."""
         world_from_other = self._bodies.centre_of_mass(other)
         other_from_body = poses.inverse(world_from_other) @ self._bodies.centre_of_mass(body)
         bases = (*self._bodies.link_id(other), *self._bodies.link_id(body))
-        joint = self._join("FIXED", bases, (0, 0, 0), other_from_body, np.eye(4))
-        self._client.call("changeConstraint", joint, maxForce=force)
+        self._join("FIXED", bases, (0, 0, 0), other_from_body, np.eye(4), maxForce=force)
 
     def tether(self, body: str, at: Array, *, force: float) -> int:
         """Hold a body at a point (3,) [m] by at most `force` [N], as a person; return its id."""
-        body_from_joint = poses.inverse(self._bodies.centre_of_mass(body)) @ poses.translation(*at)
-        links = (*self._bodies.link_id(body), BASE, BASE)
-        tether = self._join(
-            "POINT2POINT", links, (0, 0, 0), body_from_joint, poses.translation(*at)
-        )
-        self._client.call("changeConstraint", tether, maxForce=force)
-        return tether
+        joint, links = poses.translation(*at), (*self._bodies.link_id(body), BASE, BASE)
+        body_from_joint = poses.inverse(self._bodies.centre_of_mass(body)) @ joint
+        return self._join("POINT2POINT", links, (0, 0, 0), body_from_joint, joint, maxForce=force)
 
     def move_tether(self, tether: int, position: Array) -> None:
         """Move a tether to where its point of the body shall be (3,) [m]."""
@@ -298,8 +282,9 @@ class Joints:
         axis: Sequence[float],
         parent_from_joint: Array,
         child_from_joint: Array,
+        **options: float,
     ) -> int:
-        return self._client.call(
+        joint: int = self._client.call(
             "createConstraint",
             *links,
             jointType=self._client.constant(f"JOINT_{kind}"),
@@ -309,6 +294,8 @@ class Joints:
             parentFrameOrientation=poses.quaternion(parent_from_joint[:3, :3]),
             childFrameOrientation=poses.quaternion(child_from_joint[:3, :3]),
         )
+        self._client.call("changeConstraint", joint, **options)
+        return joint
 
 
 def _find(name: str, known: Mapping[str, _T], kind: str) -> _T:

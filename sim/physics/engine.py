@@ -3,6 +3,7 @@
 Poses are 4 x 4 matrices (`world_from_link`); lengths, angles and forces are in [m], [rad], [N].
 """
 
+from collections.abc import Callable
 from contextlib import AbstractContextManager
 
 from .bodies import Bodies, Joints
@@ -25,6 +26,7 @@ class PhysicsEngine(AbstractContextManager["PhysicsEngine"]):
         self.joints = Joints(self._client, self.bodies)
         self.rendering = Rendering(self._client, self.bodies)
         self.steps = 0
+        self.watchers: list[Callable[[], None]] = []  #: are called after every step
         self._client.call("setGravity", 0, 0, -GRAVITY)
         self._client.call(
             "setPhysicsEngineParameter",
@@ -40,10 +42,12 @@ class PhysicsEngine(AbstractContextManager["PhysicsEngine"]):
             self._client.call("resetDebugVisualizerCamera", 1.35, 60, -28, (0.35, 0.0, 0.05))
 
     def step(self, count: int = 1) -> None:
-        """Simulate `count` steps of `TIME_STEP`."""
+        """Simulate `count` steps of `TIME_STEP`, and call the watchers after each."""
         for _ in range(count):
             self._client.call("stepSimulation")
-        self.steps += count
+            self.steps += 1
+            for watcher in self.watchers:
+                watcher()
 
     def close(self) -> None:
         """Stop the simulator; closing twice is allowed."""

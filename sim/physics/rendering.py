@@ -85,10 +85,8 @@ class Rendering:
         colour = np.asarray(raw[2], dtype=np.uint8).reshape(height, width, 4)[..., :3]
         depth = np.asarray(raw[3], dtype=np.float32).reshape(height, width)
         labels = np.asarray(raw[4], dtype=np.int32).reshape(height, width)
-        names = {
-            number + ((index + 1) << LINK_SHIFT): link
-            for (number, index), link in self._bodies.links.items()
-        }
+        links = self._bodies.links.items()
+        names = {body + ((link + 1) << LINK_SHIFT): name for (body, link), name in links}
         return colour, depth, labels, names
 
     @contextmanager

@@ -12,16 +12,18 @@ import numpy as np
 
 from .. import poses
 from ..poses import Array, farthest_points
-from .collision import CollisionSpheres, clearances
+from .collision import CollisionSpheres, clearances, hand_spheres
 from .kinematics import IkSolutions
 from .robot import Robot, resample
 
 RETREAT = 0.09  # [m] before the grasp, where the straight approach begins
+LIFT_HEIGHT = 0.15  # [m], of the straight lift after the grasp
 STRAIGHT_STEP = 0.0225  # [m] between the poses of a straight path; between them it bends by 0.5 mm
 CHECK_STEP = 0.03  # [rad] between the postures that are checked: the hand moves 2 cm
 MAX_PACE = 0.9  # share of the joints' speed limits; faster paths cut their corners more
 TRANSIT_GAP = 0.008  # [m] to everything on the way through free space
 APPROACH_GAP = 0.0005  # [m] to the rest; the tips come as near as 0.8 mm to the table
+HELD_RADIUS = 0.008  # [m], of the spheres that stand for a held object
 BATCH = 4  # grasps whose paths are sought together: the first ones mostly have one
 ROUNDING = 1e-4  # [m], so that starting near something does not forbid to leave it
 TRIED_POINTS = 8  # of a part, before it is called unreachable
@@ -62,16 +64,16 @@ class PathPlanner:
     obstacles: Array  #: points (n, 3) of the scene without the object that is to be grasped [m]
     table: float = 0.0  #: height of the table [m]
 
-    def grasp_paths(self, grasps: Sequence[Grasp], *, lift: float) -> Iterator[GraspPath]:
-        """Paths to those grasps that can be reached and lifted by `lift` [m], in order."""
+    def grasp_paths(self, grasps: Sequence[Grasp]) -> Iterator[GraspPath]:
+        """Paths to those grasps that can be reached and lifted by `LIFT_HEIGHT`, in order."""
         for first in range(0, len(grasps), BATCH):
-            yield from self._grasp_paths(grasps[first : first + BATCH], lift)
+            yield from self._grasp_paths(grasps[first : first + BATCH])
 
-    def _grasp_paths(self, grasps: Sequence[Grasp], lift: float) -> Iterator[GraspPath]:
+    def _grasp_paths(self, grasps: Sequence[Grasp]) -> Iterator[GraspPath]:
         pairs = np.stack([grasp.world_from_grip for grasp in grasps])[:, None]
         at = (pairs @ FINGERS_EXCHANGED).reshape(-1, 4, 4)
         approach = self._approaches(at)
-        up = self._straight(at, poses.translation(0, 0, lift) @ at, approach.joints[:, -1])
+        up = self._straight(at, poses.translation(0, 0, LIFT_HEIGHT) @ at, approach.joints[:, -1])
         found = approach.found & up.found
         # Of a grasp and its half turn, the one that is nearer comes first.
         nearer = self.travel_time(approach.joints[:, 0]).reshape(-1, 2).argsort(axis=1)
@@ -81,7 +83,7 @@ class PathPlanner:
             on, lifted = approach.joints[index], up.joints[index]
             if not self.is_clear(np.vstack([on, lifted]), grasp.opening):
                 continue
-            transit = self.plan_transit(on[0], self.robot.body_spheres(grasp.opening), self.scene)
+            transit = self.plan_transit(on[0], grasp.opening)
             if transit is not None:
                 yield GraspPath(grasp, transit, on, np.vstack([on[-1:], lifted]))
 
@@ -101,24 +103,22 @@ class PathPlanner:
         return IkSolutions(joints, found)
 
     def plan_transit(
-        self,
-        goal: Array,
-        spheres: CollisionSpheres,
-        points: Array,
-        *,
-        gap: float = TRANSIT_GAP,
-        held: CollisionSpheres | None = None,
+        self, goal: Array, opening: float, *, gap: float = TRANSIT_GAP, held: Array | None = None
     ) -> Array | None:
         """Plan a path through free space from where the arm is to a posture (k,) [rad].
 
-        It keeps a gap [m] between the spheres of arm and hand and obstacles, points (n, 3) [m], and
-        between the hand with a held object and the arm. Returns postures (n, k), or None when
-        there is no such path.
+        It keeps a gap [m] between arm and hand, open by `opening` [m], and the scene; with a `held`
+        object, points (n, 3) in the hand frame [m], to the obstacles. It also keeps one between
+        the hand with that object and the arm. Returns postures (n, k), or None when there is no
+        such path.
         """
         start = self.robot.joints
         over_start, over_goal = self._raised(start), self._raised(goal)
         home = self.robot.kind.home
-        body = spheres if held is None else spheres.joined(held)
+        body, points = self.robot.body_spheres(opening), self.scene
+        if held is not None:
+            body = body.joined(hand_spheres(self.robot.chain, held, HELD_RADIUS))
+            points = self.obstacles
         detour = [over_start, home, over_goal]
         for via in ([], [over_goal], [over_start, over_goal], [home], detour):
             path = np.vstack([start, *via, goal])

@@ -28,7 +28,6 @@ STILL_STEPS = 30  # after which closing is over
 SQUEEZE_STEPS = 36  # in which the force builds up
 FRICTION, SPINNING = 1.0, 0.002  # of the fingers: rubber pads; [m] of a small contact patch
 GEAR_FORCE, GEAR_STIFFNESS = 200.0, 0.3
-GAIN = 0.3  # of the arm's motors: errors below a millimetre at full pace
 OPENING_FORCE = 40.0  # [N]
 PEAK = 1.5  # the highest speed of s = 3 t^2 - 2 t^3, in units of the mean one
 REACTION_STEPS = 6  # between two looks at the interruption while nothing is commanded: 25 ms
@@ -42,22 +41,15 @@ LEAST_STRETCH = 1.02  # of a path that asks for too much acceleration
 class Robot:
     """A robot of one `kind` in a physics engine.
 
-    It stands at the origin. `step` advances time by a number of steps, by default with the engine's
-    own method. Motions end with a `MotionInterruptedError` when another thread asks the
-    `interruption` to stop.
+    It stands at the origin. Motions end with a `MotionInterruptedError` when another thread asks
+    the `interruption` to stop.
     """
 
     def __init__(
-        self,
-        engine: PhysicsEngine,
-        kind: RobotType,
-        *,
-        step: Callable[[int], None] | None = None,
-        interruption: Interruption | None = None,
+        self, engine: PhysicsEngine, kind: RobotType, *, interruption: Interruption | None = None
     ) -> None:
         self.engine, self.kind = engine, kind
         self.interruption = interruption or Interruption()
-        self._pass = step or engine.step
         self.chain = kind.arm
         self.spheres = arm_spheres(self.chain, kind.spheres)
         self._joints = self.chain.names
@@ -147,8 +139,7 @@ class Robot:
 
     def timed(self, path: Array, *, pace: float) -> tuple[Array, Array]:
         """Positions and speeds (t, k) of a path (n, k) at each step, as `follow` executes it."""
-        limits = self.chain.speed, self.chain.acceleration
-        return time_path(path, *limits, step=TIME_STEP, pace=pace)
+        return time_path(path, self.chain.speed, self.chain.acceleration, step=TIME_STEP, pace=pace)
 
     def advance(self, count: int) -> None:
         """Let `count` steps pass while the arm stands still."""
@@ -161,7 +152,7 @@ class Robot:
         self._hold_arm(self.joints)
         for _ in range(BRAKE_STEPS):
             self._step(1)
-            if np.abs(self.engine.joints.speeds(NAME, self._joints)).max() < AT_REST:
+            if np.abs(self.engine.joints.states(NAME, self._joints)[1]).max() < AT_REST:
                 break
         self.interruption.wait()
 
@@ -181,7 +172,7 @@ class Robot:
                 self.halt()
                 self._drive_fingers(*squeeze)
             self._step(1)
-            speeds = self.engine.joints.speeds(NAME, self.gripper.joints)
+            speeds = self.engine.joints.states(NAME, self.gripper.joints)[1]
             still = still + 1 if step > STILL_STEPS and np.abs(speeds).max() < STILL else 0
             if still == STILL_STEPS:
                 break
@@ -206,7 +197,7 @@ class Robot:
 
     def force_on_hand(self) -> Array:
         """The force (3,) that the hand exerts, with the arm's own weight, by its motors [N]."""
-        torques = self.engine.joints.torques(NAME, self._joints)
+        torques = self.engine.joints.states(NAME, self._joints)[2]
         jacobian = self.chain.jacobian(self.chain.frames(self.joints[None]))[0, :3]
         return np.linalg.lstsq(jacobian.T, torques, rcond=None)[0]
 
@@ -222,14 +213,13 @@ class Robot:
         return np.append(self.engine.steps * TIME_STEP, positions)
 
     def _step(self, count: int) -> None:
-        self._pass(count)
+        self.engine.step(count)
         if self.engine.steps % SAMPLE_STEPS < count:
             self._samples.append(self._sample())
 
     def _hold_arm(self, position: Array, speed: Array | None = None) -> None:
-        self.engine.joints.drive_to(
-            NAME, self._joints, position, forces=self._efforts, gain=GAIN, speeds=speed
-        )
+        forces = self._efforts
+        self.engine.joints.drive_to(NAME, self._joints, position, forces=forces, speeds=speed)
 
 
 def time_path(

@@ -5,7 +5,7 @@ is clear of the others, the longest objects first; when one object finds no free
 drawn again. The same scene and seed always give the same placement.
 """
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -39,8 +39,7 @@ class DropPose:
 def place_objects(scene: Scene, models: Mapping[str, ObjectModel]) -> tuple[DropPose, ...]:
     """Return a spot for every object of a scene; `SimulationError` without room for all."""
     rng = np.random.default_rng(scene.seed)
-    loose = [placement for placement in scene.placements if placement.within is None]
-    spots = _place_loose(loose, models, scene.gap, rng)
+    spots = _place_loose(scene, models, rng)
     for placement in scene.placements:
         mount = models[placement.object].kind.mount
         if placement.within is not None and mount is not None:
@@ -54,19 +53,16 @@ def place_objects(scene: Scene, models: Mapping[str, ObjectModel]) -> tuple[Drop
 
 
 def _place_loose(
-    placements: Sequence[Placement],
-    models: Mapping[str, ObjectModel],
-    gap: float,
-    rng: np.random.Generator,
+    scene: Scene, models: Mapping[str, ObjectModel], rng: np.random.Generator
 ) -> dict[str, DropPose]:
-    laid = [_lay(placement, models[placement.object], rng) for placement in placements]
+    laid = [_lay(each, models[each.object], rng) for each in scene.placements if not each.within]
     corners = ((each, shapely.get_coordinates(each.footprint)) for each in laid)
     sizes = {each.placement.name: float(np.linalg.norm(np.ptp(at, axis=0))) for each, at in corners}
     pieces = sorted(laid, key=lambda e: (e.placement.at is None, -sizes[e.placement.name]))
     for _ in range(MAX_ROUNDS):
         spots: dict[str, DropPose] = {}
         for piece in pieces:
-            spot = _find_spot(piece, spots.values(), gap, rng)
+            spot = _find_spot(piece, spots.values(), scene.gap, rng)
             if spot is None:
                 break
             spots[piece.placement.name] = spot
@@ -96,8 +92,9 @@ def _find_spot(
         if within and all(shapely.distance(spot.footprint, o.footprint) >= gap for o in taken):
             return spot
         if fixed and laid.placement.yaw is not None:
+            name = laid.placement.name
             raise SimulationError(
-                f'"{laid.placement.name}" stands less than {gap:g} m from another object. Move it.'
+                f'"{name}" stands less than {gap:g} m from another object. Move it.'
             )
     return None
 

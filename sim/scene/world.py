@@ -1,13 +1,13 @@
 """The simulated world: a table, the objects of a scene, and time.
 
 A `World` loads the room and the objects of a scene into an engine and lets them settle. The robot
-is not part of it: `robot` loads it into the same engine. Everything steps through `World.step`, so
-that watchers (a recorder, a live view) are called at every step.
+is not part of it: `robot` loads it into the same engine, whose watchers (a recorder, a live view)
+are called at every step.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
 
@@ -51,9 +51,6 @@ class World(AbstractContextManager["World"]):
     objects: Mapping[str, ObjectType]
     kinds: Mapping[str, ObjectType]  #: type of each object on the table, by the object's name
     models: Mapping[str, ObjectModel]
-    watchers: list[Callable[[], None]] = field(  #: are called after every step
-        default_factory=list[Callable[[], None]]
-    )
     #: name of the object that an object stands in; loose ones are not in it
     supports: dict[str, str] = field(default_factory=dict[str, str])
 
@@ -99,21 +96,11 @@ class World(AbstractContextManager["World"]):
         """The time that has passed in the world [s]."""
         return self.engine.steps * TIME_STEP
 
-    def step(self, count: int = 1) -> None:
-        """Simulate `count` steps, and call the watchers after each."""
-        if not self.watchers:
-            self.engine.step(count)
-            return
-        for _ in range(count):
-            self.engine.step()
-            for watcher in self.watchers:
-                watcher()
-
     def settle(self) -> bool:
         """Step until all objects are still, at most `SETTLE_LIMIT`; return whether they are."""
         before = self._poses()
         for _ in range(round(SETTLE_LIMIT / TIME_STEP / STILL_STEPS)):
-            self.step(STILL_STEPS)
+            self.engine.step(STILL_STEPS)
             after = self._poses()
             shifts = np.linalg.norm(after[:, :3, 3] - before[:, :3, 3], axis=1)
             turns = poses.angle_between(before[:, :3, :3], after[:, :3, :3])

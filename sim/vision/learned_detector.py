@@ -11,7 +11,7 @@ class, and lowers the confidence beyond a distance that hardly any known input e
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import cache
 from itertools import combinations
 from pathlib import Path
@@ -25,20 +25,12 @@ from ...ontology.errors import DataError
 from ...ontology.objects import ObjectType
 from ..poses import Array, voxel_downsample, voxel_keys
 from ..scene.scene import numbered
-from ..scene.world import World
-from .camera import CAMERAS_ROUND_TABLE, Camera, CameraImage
+from . import segmentation
+from .camera import CameraImage
 from .object_detector import ObjectDetector
 from .percept import Percept
-from .perception_noise import NoiseLevels
 from .registration import SPACING
-from .segmentation import (
-    NOISE_MARGIN,
-    TABLE_MARGIN,
-    Segment,
-    describe_points,
-    describe_segment,
-    segment_images,
-)
+from .segmentation import Segment, describe_segment, segment_images
 from .shown_kinds import ShownKind, estimated_masses
 
 CLASSIFIERS_FILE = Path(__file__).with_name("recognition.npz")
@@ -175,9 +167,10 @@ def point_inputs(segment: Segment, kind: int, count: int) -> Array:
     """Descriptors of a segment's points with its type as a one-hot vector (n, k + count)."""
     types = np.zeros((len(segment), count))
     types[:, kind] = 1.0
-    return np.hstack([describe_points(segment), types])
+    return np.hstack([segmentation.describe_points(segment), types])
 
 
+@dataclass(eq=False)
 class LearnedDetector(ObjectDetector):
     """Detects objects by trained classifiers; only the types that they know.
 
@@ -186,19 +179,13 @@ class LearnedDetector(ObjectDetector):
     `DataError`.
     """
 
-    def __init__(
-        self,
-        world: World,
-        *,
-        recogniser: Recogniser | None = None,
-        noise: NoiseLevels | None = None,
-        cameras: Sequence[Camera] = CAMERAS_ROUND_TABLE,
-    ) -> None:
-        super().__init__(world, noise=noise, cameras=cameras)
-        self._recogniser = recogniser or Recogniser.default()
-        self._places = {name: world.top(name)[:2] for name in world.kinds}
-        self.shown = dict[str, ShownKind]()  #: the kinds that were shown, by name
-        missing = [kind for kind in self._recogniser.kinds if kind not in world.objects]
+    recogniser: Recogniser = field(default_factory=Recogniser.default)
+    #: the kinds that were shown, by name
+    shown: dict[str, ShownKind] = field(default_factory=dict[str, ShownKind], init=False)
+
+    def __post_init__(self) -> None:
+        self._places = {name: self.world.top(name)[:2] for name in self.world.kinds}
+        missing = [kind for kind in self.recogniser.kinds if kind not in self.world.objects]
         if missing:
             raise DataError(
                 f"the classifiers were trained on {', '.join(missing)}, which is not among the "
@@ -209,7 +196,7 @@ class LearnedDetector(ObjectDetector):
     @property
     def kinds(self) -> Mapping[str, ObjectType]:
         """The types that it knows, with those that were shown."""
-        known = {name: self.world.objects[name] for name in self._recogniser.kinds}
+        known = {name: self.world.objects[name] for name in self.recogniser.kinds}
         return known | {name: each.kind for name, each in self.shown.items()}
 
     @property
@@ -248,7 +235,9 @@ class LearnedDetector(ObjectDetector):
         from scipy.spatial import KDTree  # here: it takes half a second to import
 
         low, high = expected.cloud.min(axis=0) - NEAR, expected.cloud.max(axis=0) + NEAR
-        low[2] = max(low[2], TABLE_MARGIN + NOISE_MARGIN * self.noise.depth_error)
+        low[2] = max(
+            low[2], segmentation.TABLE_MARGIN + segmentation.NOISE_MARGIN * self.noise.depth_error
+        )
         clouds = list[Array]()
         for image in self.capture(self.cameras[:2]):
             mask = np.isfinite(image.depth)
@@ -272,7 +261,7 @@ class LearnedDetector(ObjectDetector):
 
     def _as_shown(self, segment: Segment) -> Percept | None:
         row = describe_segment(segment)
-        distance, shown = self._recogniser.novelty.distance, self.shown.items()
+        distance, shown = self.recogniser.novelty.distance, self.shown.items()
         gaps = {name: distance(row, np.array(kind.views)) for name, kind in shown}
         name = min(gaps, key=lambda each: gaps[each], default="")
         if not name or gaps[name] >= ALIKE:
@@ -286,12 +275,12 @@ class LearnedDetector(ObjectDetector):
             yield shown
             return
         objects = self.world.objects
-        kind, confidence = self._recogniser.recognise(segment)
-        known = self._recogniser.kinds if confidence >= SURE else ()
+        kind, confidence = self.recogniser.recognise(segment)
+        known = self.recogniser.kinds if confidence >= SURE else ()
         mounts = ((name, objects[name].mount) for name in known)
         kinds = [kind, *(name for name, mount in mounts if mount and mount.support == kind)]
         candidates = [(each, part) for each in kinds for part in objects[each].parts]
-        parts = self._recogniser.assign_parts(segment, kind, candidates)
+        parts = self.recogniser.assign_parts(segment, kind, candidates)
         for each in kinds:
             visible = {
                 part: segment.points[parts == i]

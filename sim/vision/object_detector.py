@@ -12,7 +12,7 @@ again with these: the pixels that show objects are those of an image of everythi
 
 from abc import ABC, abstractmethod
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,21 +40,17 @@ EDGE_FACTOR = 1.5  # times the noise; depths farther from their plane than that 
 _RIDGE = 0.1  # [pixel^2], keeps the plane level where the pixels lie in one line
 
 
+@dataclass(eq=False)
 class ObjectDetector(ABC):
     """Detects the objects of a world; new images are taken only after time has passed in it.
 
     Of the noise only that of depths is used here; see `NoisyDetector` for the rest.
     """
 
-    def __init__(
-        self,
-        world: World,
-        *,
-        noise: NoiseLevels | None = None,
-        cameras: Sequence[Camera] = CAMERAS_ROUND_TABLE,
-    ) -> None:
-        self.world, self.noise, self.cameras = world, noise or NoiseLevels(), cameras
-        self._seen: tuple[int, tuple[Percept, ...]] = (-1, ())  # with the time step
+    world: World
+    noise: NoiseLevels = field(default_factory=NoiseLevels)
+    cameras: Sequence[Camera] = CAMERAS_ROUND_TABLE
+    _seen: tuple[int, tuple[Percept, ...]] = field(default=(-1, ()), init=False)  # with the step
 
     @property
     def kinds(self) -> Mapping[str, ObjectType]:
@@ -143,10 +139,7 @@ class MaskDetector(ObjectDetector):
             if sum(map(len, clouds.values())) >= MIN_PIXELS:
                 share = max(areas) / self.world.models[kind.name].silhouette
                 confidence = FULL_CONFIDENCE * min(1.0, share / FULL_SIGHT)
-                parts = {
-                    part: cloud[voxel_downsample(cloud, CLOUD_SPACING)]
-                    for part, cloud in clouds.items()
-                }
+                parts = {p: c[voxel_downsample(c, CLOUD_SPACING)] for p, c in clouds.items()}
                 yield Percept(name, kind.name, confidence, parts, kind.properties)
 
 

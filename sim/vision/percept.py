@@ -51,10 +51,6 @@ class Percept:
 
 def visible_features(kind: ObjectType) -> frozenset[str]:
     """The features by which objects of a type can be searched for."""
-    parts = kind.parts.values()
-    properties = kind.properties.union(*(part.properties for part in parts))
-    return frozenset(
-        {f"object:{kind.name}"}
-        | {f"part:{part.name}" for part in parts}
-        | {f"property:{word}" for word in properties}
-    )
+    properties = kind.properties.union(*(part.properties for part in kind.parts.values()))
+    visible = (f"part:{name}" for name in kind.parts), (f"property:{word}" for word in properties)
+    return frozenset([f"object:{kind.name}"]).union(*visible)

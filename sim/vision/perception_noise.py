@@ -10,9 +10,8 @@ that those of the depth grow with its square, in steps; pixels at edges show som
 surfaces, or nothing; and what shines, as glass and steel do, has holes.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Protocol
 from zlib import crc32
 
 import numpy as np
@@ -82,14 +81,6 @@ class NoiseLevels:
         return np.random.default_rng([self.seed, crc32(name.encode()), *numbers])
 
 
-class Detector(Protocol):
-    """Anything that can search for objects by their features."""
-
-    def search(self, features: Sequence[str]) -> Sequence[Percept]:
-        """Return the visible objects that have one of the features."""
-        ...
-
-
 @dataclass(frozen=True)
 class NoisyDetector:
     """A detector with noise: it misses and confuses objects, and lowers their confidence.
@@ -99,7 +90,7 @@ class NoisyDetector:
     is that of the detector's cameras. Nothing is taken for a kind that was shown.
     """
 
-    detector: Detector
+    detect: Callable[[Sequence[str]], Sequence[Percept]]  #: the detector's `search`
     noise: NoiseLevels
     objects: Mapping[str, ObjectType]
 
@@ -107,7 +98,7 @@ class NoisyDetector:
         """Return the objects that seem to have one of the features, most confident first."""
         others = self.objects if features and self.noise.confused else ()
         searched = [*features, *(f"object:{name}" for name in others)]
-        noisy = (self._misperceived(percept) for percept in self.detector.search(searched))
+        noisy = (self._misperceived(percept) for percept in self.detect(searched))
         wanted = frozenset(features)
         known = {name: visible_features(kind) for name, kind in self.objects.items()}
         found = (p for p in noisy if p and wanted & known.get(p.object, wanted))
@@ -138,29 +129,26 @@ def with_depth_noise(
     random = noise.generator(image.camera.name, step)
     depth = image.depth + random.normal(0.0, noise.depth_m, image.depth.shape)
     if noise.camera:
-        depth = _with_stereo_errors(image, depth, noise.camera, random, shine)
+        holes, focal = np.full(depth.shape, HOLES), image.camera.intrinsics[0]
+        for label, value in shine.items():
+            holes[image.labels == label] = value**2
+        depth = _with_stereo_errors(depth, holes, noise.camera, focal, random)
     return replace(image, depth=depth.astype(np.float32))
 
 
 def _with_stereo_errors(
-    image: CameraImage,
-    depth: Array,
-    amount: float,
-    random: np.random.Generator,
-    shine: Mapping[int, float],
+    depth: Array, holes: Array, amount: float, focal: float, random: np.random.Generator
 ) -> Array:
     from scipy.ndimage import maximum_filter, minimum_filter  # here: without noise not needed
 
     near, far = minimum_filter(depth, 3), maximum_filter(depth, 3)
-    scale, where = image.camera.intrinsics[0] * BASELINE * STEPS, random.random(depth.shape)
+    scale, where = focal * BASELINE * STEPS, random.random(depth.shape)
     disparity = scale / depth + random.normal(0.0, SUBPIXEL * STEPS * amount, depth.shape)
     mixed = near + np.minimum(far - near, BACKGROUND) * random.random(depth.shape)
-    is_edge, share = far - near > EDGE, np.full(depth.shape, HOLES)
-    for label, value in shine.items():
-        share[image.labels == label] = value**2
+    is_edge = far - near > EDGE
     rows, columns = (np.arange(size) // PATCH for size in depth.shape)
     patches = random.random((rows[-1] + 1, columns[-1] + 1))[np.ix_(rows, columns)]
-    is_lost = (patches < amount * share) | (is_edge & (where > 1 - LOST * amount))
+    is_lost = (patches < amount * holes) | (is_edge & (where > 1 - LOST * amount))
     measured = scale / np.maximum(np.round(disparity), 1)
     return np.where(is_lost, np.nan, np.where(is_edge & (where < MIXED * amount), mixed, measured))
 

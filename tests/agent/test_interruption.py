@@ -45,7 +45,7 @@ def while_doing(
 def speed(agent: Agent) -> float:
     """The speed of the fastest joint [rad/s]."""
     joints = agent.body.robot.chain.names
-    return float(np.abs(agent.body.world.engine.joints.speeds(NAME, joints)).max())
+    return float(np.abs(agent.body.world.engine.joints.states(NAME, joints)[1]).max())
 
 
 @sim
@@ -93,7 +93,7 @@ def test_arm_reacts_within_fifty_milliseconds(robot: Agent):
         braked.append(world.time)
         halt()
 
-    world.watchers.append(watch)
+    world.engine.watchers.append(watch)
     robot.body.robot.halt = note
     robot.hear("pass me the knife")
 

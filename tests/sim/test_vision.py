@@ -41,9 +41,8 @@ def test_every_source_names_objects_as_the_world_does(world: World, source: str)
 @pytest.mark.parametrize("source", VISIONS)
 def test_every_source_works_with_noise(world: World, source: str, noise: NoiseLevels):
     """With such noise all objects are detected, but perhaps not a nail."""
-    percepts = NoisyDetector(open_vision(world, source=source, noise=noise), noise, OBJECTS).search(
-        ALL
-    )
+    seen = open_vision(world, source=source, noise=noise)
+    percepts = NoisyDetector(seen.search, noise, OBJECTS).search(ALL)
 
     assert {"mug", "mug 2", "knife", "block"} <= {percept.name for percept in percepts}
 

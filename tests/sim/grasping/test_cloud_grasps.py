@@ -298,7 +298,7 @@ def test_best_grasp_of_one_view_lifts_the_object_by_the_part(name: str, part: st
         grasps = grasps_on_cloud(
             points, labels=labels, part=part, base_from_camera=camera.world_from_camera, table=0.0
         ).grasps
-        path = next(PathPlanner(it.robot, seen, seen[:0]).grasp_paths(grasps, lift=0.15))
+        path = next(PathPlanner(it.robot, seen, seen[:0]).grasp_paths(grasps))
         before = it.world.pose(name)[2, 3]
         HandMotion(it.robot, MaskDetector(it.world)).grasp(path, force=GRIPPER.force)
         touched = finger_contacts(it.robot)

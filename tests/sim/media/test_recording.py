@@ -36,7 +36,7 @@ def recorded(world: World, path: Path, captions: tuple[str, ...]) -> Path:
     with WorldRecorder(world, path, camera=SMALL) as recorder:
         for caption in captions:
             recorder.caption = caption
-            world.step(120)
+            world.engine.step(120)
     return path
 
 
@@ -127,9 +127,9 @@ def test_nothing_is_rendered_when_nobody_records(
     recorded(world, tmp_path / "out.png", ("",))
     monkeypatch.setattr(pictures, "take_picture", lambda *_, **__: pytest.fail("rendered"))
 
-    world.step(60)
+    world.engine.step(60)
 
-    assert world.watchers == []
+    assert world.engine.watchers == []
 
 
 def test_failed_run_leaves_no_file(world: World, tmp_path: Path):
@@ -138,7 +138,7 @@ def test_failed_run_leaves_no_file(world: World, tmp_path: Path):
         _ = 1 / 0
 
     assert not (tmp_path / "out.gif").exists()
-    assert world.watchers == []
+    assert world.engine.watchers == []
 
 
 def test_unknown_ending_is_refused_at_once(world: World):

@@ -39,7 +39,7 @@ def test_thin_pole_bars_the_path(robot: Robot, share: float):
     seen = pole(robot, share)
     planner = PathPlanner(robot, seen, seen, table=-0.3)
 
-    path = planner.plan_transit(robot.kind.home + ASIDE, robot.body_spheres(0.03), seen)
+    path = planner.plan_transit(robot.kind.home + ASIDE, 0.03)
 
     assert path is None
 
@@ -48,7 +48,7 @@ def test_path_through_nothing_is_the_shortest(robot: Robot):
     """Where nothing is in the way, the joints go straight."""
     planner = PathPlanner(robot, NOTHING, NOTHING, table=-0.3)
 
-    path = planner.plan_transit(robot.kind.home + ASIDE, robot.body_spheres(0.03), NOTHING)
+    path = planner.plan_transit(robot.kind.home + ASIDE, 0.03)
 
     assert path is not None
     assert len(path) == 2
@@ -73,4 +73,4 @@ def test_way_into_the_arm_is_none(robot: Robot):
     folded = robot.kind.home.copy()
     folded[5:] = 0.0
 
-    assert planner.plan_transit(folded, robot.body_spheres(0.03), NOTHING) is None
+    assert planner.plan_transit(folded, 0.03) is None

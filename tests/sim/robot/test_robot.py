@@ -99,11 +99,11 @@ def test_fingers_are_no_faster_than_real_ones(robot: Robot):
     robot.open(0.0)
     for _ in range(200):
         robot.advance(1)
-        speeds += robot.engine.joints.speeds(NAME, robot.gripper.joints).tolist()
+        speeds += robot.engine.joints.states(NAME, robot.gripper.joints)[1].tolist()
     robot.open(robot.gripper.opening)
     for _ in range(200):
         robot.advance(1)
-        speeds += robot.engine.joints.speeds(NAME, robot.gripper.joints).tolist()
+        speeds += robot.engine.joints.states(NAME, robot.gripper.joints)[1].tolist()
 
     assert np.abs(speeds).max() < 0.0505
     assert robot.opening == pytest.approx(robot.gripper.opening, abs=1e-3)

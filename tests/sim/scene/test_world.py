@@ -26,7 +26,7 @@ def test_every_rest_is_stable(name: str, rest: str):
 
     with World.build(scene, OBJECTS) as world:
         laid = world.pose(name)
-        world.step(round(2 / TIME_STEP))
+        world.engine.step(round(2 / TIME_STEP))
         left = world.pose(name)
 
         up = poses.rotation_from_rpy(*OBJECTS[name].rest(rest).turn)[2]
@@ -62,8 +62,8 @@ def test_watcher_sees_every_step():
 
     with World.build(parse_scene("objects:mug", seed=0, objects=OBJECTS), OBJECTS) as world:
         start = world.time
-        world.watchers.append(lambda: seen.append(world.time))
-        world.step(3)
+        world.engine.watchers.append(lambda: seen.append(world.time))
+        world.engine.step(3)
 
         assert seen == pytest.approx([start + i * TIME_STEP for i in (1, 2, 3)])
 
@@ -93,7 +93,7 @@ def strike(world: World, height: float) -> None:
     x, y = world.pose("nail")[:2, 3]
     above = world.points("nail")[:, 2].max() + height
     world.engine.bodies.place("hammer", poses.pose(turn, np.array([x, y, above]) - turn @ face))
-    world.step(round((np.sqrt(2 * height / 9.81) + 0.25) / TIME_STEP))
+    world.engine.step(round((np.sqrt(2 * height / 9.81) + 0.25) / TIME_STEP))
 
 
 @pytest.fixture
@@ -107,7 +107,7 @@ def test_nail_stands_still_until_it_is_struck(carpentry: World):
     """By itself a nail keeps its depth, to a tenth of a millimetre in two seconds."""
     before = carpentry.depth("nail")
 
-    carpentry.step(round(2 / TIME_STEP))
+    carpentry.engine.step(round(2 / TIME_STEP))
 
     assert before == pytest.approx(0.016, abs=1e-4)
     assert carpentry.depth("nail") == pytest.approx(before, abs=1e-4)
@@ -160,7 +160,7 @@ def test_sleeping_objects_stay_where_they_are(knife_and_mug: World):
     before = {name: knife_and_mug.pose(name) for name in knife_and_mug.kinds}
 
     knife_and_mug.let_sleep()
-    knife_and_mug.step(240)
+    knife_and_mug.engine.step(240)
 
     for name, pose in before.items():
         assert knife_and_mug.pose(name) == pytest.approx(pose, abs=1e-3)
@@ -170,12 +170,12 @@ def test_touched_object_wakes(knife_and_mug: World):
     """A sleeping mug that a knife falls on is pushed by it."""
     bodies = knife_and_mug.engine.bodies
     bodies.put_to_sleep("mug")
-    knife_and_mug.step(24)
+    knife_and_mug.engine.step(24)
     before = knife_and_mug.pose("mug")
     above = poses.translation(0, 0, 0.12) @ knife_and_mug.pose("knife")
     above[:2, 3] = knife_and_mug.points("mug")[:, :2].mean(axis=0)
 
     bodies.place("knife", above)
-    knife_and_mug.step(36)
+    knife_and_mug.engine.step(36)
 
     assert np.abs(knife_and_mug.pose("mug") - before).max() > 1e-3

@@ -51,7 +51,7 @@ CROWD = Crowd(tuple(percept(f"{KINDS[i % 8]} {i}", KINDS[i % 8]) for i in range(
 
 def seen(noise: NoiseLevels, features: Sequence[str] = ALL) -> dict[str, Percept]:
     """The percepts of the crowd with noise."""
-    found = NoisyDetector(CROWD, noise, OBJECTS).search(features)
+    found = NoisyDetector(CROWD.search, noise, OBJECTS).search(features)
     return {percept.name: percept for percept in found}
 
 
@@ -59,7 +59,7 @@ def seen(noise: NoiseLevels, features: Sequence[str] = ALL) -> dict[str, Percept
 def test_same_seed_is_the_same_noise(missed: float, confused: float, doubt: float, seed: int):
     """Misperception depends on nothing but the amounts and the seed."""
     noise = NoiseLevels(missed, confused, doubt, seed=seed)
-    detector = NoisyDetector(Crowd(CROWD.percepts[:8]), noise, OBJECTS)
+    detector = NoisyDetector(Crowd(CROWD.percepts[:8]).search, noise, OBJECTS)
 
     first, second = detector.search(ALL), detector.search(ALL)
 
