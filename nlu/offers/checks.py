@@ -24,6 +24,7 @@ from ..semantics.meaning import (
     Question,
     Retraction,
     Rule,
+    SimpleCommand,
     Statement,
     ToolCommand,
     only_revises,
@@ -70,7 +71,7 @@ class OfferChecks:
 
     def _is_licensed(self, meaning: Meaning, mentions: Mentions, asides: Sequence[Span]) -> bool:
         features = self.clause_features(mentions, asides)
-        if isinstance(meaning, (Command, ToolCommand)) and (
+        if isinstance(meaning, SimpleCommand) and (
             "tense" in features.main or self._is_done_by_others(meaning, mentions)
         ):
             return False
@@ -84,7 +85,7 @@ class OfferChecks:
         features = replace(features, main={**features.main, **named})
         return self.licence.outcome(meaning, features) == ACCEPT
 
-    def _is_done_by_others(self, meaning: Command | ToolCommand, mentions: Mentions) -> bool:
+    def _is_done_by_others(self, meaning: SimpleCommand, mentions: Mentions) -> bool:
         words = mentions.tokens.words
         acts = [m for m in mentions.names if m.role == "act" and m.name == meaning.goal]
         subjects = [self.reader.of_words(words[m.start - 1 : m.start]) for m in acts if m.start]
@@ -202,7 +203,7 @@ class OfferChecks:
         is_lasting = isinstance(meaning, Statement) or getattr(meaning, "negated", False)
         if is_lasting and self.spoken("placed", mentions):
             return False
-        if isinstance(meaning, (Command, ToolCommand)):
+        if isinstance(meaning, SimpleCommand):
             return all(self._asks(meaning, n, mentions) for n in self.spoken("condition", mentions))
         names = _acts_and_uses(meaning)
         spoken = [each.start for each in mentions.names if each.name in names]
@@ -213,7 +214,7 @@ class OfferChecks:
             if start <= place < end
         )
 
-    def _asks(self, meaning: Command | ToolCommand, place: int, mentions: Mentions) -> bool:
+    def _asks(self, meaning: SimpleCommand, place: int, mentions: Mentions) -> bool:
         acts = [m.start for m in mentions.names if m.role == "act" and m.name == meaning.goal]
         between = range(place + 1, min(acts, default=0))
         is_one_clause = set(between).isdisjoint(mentions.tokens.pauses)

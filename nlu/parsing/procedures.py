@@ -32,6 +32,7 @@ from ..semantics.meaning import (
     Plan,
     Question,
     Retraction,
+    SimpleCommand,
     ToolCommand,
 )
 from ..semantics.predicates import PredicateForm, UninterpretableError
@@ -319,7 +320,7 @@ class _Clauses:
         act = found.meaning
         # An action with a frame is done with several objects, or with none.
         frames = self._reader.frames
-        if not isinstance(act, (Command, ToolCommand)) or act.negated or act.goal in frames:
+        if not isinstance(act, SimpleCommand) or act.negated or act.goal in frames:
             return None
         if isinstance(act, Command) and act.target.object == _ANYTHING:
             act = replace(act, target=replace(act.target, object=ANY_OBJECT))

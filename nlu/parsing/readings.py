@@ -31,6 +31,7 @@ from ..semantics.meaning import (
     PartNaming,
     Question,
     Rule,
+    SimpleCommand,
     Statement,
     ToolCommand,
     TopicStatement,
@@ -165,7 +166,7 @@ class ReadingFilter:
 
 
 def _is_negative(meaning: Meaning) -> bool:
-    if isinstance(meaning, (Command, ToolCommand)):
+    if isinstance(meaning, SimpleCommand):
         return meaning.negated
     rules = meaning.rules if isinstance(meaning, Statement) else ()
     return all(rule.denies and not rule.revises for rule in rules)
@@ -240,7 +241,7 @@ def features_of_names(
     elif isinstance(meaning, NormStatement):
         if "place" in new and not new["place"].word.endswith(reader.endings["place"]):
             yield "place", frozenset({"new"})
-    elif isinstance(meaning, (Command, ToolCommand)) and "object" in new:
+    elif isinstance(meaning, SimpleCommand) and "object" in new:
         said = new["object"]
         before = _before(words, said.said, 3)
         if reader.is_abstract(said.said, said.word):

@@ -32,6 +32,7 @@ from ..semantics.meaning import (
     Question,
     Retraction,
     Rule,
+    SimpleCommand,
     Statement,
     ToolCommand,
     TopicStatement,
@@ -117,7 +118,7 @@ class _Attempt:
         tokens = self._markers.mark_boundaries(tokens)
         request = self._markers.request_before_tag(tokens)
         found = self._understand(request, context) if request else None
-        is_command = found and isinstance(found.meaning, (Command, ToolCommand))
+        is_command = found and isinstance(found.meaning, SimpleCommand)
         if found and (is_command or only_revises(found.meaning)):
             return found
         return self._understand(self._markers.remove_tag(tokens), context)
@@ -220,7 +221,7 @@ class _Attempt:
             return self._with_reading(core.tokens, context)
         found = self._with_reading(core.tokens, context.with_object(None))
         referring = self._with_reading(core.tokens, context.with_object(_ANYTHING))
-        is_command = referring and isinstance(referring.meaning, (Command, ToolCommand))
+        is_command = referring and isinstance(referring.meaning, SimpleCommand)
         if referring is None or (is_command and core.has_person):
             return None
         if found is not None:

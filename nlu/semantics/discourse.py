@@ -17,6 +17,7 @@ from .meaning import (
     Question,
     Retraction,
     Rule,
+    SimpleCommand,
     Statement,
     ToolCommand,
     TopicStatement,
@@ -32,8 +33,8 @@ class Discourse:
 
     object: PredicateForm | None = None  # the object mentioned last
     rule: Rule | None = None  # the rule taught, corrected or applied last
-    last: Rule | Question | Command | ToolCommand | None = None  # what a fragment completes
-    command: Command | ToolCommand | None = None  # the last command, which "do it again" repeats
+    last: Rule | Question | SimpleCommand | None = None  # what a fragment completes
+    command: SimpleCommand | None = None  # the last command, which "do it again" repeats
     named: tuple[PredicateForm, ...] = ()  # all objects that the last turn with any named, in order
     pair: tuple[PredicateForm, ...] = ()  # the last turn's objects, or two in a row
     person: PredicateForm | None = None  # the person named last, except the speaker

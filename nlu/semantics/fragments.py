@@ -19,6 +19,7 @@ from .meaning import (
     ObjectReference,
     Question,
     Rule,
+    SimpleCommand,
     Statement,
     ToolCommand,
 )
@@ -100,7 +101,7 @@ def _other_of_pair(discourse: Discourse) -> str | None:
 
 def _completed(
     fragment: FragmentValues, discourse: Discourse
-) -> Rule | Question | Command | ToolCommand | None:
+) -> Rule | Question | SimpleCommand | None:
     rule, last = discourse.rule, discourse.last
     is_why = isinstance(last, Question) and last.ask == "why" and fragment.asks
     if isinstance(last, Question) and discourse.command and (_is_other(fragment) or is_why):
@@ -108,7 +109,7 @@ def _completed(
     if fragment.context and fragment.part:  # how the object of the last rule is held
         return rule if rule == last and isinstance(rule, ActionRule) else None
     if fragment.mode == "same" and not fragment.asks:
-        return last if isinstance(last, (Command, ToolCommand)) or rule is None else rule
+        return last if isinstance(last, SimpleCommand) or rule is None else rule
     if rule is None or fragment.adds or fragment.asks:
         return last if last is not None else rule
     if fragment.confidence and not (fragment.target or fragment.use or fragment.part):

@@ -4,7 +4,7 @@ A form must express exactly one meaning that Hilt has; otherwise it is rejected 
 part of a form is ever dropped to make it fit.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from ..lexicon.vocabulary import NewWord
@@ -28,6 +28,7 @@ from .meaning import (
     Question,
     Retraction,
     Rule,
+    SimpleCommand,
     Statement,
     ToolCommand,
     TopicStatement,
@@ -76,8 +77,10 @@ class Interpreter:
                 return self._fragment(content, discourse)
             case "wantBelieve" if content.name in _UNLEARNABLE:
                 raise UnlearnableError(_UNLEARNABLE[content.name])
-            case "wantBelieve" if content.name in _TOPICS:
-                return _TOPICS[content.name](content)
+            case "wantBelieve" if content.name in {"topic", "shown"}:
+                return _spoken_of(content)
+            case "wantBelieve" if content.name == "stateOf":
+                return _state(content)
             case "wantBelieve" if content.name == "supposing":  # it may be said of now only
                 return AskBack(choices=(self._statement(content.arguments[0]),))
             case "wantBelieve":
@@ -200,7 +203,7 @@ class Interpreter:
                 pass
         return fragment
 
-    def command(self, form: PredicateForm) -> Command | ToolCommand:
+    def command(self, form: PredicateForm) -> SimpleCommand:
         """Return the command of a form such as `pass(self,knife)`; else `UninterpretableError`."""
         if form.name == "not":
             return replace(self.command(form.arguments[0]), negated=True)
@@ -432,22 +435,15 @@ def _kind(form: PredicateForm) -> str:
     return kind
 
 
-def _shown(said: PredicateForm) -> TopicStatement | PartNaming:
-    form = said.arguments[0]
-    if form.name != "partOf":
-        return TopicStatement(_kind(form), shown=True)
-    part, owner = form.arguments
+def _spoken_of(form: PredicateForm) -> TopicStatement | PartNaming:
+    (thing,) = form.arguments
+    if form.name == "topic" or thing.name != "partOf":
+        return TopicStatement(_kind(thing), shown=form.name == "shown")
+    part, owner = thing.arguments
     if owner.name == "other":
         return PartNaming(name_of(part), other=True)
     name, props = kind_and_properties(owner)
     return PartNaming(name_of(part), props, object=None if name == ANY_OBJECT else name)
-
-
-_TOPICS: Mapping[str, Callable[[PredicateForm], Meaning]] = {
-    "topic": lambda said: TopicStatement(_kind(said.arguments[0])),
-    "shown": _shown,
-    "stateOf": _state,
-}
 
 
 def kind_and_properties(form: PredicateForm) -> tuple[str, tuple[str, ...]]:

@@ -21,6 +21,7 @@ from .meaning import (
     NormStatement,
     ObjectReference,
     Question,
+    SimpleCommand,
     Statement,
     ToolCommand,
 )
@@ -139,7 +140,7 @@ class _NormReader:
         return Norm(name, act, self.interpreter.intervals["high"])
 
 
-def _command(act: Command | ToolCommand) -> Command:
+def _command(act: SimpleCommand) -> Command:
     if not isinstance(act, Command):
         raise UninterpretableError("one_thing_at_a_time")
     return act
