@@ -14,21 +14,10 @@ from ..grammar.word_patterns import Phrase, WordLists, places_of
 from ..lexicon.tokenizer import BREAK
 from ..lexicon.vocabulary import NewWord
 from ..parsing.readings import features_of_names
+from ..semantics import meaning as meanings
 from ..semantics.clause_features import CONDITION, HIDING, MAIN, FeatureReader, UtteranceFeatures
 from ..semantics.licence_table import ACCEPT, LicenceTable
-from ..semantics.meaning import (
-    LIKELY,
-    ActionRule,
-    Command,
-    Meaning,
-    Question,
-    Retraction,
-    Rule,
-    SimpleCommand,
-    Statement,
-    ToolCommand,
-    only_revises,
-)
+from ..semantics.meaning import ActionRule, Command, Meaning, Question, SimpleCommand, Statement
 from .mentions import Mentions, Span
 
 OPERATORS = ("negative", "implied_negation", "weak_negation", "condition", "exception", "doubtful")
@@ -93,7 +82,7 @@ class OfferChecks:
 
     def is_licensed_beside(self, meaning: Meaning, around: Sequence[Phrase]) -> bool:
         """Whether a meaning stays what it is beside some words that are said by the way."""
-        if not isinstance(meaning, (Statement, Command, ToolCommand, Question)):
+        if not isinstance(meaning, (Statement, Command, meanings.ToolCommand, Question)):
             return False
         aside = self.reader.features((), around)
         return self.licence.outcome(meaning, aside) == ACCEPT
@@ -135,7 +124,7 @@ class OfferChecks:
             return False
         count = len(set(self._places("negative", words)) - beside)
         signs = int(is_negative(meaning))
-        return count == signs or (count == signs + 1 and only_revises(meaning))
+        return count == signs or (count == signs + 1 and meanings.only_revises(meaning))
 
     def _reasons(self, meaning: Meaning, mentions: Mentions) -> Iterator[Span]:
         if not isinstance(meaning, Command):
@@ -195,7 +184,7 @@ class OfferChecks:
         if isinstance(meaning, Statement):
             told = {rule.confidence for rule in meaning.rules}
             return not said or (len(said) == 1 and told == said)
-        return all(is_negative(meaning) and upper < LIKELY for _, upper in said)
+        return all(is_negative(meaning) and upper < meanings.LIKELY for _, upper in said)
 
     def _keeps_condition(self, meaning: Meaning, mentions: Mentions) -> bool:
         if self.spoken("exception", mentions) or self.spoken("doubtful", mentions):
@@ -258,9 +247,9 @@ def is_negative(meaning: Meaning) -> bool:
     match meaning:
         case Statement(rules):
             return any(rule.denies for rule in rules)
-        case Retraction(rule):
+        case meanings.Retraction(rule):
             return rule is not None and rule.denies
-        case Command() | ToolCommand():
+        case Command() | meanings.ToolCommand():
             target = meaning.target if isinstance(meaning, Command) else meaning.tool
             return meaning.negated or target.not_used_for is not None
         case Question():
@@ -269,7 +258,7 @@ def is_negative(meaning: Meaning) -> bool:
             return False
 
 
-def _said_of(rule: Rule) -> str:
+def _said_of(rule: meanings.Rule) -> str:
     return rule.part if isinstance(rule, ActionRule) else rule.affordance
 
 
