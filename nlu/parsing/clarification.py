@@ -45,7 +45,7 @@ class Clarifier:
             return Misunderstanding(self.answers.say("too_long", limit=limit))
         if not tokens.items:
             return Misunderstanding(self.answers.say("empty"))
-        no_words = [token for token in self.known_words.unknown(tokens) if not is_word(token)]
+        no_words = [token for token in self.known_words.unknown(tokens) if not is_word(token.word)]
         return self.of_unknown_words(tokens, no_words) if no_words else None
 
     def of_new_words(

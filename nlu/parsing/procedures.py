@@ -159,7 +159,7 @@ class ProcedureReader:
     def _named(
         self, key: str, tokens: Tokens, start: int = 0, *, is_whole: bool = True
     ) -> Iterator[tuple[int, ActionHead]]:
-        for end, slots in self.words.matches(key, tokens.words, start):
+        for _, end, slots in self.words.of_group(key, tokens.words, start):
             for slot, place in slots.items() if (end == len(tokens.items)) == is_whole else ():
                 head = self._head(tokens.part(*place), is_gerund=slot == "HEADING")
                 if head:
@@ -173,7 +173,7 @@ class ProcedureReader:
 
     def _head(self, tokens: Tokens, *, is_gerund: bool) -> ActionHead | None:
         bare = self.bare(tokens) if is_gerund else tokens
-        if bare is None or bare.pauses or not is_word(bare.items[0]):
+        if bare is None or bare.pauses or not is_word(bare.words[0]):
             return None
         for length in (2, 1):
             name = " ".join(bare.words[:length])
@@ -354,7 +354,7 @@ class _Clauses:
     def _unknown_act(self, tokens: Tokens, state: ClauseState) -> Act | None:
         reader, (verb, *rest) = self._reader, tokens.words
         is_other = reader.is_act(verb) or reader.known.builder.is_of_grammar(verb)
-        if not rest or is_other or not is_word(tokens.items[0]):
+        if not rest or is_other or not is_word(verb):
             return None
         if reader.controls.is_pronoun((*rest,)):
             return Command(verb, self._last(state)) if state.discourse.object else None
@@ -383,8 +383,9 @@ class _Clauses:
     def _reaction(self, tokens: Tokens, state: ClauseState) -> FailureReaction | None:
         count = len(tokens.items)
         for start in range(count):
-            found = self._words.matches("if", tokens.words, start)
-            ends = ((n, self._causes(tokens.part(*slots["FAILURE"]), state)) for n, slots in found)
+            found = self._words.of_group("if", tokens.words, start)
+            failures = ((end, tokens.part(*slots["FAILURE"])) for _, end, slots in found)
+            ends = ((end, self._causes(failure, state)) for end, failure in failures)
             # The longest one: "if you can't reach it" and not "if you can't".
             end, causes = max((each for each in ends if each[1]), default=(start, ()))
             # "Put it down. Stop if it fails": the condition is one of the last sentence.
@@ -405,7 +406,7 @@ class _Clauses:
         self, tokens: Tokens, causes: tuple[str, ...], state: ClauseState
     ) -> FailureReaction | None:
         count = len(tokens.items)
-        for end, _ in self._words.matches("again", tokens.words):
+        for _, end, _ in self._words.of_group("again", tokens.words):
             if end == count or self._words.is_all("times", tokens.words, end):
                 words = tokens.words[end:]
                 number = next((_TIMES[word] for word in words if word in _TIMES), 1)
