@@ -19,13 +19,7 @@ _OPTIONAL = re.compile(r"\[([^\]]*)\]")
 _NAME = re.compile(r"<(\w+)>")
 
 # The category of the names of each kind.
-_CATEGORIES: Mapping[str, str] = {
-    "object": "N",
-    "part": "P",
-    "affordance": "K",
-    "property": "AP",
-    "person": "RN",
-}
+_CATEGORIES = {"object": "N", "part": "P", "affordance": "K", "property": "AP", "person": "RN"}
 
 # What stands in a slot of `sentences.yaml`, by its name, or by name and form.
 _FILLED: Mapping[str, str] = {

@@ -83,10 +83,7 @@ class OfferFinder:
         said = self.of_segments(mentions, context)
         if said or not self.is_text(tokens):
             return said
-        corrected = self.of_corrected(tokens, context)
-        if corrected:
-            return corrected
-        return self.of_mentions(mentions, context)
+        return self.of_corrected(tokens, context) or self.of_mentions(mentions, context)
 
     def mentions(self, tokens: Tokens, discourse: Discourse) -> Mentions:
         """Return what an utterance names, with its features."""

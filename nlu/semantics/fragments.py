@@ -218,12 +218,11 @@ def _offered(rule: meanings.Rule) -> meanings.AskBack:
 def _as_command(  # noqa: PLR0911 - a case per slot
     fragment: FragmentValues, command: meanings.Command, discourse: Discourse
 ) -> meanings.Command | Question | meanings.AskBack:
+    anew = replace(command, part=None, negated=False)
     if fragment.asks and fragment.target:
         if command.target.object is None:  # Hilt chose the object, and is asked for its reason
             return Question("why_not", object=_kind(fragment.target)[0])
-        return meanings.AskBack(
-            choices=(replace(command, target=fragment.target, part=None, negated=False),)
-        )
+        return meanings.AskBack(choices=(replace(anew, target=fragment.target),))
     other = _other_of_pair(discourse)
     if (
         fragment.mode in {"also", "other"}
@@ -231,8 +230,7 @@ def _as_command(  # noqa: PLR0911 - a case per slot
         and other
         and command.target.object in {each.said for each in discourse.pair}
     ):
-        named = replace(command, target=ObjectReference(other), part=None, negated=False)
-        return meanings.AskBack(choices=(named,))
+        return meanings.AskBack(choices=(replace(anew, target=ObjectReference(other)),))
     if fragment.context:
         command = replace(command, goal=fragment.context, recipient=None)
     if fragment.target:
