@@ -140,7 +140,7 @@ def _said(
         number = language.chosen(text, len(pending.choices)) if pending.choices else None
         if number is not None:
             return meaning.Answer(number=number)
-        answers = conversation.short_answers(text)
+        answers = language.short_answers(text, conversation.discourse)
         if answers:
             return answers[0]
     if understood.kind != "error" and (understood.kind != "ask_back" or understood.reading):
