@@ -101,10 +101,8 @@ def _rules(language: Language) -> dict[str, list[str]]:
     ]
     tools = [answers.act(name) for name in language.builder.tool_acts]
     # Something that has no property at all would be anything.
-    targets = {
-        **sections["targets"],
-        "props": sections["targets"]["props"].replace("{props}", "<property>"),
-    }
+    targets = dict(sections["targets"])
+    targets["props"] = targets["props"].replace("{props}", "<property>")
     stated = [sections["rules"][key] for key in ("functional", "action")]
     replies = [*sections["replies"].values(), sections["rules"]["taken_back"]]
     return {

@@ -126,16 +126,14 @@ class SentenceParser:
     ) -> Reading:
         form = _fill_persons(form_of(derivation.value), context)
         parts = {part.category for part in subderivations(derivation)}
-        is_for_now = self.grammar.general not in parts and not parts.isdisjoint(
-            self.grammar.speaker
-        )
+        general, speaker = self.grammar.general, self.grammar.speaker
+        is_for_now = general not in parts and not parts.isdisjoint(speaker)
         discourse = replace(context.discourse, rule=None) if is_for_now else context.discourse
         form = resolve(form, discourse)
         entries = lexical_entries(derivation)
         words = new_words(entries)
-        if tokens.asks and (
-            act == "FRAGMENT" or form.name in predicates.load_predicates().fragments
-        ):
+        fragments = predicates.load_predicates().fragments
+        if tokens.asks and (act == "FRAGMENT" or form.name in fragments):
             act, form = "FRAGMENT", PredicateForm("asked", (form,))
         act = "CORRECT" if form.name == "correctPart" else act
         if tokens.asks and act == "INSTRUCT":

@@ -367,9 +367,8 @@ class Interpreter:
 
 
 def _state(form: PredicateForm) -> meanings.TopicStatement:
-    return meanings.TopicStatement(
-        *kind_and_properties(form.arguments[0]), denied=len(form.arguments) > 1
-    )
+    thing, *denial = form.arguments
+    return meanings.TopicStatement(*kind_and_properties(thing), denied=bool(denial))
 
 
 def _use(form: PredicateForm) -> tuple[str, str | None]:
