@@ -19,13 +19,7 @@ _OPTIONAL = re.compile(r"\[([^\]]*)\]")
 _NAME = re.compile(r"<(\w+)>")
 
 # The category of the names of each kind.
-_CATEGORIES: Mapping[str, str] = {
-    "object": "N",
-    "part": "P",
-    "affordance": "K",
-    "property": "AP",
-    "person": "RN",
-}
+_CATEGORIES = {"object": "N", "part": "P", "affordance": "K", "property": "AP", "person": "RN"}
 
 # What stands in a slot of `sentences.yaml`, by its name, or by name and form.
 _FILLED: Mapping[str, str] = {
@@ -107,10 +101,8 @@ def _rules(language: Language) -> dict[str, list[str]]:
     ]
     tools = [answers.act(name) for name in language.builder.tool_acts]
     # Something that has no property at all would be anything.
-    targets = {
-        **sections["targets"],
-        "props": sections["targets"]["props"].replace("{props}", "<property>"),
-    }
+    targets = dict(sections["targets"])
+    targets["props"] = targets["props"].replace("{props}", "<property>")
     stated = [sections["rules"][key] for key in ("functional", "action")]
     replies = [*sections["replies"].values(), sections["rules"]["taken_back"]]
     return {

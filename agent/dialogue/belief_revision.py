@@ -109,7 +109,8 @@ class BeliefRevision:
         conversation = self._conversation
         is_just_told = bool(conversation.topic) and conversation.topic_from == "lesson"
         is_bare = said == meaning.Retraction() and not is_just_told
-        answers = conversation.short_answers(turn.understood.text) if is_bare else ()
+        language, text = conversation.language, turn.understood.text
+        answers = language.short_answers(text, conversation.discourse) if is_bare else ()
         if any(each.is_dismissal for each in answers):
             return conversation.answered(turn, "dismissed", "done")
         is_of_told = said.is_of_told or conversation.topic_from == "deed"

@@ -30,18 +30,19 @@ class ClarificationDialogue:
 
     def short_answer(self, text: str, speaker: str, *, heard: float, keep: bool) -> Reply | None:
         """Return the reply to an answer to the open question; None where the text is none."""
-        conversation = self.conversation
+        conversation, language = self.conversation, self.conversation.language
         open_question = conversation.open_question
         if open_question is None or open_question.asked != speaker:
             return None
         word, is_new = open_question.word, open_question.no
-        if word and is_new and conversation.language.insists_on(word, text):
+        if word and is_new and language.insists_on(word, text):
             return is_new()
         if open_question.tell and (told := open_question.tell(text)):
             return told
         choices = open_question.choices
-        number = conversation.language.chosen(text, len(choices)) if choices else None
-        answers = [meaning.Answer(number=number)] if number else conversation.short_answers(text)
+        number = language.chosen(text, len(choices)) if choices else None
+        short = [meaning.Answer(number=number)] if number else None
+        answers = short or language.short_answers(text, conversation.discourse)
         for answered in answers:
             if answered.is_dismissal:
                 conversation.open_question = None

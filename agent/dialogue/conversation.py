@@ -117,10 +117,6 @@ class Conversation:
                 text, speaker=speaker, discourse=self.discourse, accepted=accepted, heard=heard
             )
 
-    def short_answers(self, text: str) -> list[meaning.Answer]:
-        """Return the short answers that a text may be to a question of Hilt, likeliest first."""
-        return self.language.short_answers(text, self.discourse)
-
     @property
     def decision(self) -> Decision | None:
         """The decision of the last command; None when it made none."""

@@ -20,7 +20,6 @@ from ...nlu.semantics import meaning
 from ...ontology.errors import ValidationError
 from .conversation import Conversation, UnderstoodTurn, spoken
 from .reply import OpenQuestion, Reply
-from .translation import SimpleCommand
 
 SURE = 0.9
 """The least certainty of what is believed or done unasked."""
@@ -67,7 +66,7 @@ def reaction(
     said = {each: language.understand(each).meaning for each in scores}
     own, stop = said[text], meaning.Control("stop")
     for each, found in said.items():
-        if found == stop or (isinstance(found, SimpleCommand) and found.negated):
+        if found == stop or (isinstance(found, meaning.SimpleCommand) and found.negated):
             return each, stop  # "stop passing me the knife" stops that, too
     waiting = next((each for each, found in said.items() if _is_halt(found)), None)
     if waiting is not None:
@@ -141,7 +140,7 @@ def _said(
         number = language.chosen(text, len(pending.choices)) if pending.choices else None
         if number is not None:
             return meaning.Answer(number=number)
-        answers = conversation.short_answers(text)
+        answers = language.short_answers(text, conversation.discourse)
         if answers:
             return answers[0]
     if understood.kind != "error" and (understood.kind != "ask_back" or understood.reading):

@@ -33,7 +33,7 @@ from .norm_dialogue import NormDialogue
 from .questions import answer
 from .reply import OpenQuestion, Reply
 from .showing import Eyes, Showing
-from .translation import SimpleCommand, chosen_by, declined, request_from_command, use_of
+from .translation import chosen_by, declined, request_from_command, use_of
 
 KINDS = {  # what a command of the CLI listens to -> kinds of meaning
     "tell": ("statement", "correction", "topic"),
@@ -185,7 +185,7 @@ class DialogueManager:
 
     # --- Commands -----------------------------------------------------------------------------
 
-    def _carry_out_command(self, turn: UnderstoodTurn, said: SimpleCommand) -> Reply:
+    def _carry_out_command(self, turn: UnderstoodTurn, said: meaning.SimpleCommand) -> Reply:
         if said.negated:
             reading = turn.understood.reading
             if reading and "lasting" in reading.features.main:
@@ -296,7 +296,7 @@ class DialogueManager:
 
     def _names_several(self, turn: UnderstoodTurn) -> bool:
         said = turn.understood.meaning
-        name = (chosen_by(said).object or "") if isinstance(said, SimpleCommand) else ""
+        name = (chosen_by(said).object or "") if isinstance(said, meaning.SimpleCommand) else ""
         several = self.conversation.language.inflection.form(name, "plural")
         return several != name and f" {several} " in f" {' '.join(turn.understood.words)} "
 
@@ -323,7 +323,7 @@ class DialogueManager:
     def _asking_for_use(self, turn: UnderstoodTurn, result: GoalResult, spoken: str) -> str:
         said, conversation = turn.understood.meaning, self.conversation
         conversation.open_question = None
-        if result.answer.key != "nothing_used_for" or not isinstance(said, SimpleCommand):
+        if result.answer.key != "nothing_used_for" or not isinstance(said, meaning.SimpleCommand):
             return spoken
         asked = use_of(said)
         self._clarification.wait_to_learn(turn, asked)

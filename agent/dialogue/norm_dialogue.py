@@ -23,7 +23,7 @@ from ..execution.outcome import AnswerContent, GoalResult
 from ..execution.request import Request
 from .conversation import Answered, Conversation, UnderstoodTurn, spoken
 from .reply import Reply
-from .translation import SimpleCommand, chosen_by, request_from_command, rule_from_norm
+from .translation import chosen_by, request_from_command, rule_from_norm
 
 MOST_LISTED = 8
 
@@ -78,20 +78,20 @@ class NormDialogue:
 
     # --- Prohibitions of the moment -------------------------------------------------------------
 
-    def forbid(self, turn: UnderstoodTurn, said: SimpleCommand) -> Reply:
+    def forbid(self, turn: UnderstoodTurn, said: meaning.SimpleCommand) -> Reply:
         """Keep for good that something must not be done: "never give me the knife"."""
         usual, acts = self._conversation.language.usual, self._named_acts(said)
         norms = tuple(meaning.Norm("forbidden", replace(a, negated=False), usual) for a in acts)
         return self.lay_down(turn, meaning.NormStatement(norms))
 
-    def forbid_for_now(self, turn: UnderstoodTurn, said: SimpleCommand) -> None:
+    def forbid_for_now(self, turn: UnderstoodTurn, said: meaning.SimpleCommand) -> None:
         """Keep in mind that something must not be done in this conversation."""
         for act in self._named_acts(said):
             norm = meaning.Norm("forbidden", replace(act, negated=False), (1.0, 1.0))
             rule = rule_from_norm(norm, turn.speaker)
             self._momentary[rule.id] = (rule, turn.understood)
 
-    def _named_acts(self, said: SimpleCommand) -> list[SimpleCommand]:
+    def _named_acts(self, said: meaning.SimpleCommand) -> list[meaning.SimpleCommand]:
         target = chosen_by(said)
         if target.object:
             return [said]

@@ -16,14 +16,14 @@ from ...kb.interval import CERTAIN
 from ...kb.rdf.rule_mapping import atom_from_iri, atom_iri, rule_id
 from ...kb.rule import GRASP_OBJECT, KIND_OF, USED_FOR, Atom, Rule
 from ...nlu.parsing.understanding import Understanding
-from ...nlu.semantics.meaning import Command, KindRelation, Question, ToolCommand
+from ...nlu.semantics.meaning import Command, KindRelation, Question, SimpleCommand, ToolCommand
 from ...ontology.vocabulary import Iri
 from ..execution.outcome import AnswerContent, Decision, Slot
 from ..execution.outcome_answer import use_slot
 from .conversation import Answered, Conversation, spoken
 from .reply import Reply
 from .self_report import SELF_REPORTS
-from .translation import SimpleCommand, chosen_by
+from .translation import chosen_by
 
 _ABOUT_ANY = """SELECT ?rule {
     GRAPH graph:domain { ?part hilt:partOf ?object }

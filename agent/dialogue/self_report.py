@@ -5,9 +5,8 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from functools import partial
 
 from ...kb.rule import Atom, Rule
-from ...nlu.semantics.meaning import Question
+from ...nlu.semantics.meaning import Question, SimpleCommand
 from .conversation import Answered, Conversation, spoken
-from .translation import SimpleCommand
 
 MOST_LISTED = 5
 """So many rules are told one by one; of more only some objects are named."""

@@ -4,8 +4,6 @@
 it looks like is kept with its name, so that who showed it and when is known; it can be forgotten.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, TypeAlias
@@ -83,7 +81,7 @@ class Showing:
         return [nearest] if self._distance(nearest.cloud) < NEAR else []
 
     def _shapes(
-        self, said: meaning.PartNaming, kind: ShownKind, seen: Sequence[Percept]
+        self, said: meaning.PartNaming, kind: "ShownKind", seen: Sequence[Percept]
     ) -> Sequence[str]:
         if said.props:
             return [shape for shape in kind.masses if SHAPES.get(shape, set()) & {*said.props}]
@@ -93,14 +91,14 @@ class Showing:
             return [shape for shape in kind.masses if kind.names.get(shape, shape) == part]
         return [shape for shape in kind.masses if shape not in kind.names]
 
-    def _distance(self, cloud: Array) -> float:
+    def _distance(self, cloud: "Array") -> float:
         import numpy as np  # here: who decides without a simulator saves its import time
 
         at = self.pointed_at or (0.0, 0.0)
         return float(np.linalg.norm(cloud[:, :2] - at, axis=1).min())
 
     def _keep(
-        self, turn: UnderstoodTurn, kind: ShownKind, eyes: LearnedDetector, spoken: str
+        self, turn: UnderstoodTurn, kind: "ShownKind", eyes: "LearnedDetector", spoken: str
     ) -> Reply:
         words = [NewWord(kind.name, "object", kind.name), *turn.understood.new_words]
         look = kind.as_json()

@@ -21,7 +21,6 @@ from ..execution.request import Argument, Request
 
 Names = Mapping[str, str]
 Lesson = meaning.Statement | meaning.KindStatement
-SimpleCommand = meaning.Command | meaning.ToolCommand
 
 PARAMETERS = ("object", "second", "third", "fourth")
 """The names of the parameters of taught actions, in order."""
@@ -85,9 +84,10 @@ def _norm_from_rule(
     names = {atom.kind: atom.name for atom in rule.contexts}
     if len(names) != len(rule.contexts):
         return None
-    act: SimpleCommand = meaning.Command(names["action"], target, rule.part, names.get("role"))
+    goal, recipient = names["action"], names.get("role")
+    act: meaning.SimpleCommand = meaning.Command(goal, target, rule.part, recipient)
     if rule.material:
-        act = meaning.ToolCommand(names["action"], rule.material, target)
+        act = meaning.ToolCommand(goal, rule.material, target)
     before = None
     if rule.argument and rule.argument.kind == "action":
         thing = meaning.ObjectReference(names.get("object", target.object), props=())
@@ -145,19 +145,19 @@ def request_from_command(
     return Request(command.goal, arguments, speaker, part=command.part)
 
 
-def chosen_by(said: SimpleCommand) -> meaning.ObjectReference:
+def chosen_by(said: meaning.SimpleCommand) -> meaning.ObjectReference:
     """Return what a command lets Hilt choose: its tool, or else its object."""
     return said.tool if isinstance(said, meaning.ToolCommand) else said.target
 
 
-def use_of(said: SimpleCommand) -> meaning.Question:
+def use_of(said: meaning.SimpleCommand) -> meaning.Question:
     """Return the question what has the use that a command asks for, if it asks for one."""
     target = chosen_by(said)
     use = target.used_for or target.not_used_for
     return meaning.Question("objects_for", affordance=use, material=target.material)
 
 
-def declined(said: SimpleCommand) -> AnswerContent:
+def declined(said: meaning.SimpleCommand) -> AnswerContent:
     """Return the answer to a command not to do something."""
     if isinstance(said, meaning.ToolCommand):
         slots = {"goal": said.goal, "patient": said.patient}

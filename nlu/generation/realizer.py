@@ -84,7 +84,7 @@ class Realizer:
         slots |= {"part": rule.part, "act": self.answers.act_with(rule.context)}
         return self._say("rules", "reported" if reported else "action", **slots)
 
-    def _command(self, command: meaning.Command | meaning.ToolCommand) -> str:
+    def _command(self, command: meaning.SimpleCommand) -> str:
         slots = {"act": self.answers.act(command.goal)}
         if isinstance(command, meaning.ToolCommand):
             shape = ["patient"]

@@ -106,7 +106,7 @@ class AnswerTemplates:
             return text
         return self.fill(said["in_place"], {"act": text, "place": norm.place})
 
-    def _act_phrase(self, act: meaning.Command | meaning.ToolCommand) -> str:
+    def _act_phrase(self, act: meaning.SimpleCommand) -> str:
         said, verb = self.phrases, self.act(act.goal)
         if isinstance(act, meaning.ToolCommand):
             is_any = act.patient == meaning.ANY_OBJECT

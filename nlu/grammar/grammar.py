@@ -11,16 +11,8 @@ from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 from ...ontology.yaml_reader import YamlNode, read_yaml
-from .categories import (
-    AtomicCategory,
-    Category,
-    FunctionType,
-    Signature,
-    Type,
-    TypeMismatchError,
-    check_type,
-    type_of,
-)
+from . import categories
+from .categories import AtomicCategory, Category, Signature, Type
 from .notation import read_entry, read_type, read_unary
 from .terms import Term, Value, evaluate
 from .word_patterns import compile_pattern, expand
@@ -74,14 +66,14 @@ class Grammar:
         signature = {**self.signature, **extra} if extra else self.signature
         expected = self.type_of(category, field)
         try:
-            check_type(term, expected, signature)
-        except TypeMismatchError as error:
+            categories.check_type(term, expected, signature)
+        except categories.TypeMismatchError as error:
             raise field.fail(f"{category} : {term} does not fit its category: {error}.") from error
 
     def type_of(self, category: Category, field: YamlNode) -> Type:
         """The type of the meanings of a category; `DataError` for an atom that is not declared."""
         try:
-            return type_of(category, self.types)
+            return categories.type_of(category, self.types)
         except KeyError as error:
             known = ", ".join(sorted(self.types))
             raise field.fail(
@@ -141,10 +133,11 @@ def _roots(field: YamlNode, types: Mapping[str, Type]) -> Mapping[Category, str]
 
 def _unary(field: YamlNode, grammar: Grammar) -> UnaryRule:
     source, target, term = read_unary(field)
-    expected = FunctionType(grammar.type_of(source, field), grammar.type_of(target, field))
+    types = (grammar.type_of(each, field) for each in (source, target))
+    expected = categories.FunctionType(*types)
     try:
-        check_type(term, expected, grammar.signature)
-    except TypeMismatchError as error:
+        categories.check_type(term, expected, grammar.signature)
+    except categories.TypeMismatchError as error:
         raise field.fail(f"{term} does not turn {source} into {target}: {error}.") from error
     return UnaryRule(source, target, term, evaluate(term))
 

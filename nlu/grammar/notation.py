@@ -134,9 +134,6 @@ def _parser() -> "Lark":
 def _expected(before: str, start: Start) -> str:
     parser = _parser().parse_interactive(before, start=start)
     parser.exhaust_lexer()
-    return " or ".join(
-        sorted(
-            _SHOWN.get(each) or f'"{_parser().get_terminal(each).pattern.value}"'
-            for each in parser.accepts()
-        )
-    )
+    terminal, accepted = _parser().get_terminal, parser.accepts()
+    shown = (_SHOWN.get(each) or f'"{terminal(each).pattern.value}"' for each in accepted)
+    return " or ".join(sorted(shown))

@@ -230,12 +230,6 @@ class WordLists:
             for end, slots in match_pattern((step,), words, start):
                 yield name, end, slots
 
-    def matches(
-        self, key: str, words: Sequence[str], start: int = 0
-    ) -> Iterator[tuple[int, Slots]]:
-        """Yield where a pattern of a key may end that begins at a place, with its slots."""
-        return ((end, slots) for _, end, slots in self.of_group(key, words, start))
-
     def wholes(self, key: str, words: Sequence[str], start: int = 0) -> Iterator[tuple[str, Slots]]:
         """Yield what the patterns of a key stand for that are all words from a place on."""
         found = self.of_group(key, words, start)
@@ -243,7 +237,7 @@ class WordLists:
 
     def end(self, key: str, words: Sequence[str], start: int = 0) -> int:
         """The end of the longest pattern of a key that begins at a place; the place without one."""
-        return max((end for end, _ in self.matches(key, words, start)), default=start)
+        return max((end for _, end, _ in self.of_group(key, words, start)), default=start)
 
     def is_all(self, key: str, words: Sequence[str], start: int = 0) -> bool:
         """Whether a pattern of a key is all of some words from a place on."""

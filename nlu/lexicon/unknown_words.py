@@ -54,9 +54,9 @@ _NAMED_BY = {
 }
 
 
-def is_word(token: Token) -> bool:
+def is_word(word: str) -> bool:
     """Whether a token can be a word at all."""
-    return _has_letters(token.word)
+    return word.isalpha() and MIN_LETTERS <= len(word) <= MAX_LETTERS
 
 
 def new_words(entries: Iterable[Entry]) -> tuple[NewWord, ...]:
@@ -154,7 +154,7 @@ class KnownWords:
     def _recipients(self, tokens: Tokens, place: int) -> Iterator[Entry]:
         words = tokens.words
         word, after = words[place], words[place + 1 : place + 2]
-        if self.lexicon.name_categories(word) or not is_word(tokens.items[place]):
+        if self.lexicon.name_categories(word) or not is_word(word):
             return
         is_followed = any(map(self.builder.is_of_grammar, after))
         is_alone = is_followed or self._is_after_naming(words, place)
@@ -172,7 +172,7 @@ class KnownWords:
     def _compounds(self, first: str, second: str, is_determined: bool) -> list[Entry]:
         is_name = self.lexicon.is_name(first, NOUNS | {"K"})
         is_open = not self.has(first) or (is_determined and self._may_name(first))
-        if first == second or not (is_name or (is_open and _has_letters(first))):
+        if first == second or not (is_name or (is_open and is_word(first))):
             return []
         singular = next(iter(self.origins(second, "plural")), second)
         found = chain.from_iterable(
@@ -191,10 +191,10 @@ class KnownWords:
         if second in self.builder.homographs:
             return role == "object"
         is_plural = bool(self.origins(first, "plural"))
-        return not is_plural and _has_letters(second) and not self.has(second)
+        return not is_plural and is_word(second) and not self.has(second)
 
     def _may_name(self, word: str) -> bool:
-        if not _has_letters(word) or self.builder.is_of_grammar(word) or not self.has(word):
+        if not is_word(word) or self.builder.is_of_grammar(word) or not self.has(word):
             return False
         names = self.lexicon.name_categories(word)
         return not names.isdisjoint(_ACTS) or not (names or self.origins(word, "adverb"))
@@ -219,10 +219,6 @@ class KnownWords:
             return True
         is_listed = not before or place in tokens.pauses or before in self.builder.joining
         return is_listed and bool(self.origins(word, "plural"))
-
-
-def _has_letters(word: str) -> bool:
-    return word.isalpha() and MIN_LETTERS <= len(word) <= MAX_LETTERS
 
 
 @lru_cache(maxsize=8192)

@@ -4,8 +4,6 @@ They are names only: the language does not know which object has which part or a
 default they come from the household domain of the ontology.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING
@@ -46,7 +44,7 @@ class NewWord:
         return {"word": self.word, "role": self.role, "said": self.said}
 
 
-def household_vocabulary(objects: Mapping[str, ObjectType] | None = None) -> Vocabulary:
+def household_vocabulary(objects: "Mapping[str, ObjectType] | None" = None) -> Vocabulary:
     """The names of objects (by default the household ones), their parts and their properties."""
     from ...ontology.objects import load_objects  # here: who brings a vocabulary need not read it
 

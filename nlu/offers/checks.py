@@ -14,20 +14,10 @@ from ..grammar.word_patterns import Phrase, WordLists, places_of
 from ..lexicon.tokenizer import BREAK
 from ..lexicon.vocabulary import NewWord
 from ..parsing.readings import features_of_names
+from ..semantics import meaning as meanings
 from ..semantics.clause_features import CONDITION, HIDING, MAIN, FeatureReader, UtteranceFeatures
 from ..semantics.licence_table import ACCEPT, LicenceTable
-from ..semantics.meaning import (
-    LIKELY,
-    ActionRule,
-    Command,
-    Meaning,
-    Question,
-    Retraction,
-    Rule,
-    Statement,
-    ToolCommand,
-    only_revises,
-)
+from ..semantics.meaning import ActionRule, Command, Meaning, Question, SimpleCommand, Statement
 from .mentions import Mentions, Span
 
 OPERATORS = ("negative", "implied_negation", "weak_negation", "condition", "exception", "doubtful")
@@ -70,7 +60,7 @@ class OfferChecks:
 
     def _is_licensed(self, meaning: Meaning, mentions: Mentions, asides: Sequence[Span]) -> bool:
         features = self.clause_features(mentions, asides)
-        if isinstance(meaning, (Command, ToolCommand)) and (
+        if isinstance(meaning, SimpleCommand) and (
             "tense" in features.main or self._is_done_by_others(meaning, mentions)
         ):
             return False
@@ -84,7 +74,7 @@ class OfferChecks:
         features = replace(features, main={**features.main, **named})
         return self.licence.outcome(meaning, features) == ACCEPT
 
-    def _is_done_by_others(self, meaning: Command | ToolCommand, mentions: Mentions) -> bool:
+    def _is_done_by_others(self, meaning: SimpleCommand, mentions: Mentions) -> bool:
         words = mentions.tokens.words
         acts = [m for m in mentions.names if m.role == "act" and m.name == meaning.goal]
         subjects = [self.reader.of_words(words[m.start - 1 : m.start]) for m in acts if m.start]
@@ -92,7 +82,7 @@ class OfferChecks:
 
     def is_licensed_beside(self, meaning: Meaning, around: Sequence[Phrase]) -> bool:
         """Whether a meaning stays what it is beside some words that are said by the way."""
-        if not isinstance(meaning, (Statement, Command, ToolCommand, Question)):
+        if not isinstance(meaning, (Statement, Command, meanings.ToolCommand, Question)):
             return False
         aside = self.reader.features((), around)
         return self.licence.outcome(meaning, aside) == ACCEPT
@@ -134,7 +124,7 @@ class OfferChecks:
             return False
         count = len(set(self._places("negative", words)) - beside)
         signs = int(is_negative(meaning))
-        return count == signs or (count == signs + 1 and only_revises(meaning))
+        return count == signs or (count == signs + 1 and meanings.only_revises(meaning))
 
     def _reasons(self, meaning: Meaning, mentions: Mentions) -> Iterator[Span]:
         if not isinstance(meaning, Command):
@@ -194,7 +184,7 @@ class OfferChecks:
         if isinstance(meaning, Statement):
             told = {rule.confidence for rule in meaning.rules}
             return not said or (len(said) == 1 and told == said)
-        return all(is_negative(meaning) and upper < LIKELY for _, upper in said)
+        return all(is_negative(meaning) and upper < meanings.LIKELY for _, upper in said)
 
     def _keeps_condition(self, meaning: Meaning, mentions: Mentions) -> bool:
         if self.spoken("exception", mentions) or self.spoken("doubtful", mentions):
@@ -202,7 +192,7 @@ class OfferChecks:
         is_lasting = isinstance(meaning, Statement) or getattr(meaning, "negated", False)
         if is_lasting and self.spoken("placed", mentions):
             return False
-        if isinstance(meaning, (Command, ToolCommand)):
+        if isinstance(meaning, SimpleCommand):
             return all(self._asks(meaning, n, mentions) for n in self.spoken("condition", mentions))
         names = _acts_and_uses(meaning)
         spoken = [each.start for each in mentions.names if each.name in names]
@@ -213,7 +203,7 @@ class OfferChecks:
             if start <= place < end
         )
 
-    def _asks(self, meaning: Command | ToolCommand, place: int, mentions: Mentions) -> bool:
+    def _asks(self, meaning: SimpleCommand, place: int, mentions: Mentions) -> bool:
         acts = [m.start for m in mentions.names if m.role == "act" and m.name == meaning.goal]
         between = range(place + 1, min(acts, default=0))
         is_one_clause = set(between).isdisjoint(mentions.tokens.pauses)
@@ -257,9 +247,9 @@ def is_negative(meaning: Meaning) -> bool:
     match meaning:
         case Statement(rules):
             return any(rule.denies for rule in rules)
-        case Retraction(rule):
+        case meanings.Retraction(rule):
             return rule is not None and rule.denies
-        case Command() | ToolCommand():
+        case Command() | meanings.ToolCommand():
             target = meaning.target if isinstance(meaning, Command) else meaning.tool
             return meaning.negated or target.not_used_for is not None
         case Question():
@@ -268,7 +258,7 @@ def is_negative(meaning: Meaning) -> bool:
             return False
 
 
-def _said_of(rule: Rule) -> str:
+def _said_of(rule: meanings.Rule) -> str:
     return rule.part if isinstance(rule, ActionRule) else rule.affordance
 
 

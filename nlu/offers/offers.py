@@ -21,17 +21,10 @@ from ..lexicon.misspelling import slips
 from ..lexicon.tokenizer import BREAK, MAX_TOKENS, Tokens
 from ..lexicon.unknown_words import MAX_NEW_WORDS, KnownWords
 from ..parsing.understanding import UtteranceContext
+from ..semantics import meaning as meanings
 from ..semantics.discourse import Discourse
 from ..semantics.interpretation import GOALS
-from ..semantics.meaning import (
-    ActionRule,
-    AskBack,
-    Confidence,
-    Meaning,
-    Rule,
-    Statement,
-    with_rules,
-)
+from ..semantics.meaning import AskBack, Meaning, Rule, Statement
 from ..semantics.predicates import PredicateForm
 from .candidates import CandidateMeaning, OfferModel, candidates, left_over
 from .checks import OfferChecks
@@ -61,7 +54,7 @@ class OfferFinder:
     checks: OfferChecks
     known: KnownWords
     #: the words for degrees of confidence, with their intervals
-    degrees: Mapping[tuple[str, ...], Confidence]
+    degrees: Mapping[tuple[str, ...], meanings.Confidence]
     #: the acts done with a tool, each with the affordance that the tool must have
     tool_acts: Mapping[str, str]
     realizer: Realizer
@@ -90,10 +83,7 @@ class OfferFinder:
         said = self.of_segments(mentions, context)
         if said or not self.is_text(tokens):
             return said
-        corrected = self.of_corrected(tokens, context)
-        if corrected:
-            return corrected
-        return self.of_mentions(mentions, context)
+        return self.of_corrected(tokens, context) or self.of_mentions(mentions, context)
 
     def mentions(self, tokens: Tokens, discourse: Discourse) -> Mentions:
         """Return what an utterance names, with its features."""
@@ -113,8 +103,8 @@ class OfferFinder:
         if any(self.checks.reader.is_noun(each.word) for each in self.known.unknown(tokens)):
             return ()
         texts = corrected_texts(tokens, self.known)
-        meanings = dict.fromkeys(self.meaning_of(text, context) for text in texts)
-        found = (each for each in meanings if self._is_understood(each, context))
+        said = dict.fromkeys(self.meaning_of(text, context) for text in texts)
+        found = (each for each in said if self._is_understood(each, context))
         return tuple(islice(found, MAX_OFFERS))
 
     def of_segments(self, mentions: Mentions, context: UtteranceContext) -> tuple[Meaning, ...]:
@@ -210,14 +200,14 @@ def _corrects(rule: Rule, last: Rule | None) -> bool:
 
 
 def _topic(rule: Rule) -> tuple[str, str, str]:
-    use = rule.context if isinstance(rule, ActionRule) else rule.affordance
+    use = rule.context if isinstance(rule, meanings.ActionRule) else rule.affordance
     return rule.rule, rule.object, use
 
 
 def _holds_for_anything(meaning: Meaning, mentions: Mentions) -> bool:
     acts = {m.name for m in mentions.names if m.role == "act"} - {"grasp"}
     rules = meaning.rules if isinstance(meaning, Statement) else ()
-    contexts = {rule.context for rule in rules if isinstance(rule, ActionRule)}
+    contexts = {rule.context for rule in rules if isinstance(rule, meanings.ActionRule)}
     return "grasp" in contexts and not acts.isdisjoint(GOALS)
 
 
@@ -228,7 +218,7 @@ def _beside(candidate: CandidateMeaning, mentions: Mentions) -> set[int]:
     return before | {each.end for each in used if each.end not in pauses}
 
 
-_uncorrecting = partial(with_rules, revises=False)
+_uncorrecting = partial(meanings.with_rules, revises=False)
 """A meaning, whether it corrects something or not."""
 
 

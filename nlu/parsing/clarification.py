@@ -16,15 +16,9 @@ from ..lexicon.misspelling import MIN_LETTERS, intended_word, slips
 from ..lexicon.tokenizer import MAX_CHARACTERS, MAX_TOKENS, Token, Tokens
 from ..lexicon.unknown_words import MAX_NEW_WORDS, KnownWords, is_word, new_recipients
 from ..lexicon.vocabulary import NewWord
+from ..semantics import meaning as meanings
 from ..semantics.licence_table import ACCEPT
-from ..semantics.meaning import (
-    AskBack,
-    Meaning,
-    Misunderstanding,
-    NormStatement,
-    Statement,
-    with_rules,
-)
+from ..semantics.meaning import AskBack, Misunderstanding
 from ..semantics.predicates import UninterpretableError
 from .chart import Chart, lexical_entries
 from .parser import SentenceParser
@@ -51,7 +45,7 @@ class Clarifier:
             return Misunderstanding(self.answers.say("too_long", limit=limit))
         if not tokens.items:
             return Misunderstanding(self.answers.say("empty"))
-        no_words = [token for token in self.known_words.unknown(tokens) if not is_word(token)]
+        no_words = [token for token in self.known_words.unknown(tokens) if not is_word(token.word)]
         return self.of_unknown_words(tokens, no_words) if no_words else None
 
     def of_new_words(
@@ -86,11 +80,11 @@ class Clarifier:
 
     def _may_be_part(self, word: NewWord, reading: Reading, tokens: Tokens) -> bool:
         is_definite = ("the", word.said) in pairwise(tokens.words)
-        is_of_one = is_definite and isinstance(reading.meaning, Statement)
+        is_of_one = is_definite and isinstance(reading.meaning, meanings.Statement)
         is_part = is_of_one or self.parser.features.is_part(word.said, word.word)
         return is_part and self.known_words.is_only_part(word)
 
-    def licensed(self, reading: Reading) -> Meaning:
+    def licensed(self, reading: Reading) -> meanings.Meaning:
         """The meaning of a reading, as sure as its features allow, or whether it is meant."""
         licence = self.parser.licence
         match reading.meaning:
@@ -102,7 +96,7 @@ class Clarifier:
             return licence.weakened(reading.meaning, reading.features)
         if not self.answers.slots(answer):  # no evidence that what it names is of its kind
             return AskBack(self.answers.say(answer))
-        own = with_rules(reading.meaning, source=None)  # "do you say so, too?"
+        own = meanings.with_rules(reading.meaning, source=None)  # "do you say so, too?"
         return AskBack(self.answers.say(answer, meant=self._choice(own)), (own,))
 
     def of_misspelling(self, unknown: Iterable[Token], accepted: Collection[str]) -> AskBack | None:
@@ -160,10 +154,10 @@ class Clarifier:
     def _did_you_mean(self, word: str, close: str) -> AskBack:
         return AskBack(self.answers.say("did_you_mean", word=word, suggestion=close), (close,))
 
-    def _choice(self, meaning: Meaning) -> str:
-        if isinstance(meaning, Statement):
+    def _choice(self, meaning: meanings.Meaning) -> str:
+        if isinstance(meaning, meanings.Statement):
             return self.answers.join([self.answers.rule_phrase(rule) for rule in meaning.rules])
-        if isinstance(meaning, NormStatement):
+        if isinstance(meaning, meanings.NormStatement):
             return self.answers.join([self.answers.norm_phrase(norm) for norm in meaning.norms])
         try:
             return f'"{self.realizer.realize(meaning).rstrip("?")}"'

@@ -16,6 +16,7 @@ from ..lexicon.learned_lexicon import LearnedLexicon
 from ..lexicon.lexicon import Entry
 from ..lexicon.tokenizer import Tokens
 from ..lexicon.unknown_words import new_words
+from ..semantics import predicates
 from ..semantics.clause_features import FeatureReader
 from ..semantics.coreference import PRONOUNS, resolve
 from ..semantics.discourse import SOMETHING, Discourse
@@ -23,15 +24,7 @@ from ..semantics.interpretation import KIND_FORMS, Interpreter, short_answer
 from ..semantics.licence_table import LicenceTable
 from ..semantics.meaning import Answer, Confidence, Meaning, NormStatement
 from ..semantics.norm_interpretation import meaning_of
-from ..semantics.predicates import (
-    CERTAIN,
-    Intention,
-    Pragmatics,
-    PredicateForm,
-    UninterpretableError,
-    form_of,
-    load_predicates,
-)
+from ..semantics.predicates import CERTAIN, Intention, PredicateForm, UninterpretableError, form_of
 from .chart import Chart, Derivation, lexical_entries, subderivations
 from .understanding import Reading, UtteranceContext
 
@@ -51,7 +44,7 @@ class SentenceParser:
     lexicon: LearnedLexicon
     combinator: CombinationTable
     interpreter: Interpreter
-    pragmatics: Pragmatics
+    pragmatics: predicates.Pragmatics
     features: FeatureReader
     licence: LicenceTable
 
@@ -133,14 +126,14 @@ class SentenceParser:
     ) -> Reading:
         form = _fill_persons(form_of(derivation.value), context)
         parts = {part.category for part in subderivations(derivation)}
-        is_for_now = self.grammar.general not in parts and not parts.isdisjoint(
-            self.grammar.speaker
-        )
+        general, speaker = self.grammar.general, self.grammar.speaker
+        is_for_now = general not in parts and not parts.isdisjoint(speaker)
         discourse = replace(context.discourse, rule=None) if is_for_now else context.discourse
         form = resolve(form, discourse)
         entries = lexical_entries(derivation)
         words = new_words(entries)
-        if tokens.asks and (act == "FRAGMENT" or form.name in load_predicates().fragments):
+        fragments = predicates.load_predicates().fragments
+        if tokens.asks and (act == "FRAGMENT" or form.name in fragments):
             act, form = "FRAGMENT", PredicateForm("asked", (form,))
         act = "CORRECT" if form.name == "correctPart" else act
         if tokens.asks and act == "INSTRUCT":

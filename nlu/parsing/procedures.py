@@ -18,22 +18,10 @@ from ..lexicon.discourse_markers import ControlPhrases
 from ..lexicon.tokenizer import BREAK, Token, Tokens
 from ..lexicon.unknown_words import KnownWords, is_word
 from ..lexicon.vocabulary import NewWord
+from ..semantics import meaning as meanings
 from ..semantics.discourse import Discourse
 from ..semantics.interpretation import GOALS, kind_and_properties
-from ..semantics.meaning import (
-    ANY_OBJECT,
-    Act,
-    ActionCommand,
-    ActionCondition,
-    ActionDefinition,
-    Command,
-    FailureReaction,
-    ObjectReference,
-    Plan,
-    Question,
-    Retraction,
-    ToolCommand,
-)
+from ..semantics.meaning import Act, ActionCondition, Command, FailureReaction, ObjectReference
 from ..semantics.predicates import PredicateForm, UninterpretableError
 from .parser import SentenceParser
 from .understanding import Understanding, UtteranceContext
@@ -74,12 +62,12 @@ class ActionHead:
     @property
     def parameters(self) -> tuple[str, ...]:
         """The kinds of the objects."""
-        return tuple(each.object or ANY_OBJECT for each in self.things)
+        return tuple(each.object or meanings.ANY_OBJECT for each in self.things)
 
     @property
     def discourse(self) -> Discourse:
         """The discourse state of the body: "it" is the object of the action."""
-        kinds = (_ANYTHING if kind == ANY_OBJECT else kind for kind in self.parameters)
+        kinds = (_ANYTHING if kind == meanings.ANY_OBJECT else kind for kind in self.parameters)
         named = [PredicateForm.named(kind) for kind in kinds]
         return Discourse().naming(*named) if named else Discourse()
 
@@ -121,16 +109,16 @@ class ProcedureReader:
         unknown = [each.goal for each in steps if not self.is_act(each.goal)]
         if is_said_again or len(steps) < len(found) or any(word.role != "object" for word in new):
             return None
-        if len(steps) == 1 and isinstance(steps[0], ActionCommand):
+        if len(steps) == 1 and isinstance(steps[0], meanings.ActionCommand):
             return Understanding.of(tokens, context, steps[0])
         is_odd = len(unknown) == len(steps) or any(map(self._is_known_verb, unknown))
-        whole = Understanding.of(tokens, context, Plan(steps))
+        whole = Understanding.of(tokens, context, meanings.Plan(steps))
         is_plan = len(steps) > 1 and not is_odd
         return replace(whole, discourse=found[-1][1].discourse) if is_plan else None
 
     def _definition(
         self, head: ActionHead, body: Tokens, clauses: "_Clauses"
-    ) -> ActionDefinition | None:
+    ) -> meanings.ActionDefinition | None:
         found = [each for each, _ in clauses.read(body, ClauseState(head.discourse)) or ()]
         steps = tuple(each for each in found if isinstance(each, Act))
         only = steps[0] if len(steps) == 1 and head.parameters else None
@@ -142,15 +130,17 @@ class ProcedureReader:
         wanted += [each for each in found if isinstance(each, ActionCondition)]
         reactions = tuple(each for each in found if isinstance(each, FailureReaction))
         links = head.links if {*head.links} - {"and"} else ()
-        return ActionDefinition(head.name, head.parameters, steps, tuple(wanted), reactions, links)
+        return meanings.ActionDefinition(
+            head.name, head.parameters, steps, tuple(wanted), reactions, links
+        )
 
     def about(self, tokens: Tokens, context: UtteranceContext) -> Understanding | None:
         """Return the question about a learned action, or its retraction, that an utterance is."""
         for key in ("how", "forget"):
             for name in (head.name for _, head in self._named(key, tokens)):
                 if self._is_learned(name):
-                    asked = Question("how", context=name)
-                    meant = asked if key == "how" else Retraction(action=name)
+                    asked = meanings.Question("how", context=name)
+                    meant = asked if key == "how" else meanings.Retraction(action=name)
                     return Understanding.of(tokens, context, meant)
         return None
 
@@ -169,7 +159,7 @@ class ProcedureReader:
     def _named(
         self, key: str, tokens: Tokens, start: int = 0, *, is_whole: bool = True
     ) -> Iterator[tuple[int, ActionHead]]:
-        for end, slots in self.words.matches(key, tokens.words, start):
+        for _, end, slots in self.words.of_group(key, tokens.words, start):
             for slot, place in slots.items() if (end == len(tokens.items)) == is_whole else ():
                 head = self._head(tokens.part(*place), is_gerund=slot == "HEADING")
                 if head:
@@ -183,7 +173,7 @@ class ProcedureReader:
 
     def _head(self, tokens: Tokens, *, is_gerund: bool) -> ActionHead | None:
         bare = self.bare(tokens) if is_gerund else tokens
-        if bare is None or bare.pauses or not is_word(bare.items[0]):
+        if bare is None or bare.pauses or not is_word(bare.words[0]):
             return None
         for length in (2, 1):
             name = " ".join(bare.words[:length])
@@ -319,15 +309,15 @@ class _Clauses:
         act = found.meaning
         # An action with a frame is done with several objects, or with none.
         frames = self._reader.frames
-        if not isinstance(act, (Command, ToolCommand)) or act.negated or act.goal in frames:
+        if not isinstance(act, meanings.SimpleCommand) or act.negated or act.goal in frames:
             return None
         if isinstance(act, Command) and act.target.object == _ANYTHING:
-            act = replace(act, target=replace(act.target, object=ANY_OBJECT))
+            act = replace(act, target=replace(act.target, object=meanings.ANY_OBJECT))
         if found.reading:
             self._new_words[act] = found.reading.new_words
         held = state.held
-        if isinstance(act, ToolCommand) or act.goal in _TAKING:
-            held = act.tool if isinstance(act, ToolCommand) else act.target
+        if isinstance(act, meanings.ToolCommand) or act.goal in _TAKING:
+            held = act.tool if isinstance(act, meanings.ToolCommand) else act.target
         return act, ClauseState(found.discourse, held)
 
     def _control_of(self, tokens: Tokens) -> tuple[str, str | None] | None:
@@ -344,9 +334,9 @@ class _Clauses:
 
     def _last(self, state: ClauseState) -> ObjectReference:
         kind, props = kind_and_properties(state.discourse.object or PredicateForm("something"))
-        return ObjectReference(ANY_OBJECT if kind == _ANYTHING else kind, props=props)
+        return ObjectReference(meanings.ANY_OBJECT if kind == _ANYTHING else kind, props=props)
 
-    def _taught(self, tokens: Tokens) -> ActionCommand | None:
+    def _taught(self, tokens: Tokens) -> meanings.ActionCommand | None:
         polite = self._reader.controls.after_polite
         tokens = tokens.part(polite(tokens.words), len(tokens.items))
         count = len(tokens.items)
@@ -358,13 +348,13 @@ class _Clauses:
                 continue
             found = self._reader.things(tokens.part(length, len(tokens.items)))
             if found and found[1] == links and len(found[0]) != 1:
-                return ActionCommand(name, found[0])
+                return meanings.ActionCommand(name, found[0])
         return None
 
     def _unknown_act(self, tokens: Tokens, state: ClauseState) -> Act | None:
         reader, (verb, *rest) = self._reader, tokens.words
         is_other = reader.is_act(verb) or reader.known.builder.is_of_grammar(verb)
-        if not rest or is_other or not is_word(tokens.items[0]):
+        if not rest or is_other or not is_word(verb):
             return None
         if reader.controls.is_pronoun((*rest,)):
             return Command(verb, self._last(state)) if state.discourse.object else None
@@ -393,8 +383,9 @@ class _Clauses:
     def _reaction(self, tokens: Tokens, state: ClauseState) -> FailureReaction | None:
         count = len(tokens.items)
         for start in range(count):
-            found = self._words.matches("if", tokens.words, start)
-            ends = ((n, self._causes(tokens.part(*slots["FAILURE"]), state)) for n, slots in found)
+            found = self._words.of_group("if", tokens.words, start)
+            failures = ((end, tokens.part(*slots["FAILURE"])) for _, end, slots in found)
+            ends = ((end, self._causes(failure, state)) for end, failure in failures)
             # The longest one: "if you can't reach it" and not "if you can't".
             end, causes = max((each for each in ends if each[1]), default=(start, ()))
             # "Put it down. Stop if it fails": the condition is one of the last sentence.
@@ -415,7 +406,7 @@ class _Clauses:
         self, tokens: Tokens, causes: tuple[str, ...], state: ClauseState
     ) -> FailureReaction | None:
         count = len(tokens.items)
-        for end, _ in self._words.matches("again", tokens.words):
+        for _, end, _ in self._words.of_group("again", tokens.words):
             if end == count or self._words.is_all("times", tokens.words, end):
                 words = tokens.words[end:]
                 number = next((_TIMES[word] for word in words if word in _TIMES), 1)
@@ -444,11 +435,11 @@ def _starts(words: WordLists, tokens: Tokens) -> list[int]:
 
 def _is_of_same(one: Act, other: Act) -> bool:
     # "Hold the mug, by the barrel" says more of one command.
-    if isinstance(one, Command) and isinstance(other, ToolCommand) and one.goal in _USING:
+    if isinstance(one, Command) and isinstance(other, meanings.ToolCommand) and one.goal in _USING:
         return other.tool.object == one.target.object
     if isinstance(one, Command) and isinstance(other, Command):
         first, second = one.target, other.target
         about = [(each.object, each.used_for, each.not_used_for) for each in (first, second)]
         is_described = bool(first.used_for) and second.object == _TOOL
         return one.goal == other.goal and (is_described or about[0] == about[1])
-    return one.goal == other.goal and not isinstance(one, ActionCommand)
+    return one.goal == other.goal and not isinstance(one, meanings.ActionCommand)

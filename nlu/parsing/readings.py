@@ -19,22 +19,9 @@ from ..lexicon.lexicon import Entry
 from ..lexicon.tokenizer import BREAK, Tokens
 from ..lexicon.unknown_words import KnownWords, new_recipients
 from ..lexicon.vocabulary import NewWord
+from ..semantics import meaning as meanings
 from ..semantics.clause_features import CONDITION, MAIN, FeatureReader, UtteranceFeatures
-from ..semantics.meaning import (
-    ActionRule,
-    Command,
-    FunctionalRule,
-    KindStatement,
-    Meaning,
-    Norm,
-    NormStatement,
-    PartNaming,
-    Question,
-    Rule,
-    Statement,
-    ToolCommand,
-    TopicStatement,
-)
+from ..semantics.meaning import Command, Meaning, Norm, NormStatement, Question, Rule, Statement
 from .chart import Derivation, lexical_entries
 from .understanding import Reading
 
@@ -81,13 +68,13 @@ class ReadingFilter:
                 names_agent = "part" in said and participle
                 no_material = (self._may_be_no_material(rule, words, tokens) for rule in rules)
                 return not (are_too_many or names_agent or any(no_material))
-            case KindStatement():
+            case meanings.KindStatement():
                 return self._may_introduce_kinds(reading)
-            case TopicStatement() | PartNaming():
+            case meanings.TopicStatement() | meanings.PartNaming():
                 return self._are_things(words) or all(word.role == "part" for word in words)
             case NormStatement(norms):
                 return self._may_introduce_in_norms(norms, words)
-            case Question() | Command() | ToolCommand() as asked:
+            case Question() | Command() | meanings.ToolCommand() as asked:
                 is_act = not isinstance(asked, Question)
                 # No action is done to people.
                 are_people = is_act and tokens.proper.intersection(word.said for word in words)
@@ -102,7 +89,7 @@ class ReadingFilter:
         return len(words) <= most and all(kinds)
 
     def _may_introduce_in_norms(self, norms: Sequence[Norm], words: Sequence[NewWord]) -> bool:
-        if any(isinstance(norm.act, ToolCommand) for norm in norms):
+        if any(isinstance(norm.act, meanings.ToolCommand) for norm in norms):
             return False  # "you can't cut bread with a saw" is a rule on saws
         is_abstract, is_part = self.features.is_abstract, self.features.is_part
         parts = [word for word in words if word.role == "part" and is_part(word.said, word.word)]
@@ -154,7 +141,7 @@ class ReadingFilter:
         )
 
     def _may_be_no_material(self, rule: Rule, words: Iterable[NewWord], tokens: Tokens) -> bool:
-        if not isinstance(rule, FunctionalRule):
+        if not isinstance(rule, meanings.FunctionalRule):
             return False
         said = {word.said for word in words if word.word == rule.material}
         uses = {rule.affordance, self.known_words.builder.bare_verb(rule.affordance)}
@@ -165,7 +152,7 @@ class ReadingFilter:
 
 
 def _is_negative(meaning: Meaning) -> bool:
-    if isinstance(meaning, (Command, ToolCommand)):
+    if isinstance(meaning, meanings.SimpleCommand):
         return meaning.negated
     rules = meaning.rules if isinstance(meaning, Statement) else ()
     return all(rule.denies and not rule.revises for rule in rules)
@@ -178,7 +165,7 @@ def features_of(reader: FeatureReader, reading: Reading, tokens: Tokens) -> Utte
     words = list(_words(reader, derivation, tokens.words, MAIN))
     found = reader.features(words, tokens.removed)
     named = dict(features_of_names(reader, tokens.words, meaning, reading.new_words))
-    source = meaning.source if isinstance(meaning, (Statement, KindStatement)) else None
+    source = meaning.source if isinstance(meaning, (Statement, meanings.KindStatement)) else None
     if source:
         new = {entry.name for entry in entries if entry.role == "person"}
         before = _before(tokens.words, source, 1)
@@ -215,7 +202,7 @@ def features_of_names(
     new = {word.role: word for word in new_words}
     if isinstance(meaning, Statement):
         said_of = {word.word: word.said for word in new_words if word.role == "part"}
-        parts = {rule.part for rule in meaning.rules if isinstance(rule, ActionRule)}
+        parts = {rule.part for rule in meaning.rules if isinstance(rule, meanings.ActionRule)}
         is_known = "object" not in new
         found = {_part(reader, words, p, said_of.get(p), is_known=is_known) for p in parts} - {""}
         if found:
@@ -232,7 +219,7 @@ def features_of_names(
             yield "thing", frozenset({"abstract"})
         elif "object" in new and "affordance" in new:
             yield "thing", frozenset({"new"})
-        uses = (rule for rule in meaning.rules if isinstance(rule, FunctionalRule))
+        uses = (rule for rule in meaning.rules if isinstance(rule, meanings.FunctionalRule))
         denied = "context" in new and any(rule.denies for rule in meaning.rules)
         acts = reader.words["acts"]
         if denied or any(rule.material and rule.affordance in acts for rule in uses):
@@ -240,7 +227,7 @@ def features_of_names(
     elif isinstance(meaning, NormStatement):
         if "place" in new and not new["place"].word.endswith(reader.endings["place"]):
             yield "place", frozenset({"new"})
-    elif isinstance(meaning, (Command, ToolCommand)) and "object" in new:
+    elif isinstance(meaning, meanings.SimpleCommand) and "object" in new:
         said = new["object"]
         before = _before(words, said.said, 3)
         if reader.is_abstract(said.said, said.word):

@@ -20,25 +20,8 @@ from itertools import combinations, islice
 from ..lexicon.discourse_markers import move_to_front
 from ..lexicon.tokenizer import BREAK, Tokens, tokenize
 from ..lexicon.unknown_words import MAX_NEW_WORDS, KnownWords
-from ..semantics.meaning import (
-    Acknowledgement,
-    ActionCommand,
-    ActionDefinition,
-    AskBack,
-    Command,
-    Meaning,
-    Misunderstanding,
-    Plan,
-    Question,
-    Retraction,
-    Rule,
-    Statement,
-    ToolCommand,
-    TopicStatement,
-    is_contradictory,
-    only_revises,
-    with_rules,
-)
+from ..semantics import meaning as meanings
+from ..semantics.meaning import Acknowledgement, AskBack, Meaning, Plan, Question, Rule, Statement
 from ..semantics.predicates import PredicateForm, UnlearnableError
 from .chart import Chart
 from .clarification import Clarifier
@@ -117,8 +100,8 @@ class _Attempt:
         tokens = self._markers.mark_boundaries(tokens)
         request = self._markers.request_before_tag(tokens)
         found = self._understand(request, context) if request else None
-        is_command = found and isinstance(found.meaning, (Command, ToolCommand))
-        if found and (is_command or only_revises(found.meaning)):
+        is_command = found and isinstance(found.meaning, meanings.SimpleCommand)
+        if found and (is_command or meanings.only_revises(found.meaning)):
             return found
         return self._understand(self._markers.remove_tag(tokens), context)
 
@@ -137,7 +120,7 @@ class _Attempt:
         for found in filter(None, (strategy(tokens, context) for strategy in strategies)):
             if found.reading is not None or _is_procedure(found):
                 return found
-            if isinstance(result.meaning, Misunderstanding):
+            if isinstance(result.meaning, meanings.Misunderstanding):
                 result = found
         return result
 
@@ -148,7 +131,7 @@ class _Attempt:
         if result.reading is not None:
             return ()
         match result.meaning:
-            case Misunderstanding() | AskBack(choices=()):
+            case meanings.Misunderstanding() | AskBack(choices=()):
                 return strategies
             case AskBack(choices=(_,)):
                 # With one word corrected it would be a sentence: there is no need to guess.
@@ -171,7 +154,7 @@ class _Attempt:
             if combined is None:
                 continue
             main, meaning = combined
-            is_grip = isinstance(meaning, Command) and meaning.part is not None
+            is_grip = isinstance(meaning, meanings.Command) and meaning.part is not None
             charts = map(self._plain_chart, segments if is_grip else ())
             if any(map(self._tools.parser.is_generic, charts)):
                 continue  # it may be a rule
@@ -220,7 +203,7 @@ class _Attempt:
             return self._with_reading(core.tokens, context)
         found = self._with_reading(core.tokens, context.with_object(None))
         referring = self._with_reading(core.tokens, context.with_object(_ANYTHING))
-        is_command = referring and isinstance(referring.meaning, (Command, ToolCommand))
+        is_command = referring and isinstance(referring.meaning, meanings.SimpleCommand)
         if referring is None or (is_command and core.has_person):
             return None
         if found is not None:
@@ -276,7 +259,7 @@ class _Attempt:
         found = self._parse(tokens, context)
         if tokens in self._fronted and found.content.startswith("and("):
             # The qualifier was said of one of them; moved, it no longer shows of which.
-            return Understanding.of(tokens, context, Misunderstanding(tokens.text))
+            return Understanding.of(tokens, context, meanings.Misunderstanding(tokens.text))
         return found
 
     def _parse(self, tokens: Tokens, context: UtteranceContext) -> Understanding:
@@ -303,7 +286,7 @@ class _Attempt:
             answer = clarify.of_new_words(accepted, tokens, self._accepted)
             answer = answer or clarify.of_ambiguity(accepted)
         elif isinstance(refusal, UnlearnableError):
-            answer = Misunderstanding(clarify.answers.say(refusal.key), where=tokens.text)
+            answer = meanings.Misunderstanding(clarify.answers.say(refusal.key), where=tokens.text)
         elif readings:
             answer = clarify.of_new_words(readings[:1], tokens, self._accepted)
         else:
@@ -319,8 +302,8 @@ class _Attempt:
 
 def _is_procedure(found: Understanding) -> bool:
     meant = found.meaning
-    is_about = isinstance(meant, (Question, Retraction)) and found.reading is None
-    return is_about or isinstance(meant, (Plan, ActionDefinition, ActionCommand))
+    is_about = isinstance(meant, (Question, meanings.Retraction)) and found.reading is None
+    return is_about or isinstance(meant, (Plan, meanings.ActionDefinition, meanings.ActionCommand))
 
 
 def _failed(found: Understanding, things: Sequence[str]) -> Understanding:
@@ -342,40 +325,40 @@ def _segmentations(tokens: Tokens) -> Iterator[tuple[Tokens, ...]]:
                 yield segments
 
 
-def _combined(meanings: Sequence[Meaning]) -> tuple[int, Meaning] | None:
+def _combined(said: Sequence[Meaning]) -> tuple[int, Meaning] | None:
     """Return the index of the main segment and the combined meaning, None when there is none."""
-    replies = [each for each in meanings if isinstance(each, Acknowledgement)]
-    if len(replies) == len(meanings):
+    replies = [each for each in said if isinstance(each, Acknowledgement)]
+    if len(replies) == len(said):
         decisive = {reply for reply in replies if reply.ack in _ANSWERS}
         thanked = next((reply for reply in replies if reply.ack == "thanks"), replies[-1])
         chosen = next(iter(decisive), thanked)
-        return (meanings.index(chosen), chosen) if len(decisive) < 2 else None
-    places = [i for i, each in enumerate(meanings) if not isinstance(each, Acknowledgement)]
-    after = meanings[places[-1] + 1 :]
+        return (said.index(chosen), chosen) if len(decisive) < 2 else None
+    places = [i for i, each in enumerate(said) if not isinstance(each, Acknowledgement)]
+    after = said[places[-1] + 1 :]
     if any(isinstance(each, Acknowledgement) and each.ack not in _CLOSING for each in after):
         return None
-    meaning = _combined_content([meanings[place] for place in places])
+    meaning = _combined_content([said[place] for place in places])
     return (places[-1], meaning) if meaning is not None else None
 
 
-def _combined_content(meanings: Sequence[Meaning]) -> Meaning | None:
-    statements = [each for each in meanings if isinstance(each, Statement)]
-    match meanings:
-        case _ if all(each == meanings[-1] for each in meanings):
+def _combined_content(said: Sequence[Meaning]) -> Meaning | None:
+    statements = [each for each in said if isinstance(each, Statement)]
+    match said:
+        case _ if all(each == said[-1] for each in said):
             is_one = True
-        case _ if len(statements) == len(meanings):
+        case _ if len(statements) == len(said):
             return _combined_statement([rule for each in statements for rule in each.rules])
-        case Retraction() as first, Statement() as last if first == Retraction():
-            return with_rules(last, revises=True)
-        case TopicStatement(topic=topic), Statement(rules=rules):
+        case meanings.Retraction() as first, Statement() as last if first == meanings.Retraction():
+            return meanings.with_rules(last, revises=True)
+        case meanings.TopicStatement(topic=topic), Statement(rules=rules):
             is_one = all(rule.object == topic for rule in rules)
-        case Question(ask="see", object=seen), ToolCommand(patient=patient):
+        case Question(ask="see", object=seen), meanings.ToolCommand(patient=patient):
             is_one = seen == patient
-        case Question(ask="see", object=seen, affordance=use), Command(target=target):
+        case Question(ask="see", object=seen, affordance=use), meanings.Command(target=target):
             is_one = (seen, use) in {(target.object, None), (None, target.used_for)}
         case _:
             is_one = False
-    return meanings[-1] if is_one else None
+    return said[-1] if is_one else None
 
 
 def _combined_statement(rules: Sequence[Rule]) -> Statement | None:
@@ -385,4 +368,4 @@ def _combined_statement(rules: Sequence[Rule]) -> Statement | None:
         kept.append(replace(rule, revises=kept.pop().revises) if repairs else rule)
     distinct = tuple(dict.fromkeys(kept))
     is_one = len({(rule.revises, rule.source) for rule in distinct}) == 1
-    return Statement(distinct) if is_one and not is_contradictory(distinct) else None
+    return Statement(distinct) if is_one and not meanings.is_contradictory(distinct) else None

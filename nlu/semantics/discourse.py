@@ -3,24 +3,8 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from .meaning import (
-    ANY_OBJECT,
-    Acknowledgement,
-    AskBack,
-    Command,
-    KindStatement,
-    Meaning,
-    Misunderstanding,
-    Norm,
-    NormStatement,
-    ObjectReference,
-    Question,
-    Retraction,
-    Rule,
-    Statement,
-    ToolCommand,
-    TopicStatement,
-)
+from . import meaning as meanings
+from .meaning import ANY_OBJECT, Command, Meaning, ObjectReference, Question, Retraction, Statement
 from .predicates import PredicateForm
 
 SOMETHING = frozenset({"something", "anything"})
@@ -31,9 +15,9 @@ class Discourse:
     """The discourse state."""
 
     object: PredicateForm | None = None  # the object mentioned last
-    rule: Rule | None = None  # the rule taught, corrected or applied last
-    last: Rule | Question | Command | ToolCommand | None = None  # what a fragment completes
-    command: Command | ToolCommand | None = None  # the last command, which "do it again" repeats
+    rule: meanings.Rule | None = None  # the rule taught, corrected or applied last
+    last: meanings.Rule | Question | meanings.SimpleCommand | None = None  # fragments complete it
+    command: meanings.SimpleCommand | None = None  # the last command, which "do it again" repeats
     named: tuple[PredicateForm, ...] = ()  # all objects that the last turn with any named, in order
     pair: tuple[PredicateForm, ...] = ()  # the last turn's objects, or two in a row
     person: PredicateForm | None = None  # the person named last, except the speaker
@@ -67,7 +51,7 @@ def update_discourse(meaning: Meaning, content: PredicateForm, discourse: Discou
     """Return the discourse state after an utterance with a meaning and a predicate form."""
     person, asks_why = discourse.person, False
     match meaning:
-        case Acknowledgement() | AskBack() | Misunderstanding():
+        case meanings.Acknowledgement() | meanings.AskBack() | meanings.Misunderstanding():
             return discourse
         case Command(recipient=str(name)) | Statement(source=str(name)):
             person = PredicateForm.named(name)
@@ -89,7 +73,7 @@ def update_discourse(meaning: Meaning, content: PredicateForm, discourse: Discou
             return replace(discourse, rule=last, last=last)
         case Question() if meaning.object or meaning.affordance:
             return replace(discourse, last=meaning)
-        case Command() | ToolCommand():
+        case Command() | meanings.ToolCommand():
             return replace(discourse, last=meaning, command=meaning)
         case _:  # also a question about Hilt or about what was just said
             return discourse
@@ -122,24 +106,26 @@ def _named_objects(meaning: Meaning) -> Iterator[PredicateForm]:
 
 def _references(meaning: Meaning) -> Iterator[ObjectReference]:
     match meaning:
-        case Statement(rules=rules) | KindStatement(rules=rules):
+        case Statement(rules=rules) | meanings.KindStatement(rules=rules):
             yield from (ObjectReference(rule.object, props=rule.props) for rule in rules)
         case Retraction(rule=rule) if rule:
             yield ObjectReference(rule.object, props=rule.props)
-        case NormStatement(norms=norms):
+        case meanings.NormStatement(norms=norms):
             for norm in norms:
                 yield from _references(norm.act)
         case Question(among=tuple(names)):
             yield from map(ObjectReference, names)
-        case Question(norm=Norm(act=act)):
+        case Question(norm=meanings.Norm(act=act)):
             yield from _references(act)
         case Question(ask="how" | "see", affordance=str(use), material=material):
             yield ObjectReference(used_for=use, material=material)
-        case Question(object=str(name)) | TopicStatement(name) | Retraction(about=str(name)):
+        case (
+            Question(object=str(name)) | meanings.TopicStatement(name) | Retraction(about=str(name))
+        ):
             yield ObjectReference(name)
         case Command(target=thing) if not thing.not_used_for:
             yield thing
-        case ToolCommand(patient=name):
+        case meanings.ToolCommand(patient=name):
             yield ObjectReference(name)
         case _:
             pass

@@ -7,21 +7,9 @@ refused when that meaning has no such slot.
 
 from dataclasses import dataclass, replace
 
+from . import meaning as meanings
 from .discourse import Discourse
-from .meaning import (
-    ANY_OBJECT,
-    ActionRule,
-    AskBack,
-    Command,
-    Confidence,
-    FunctionalRule,
-    Meaning,
-    ObjectReference,
-    Question,
-    Rule,
-    Statement,
-    ToolCommand,
-)
+from .meaning import ActionRule, FunctionalRule, ObjectReference, Question
 from .predicates import UninterpretableError
 
 _OF_OBJECTS = {"objects_for", "best_for"}
@@ -33,7 +21,7 @@ class FragmentValues:
     """The values that a fragment names: for one slot, and perhaps a degree of confidence."""
 
     mode: str  # that of its predicate, as `predicates.yaml` says
-    default: Confidence  # the confidence of a rule without a degree
+    default: meanings.Confidence  # the confidence of a rule without a degree
     asks: bool = False  # whether it is a question
     is_other: bool = False  # whether its target was only named as the other one of two
     target: ObjectReference | None = None
@@ -44,7 +32,7 @@ class FragmentValues:
     context: str | None = None
     recipient: str | None = None
     tool: ObjectReference | None = None
-    confidence: Confidence | None = None
+    confidence: meanings.Confidence | None = None
 
     @property
     def adds(self) -> bool:
@@ -52,7 +40,7 @@ class FragmentValues:
         return self.mode in {"also", "same", "too"}
 
 
-def complete(fragment: FragmentValues, discourse: Discourse) -> Meaning:  # noqa: PLR0912
+def complete(fragment: FragmentValues, discourse: Discourse) -> meanings.Meaning:  # noqa: PLR0912
     """Return the meaning of a fragment; `UninterpretableError` if no turn is completed by it."""
     discourse = discourse.accessible
     if fragment.mode == "keep":
@@ -76,12 +64,14 @@ def complete(fragment: FragmentValues, discourse: Discourse) -> Meaning:  # noqa
             return _as_rule(fragment, rule)
         case Question() as question:
             return _as_question(fragment, question)
-        case Command() as command if fragment.target or not fragment.asks:
+        case meanings.Command() as command if fragment.target or not fragment.asks:
             return _as_command(fragment, command, discourse)
-        case ToolCommand() as command if not fragment.asks and (fragment.target or fragment.tool):
+        case meanings.ToolCommand() as command if not fragment.asks and (
+            fragment.target or fragment.tool
+        ):
             patient = _kind(fragment.target)[0] if fragment.target else command.patient
             return replace(command, patient=patient, tool=fragment.tool or command.tool)
-        case Command() | ToolCommand():
+        case meanings.Command() | meanings.ToolCommand():
             raise UninterpretableError("as_question", asks=True)
         case None:
             raise _nothing()
@@ -100,7 +90,7 @@ def _other_of_pair(discourse: Discourse) -> str | None:
 
 def _completed(
     fragment: FragmentValues, discourse: Discourse
-) -> Rule | Question | Command | ToolCommand | None:
+) -> meanings.Rule | Question | meanings.SimpleCommand | None:
     rule, last = discourse.rule, discourse.last
     is_why = isinstance(last, Question) and last.ask == "why" and fragment.asks
     if isinstance(last, Question) and discourse.command and (_is_other(fragment) or is_why):
@@ -108,7 +98,7 @@ def _completed(
     if fragment.context and fragment.part:  # how the object of the last rule is held
         return rule if rule == last and isinstance(rule, ActionRule) else None
     if fragment.mode == "same" and not fragment.asks:
-        return last if isinstance(last, (Command, ToolCommand)) or rule is None else rule
+        return last if isinstance(last, meanings.SimpleCommand) or rule is None else rule
     if rule is None or fragment.adds or fragment.asks:
         return last if last is not None else rule
     if fragment.confidence and not (fragment.target or fragment.use or fragment.part):
@@ -116,26 +106,26 @@ def _completed(
     if fragment.mode == "instead" and (fragment.part or fragment.use):
         # A correction is about the rule that was applied, unless the command named the part itself.
         is_kind = type(rule) is (ActionRule if fragment.part else FunctionalRule)
-        is_rule = not isinstance(last, Command) or (
+        is_rule = not isinstance(last, meanings.Command) or (
             is_kind and last.part is None and last.target.object in {None, rule.object}
         )
         return rule if is_rule else last
     return last
 
 
-def _kept(discourse: Discourse, usual: Confidence) -> Meaning:
+def _kept(discourse: Discourse, usual: meanings.Confidence) -> meanings.Meaning:
     match discourse.last:
-        case Command(target=ObjectReference(object=str(name), props=props)) as last if (
-            last.part and name != ANY_OBJECT and not last.negated
+        case meanings.Command(target=ObjectReference(object=str(name), props=props)) as last if (
+            last.part and name != meanings.ANY_OBJECT and not last.negated
         ):
             return _offered(ActionRule(name, last.goal, last.part, usual, props))
         case FunctionalRule() | ActionRule() as rule:
-            return Statement((replace(rule, revises=False),))
+            return meanings.Statement((replace(rule, revises=False),))
         case _:
             raise UninterpretableError("nothing_to_keep")
 
 
-def _as_rule(fragment: FragmentValues, rule: Rule) -> Meaning:
+def _as_rule(fragment: FragmentValues, rule: meanings.Rule) -> meanings.Meaning:
     if fragment.asks and fragment.context and fragment.target:
         return Question("how", object=_kind(fragment.target)[0], context=fragment.context)
     if fragment.mode == "fill" and fragment.use:
@@ -146,12 +136,12 @@ def _as_rule(fragment: FragmentValues, rule: Rule) -> Meaning:
     if rule.denies and fragment.part and not fragment.adds and not fragment.confidence:
         # Another part is held then, but only "by the handle" may also deny it.
         instead = replace(changed, confidence=fragment.default)
-        return Statement((instead,)) if fragment.part_of else _offered(instead)
+        return meanings.Statement((instead,)) if fragment.part_of else _offered(instead)
     is_same = replace(changed, confidence=rule.confidence) == rule
-    return Statement((replace(changed, revises=is_same or not fragment.adds),))
+    return meanings.Statement((replace(changed, revises=is_same or not fragment.adds),))
 
 
-def _changed(fragment: FragmentValues, rule: Rule) -> Rule:
+def _changed(fragment: FragmentValues, rule: meanings.Rule) -> meanings.Rule:
     if fragment.confidence:
         rule = replace(rule, confidence=fragment.confidence)
     if fragment.target:
@@ -177,7 +167,7 @@ def _changed(fragment: FragmentValues, rule: Rule) -> Rule:
             raise _nothing()
 
 
-def question_on(rule: Rule, ask: str = "is_used_for") -> Question:
+def question_on(rule: meanings.Rule, ask: str = "is_used_for") -> Question:
     """Return a question on a rule; whether something is held so is answered as how it is held."""
     if isinstance(rule, FunctionalRule):
         return Question(ask, rule.object, rule.affordance, material=rule.material)
@@ -187,7 +177,7 @@ def question_on(rule: Rule, ask: str = "is_used_for") -> Question:
 
 def _as_question(  # noqa: PLR0911 - a case per slot
     fragment: FragmentValues, question: Question
-) -> Question | AskBack:
+) -> Question | meanings.AskBack:
     if fragment.recipient:
         raise _nothing()
     about, use, material = question.object, question.affordance, question.material
@@ -221,19 +211,18 @@ def _as_question(  # noqa: PLR0911 - a case per slot
     return _offered(ActionRule(about, question.context, fragment.part, fragment.default))
 
 
-def _offered(rule: Rule) -> AskBack:
-    return AskBack(choices=(Statement((rule,)),))
+def _offered(rule: meanings.Rule) -> meanings.AskBack:
+    return meanings.AskBack(choices=(meanings.Statement((rule,)),))
 
 
 def _as_command(  # noqa: PLR0911 - a case per slot
-    fragment: FragmentValues, command: Command, discourse: Discourse
-) -> Command | Question | AskBack:
+    fragment: FragmentValues, command: meanings.Command, discourse: Discourse
+) -> meanings.Command | Question | meanings.AskBack:
+    anew = replace(command, part=None, negated=False)
     if fragment.asks and fragment.target:
         if command.target.object is None:  # Hilt chose the object, and is asked for its reason
             return Question("why_not", object=_kind(fragment.target)[0])
-        return AskBack(
-            choices=(replace(command, target=fragment.target, part=None, negated=False),)
-        )
+        return meanings.AskBack(choices=(replace(anew, target=fragment.target),))
     other = _other_of_pair(discourse)
     if (
         fragment.mode in {"also", "other"}
@@ -241,14 +230,13 @@ def _as_command(  # noqa: PLR0911 - a case per slot
         and other
         and command.target.object in {each.said for each in discourse.pair}
     ):
-        named = replace(command, target=ObjectReference(other), part=None, negated=False)
-        return AskBack(choices=(named,))
+        return meanings.AskBack(choices=(replace(anew, target=ObjectReference(other)),))
     if fragment.context:
         command = replace(command, goal=fragment.context, recipient=None)
     if fragment.target:
         target = fragment.target
         is_described = fragment.mode == "other" and command.target.object is None
-        if target.object == ANY_OBJECT or is_described:
+        if target.object == meanings.ANY_OBJECT or is_described:
             props = target.props or command.target.props
             target = replace(command.target, props=props, other=target.other)
         return replace(command, target=target, part=fragment.part, negated=False)

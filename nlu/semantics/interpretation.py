@@ -4,36 +4,14 @@ A form must express exactly one meaning that Hilt has; otherwise it is rejected 
 part of a form is ever dropped to make it fit.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from ..lexicon.vocabulary import NewWord
+from . import meaning as meanings
 from .discourse import SOMETHING, Discourse
 from .fragments import FragmentValues, complete, question_on
-from .meaning import (
-    ANY_OBJECT,
-    Acknowledgement,
-    ActionRule,
-    Answer,
-    AskBack,
-    Command,
-    Confidence,
-    FunctionalRule,
-    KindRelation,
-    KindStatement,
-    Meaning,
-    ObjectReference,
-    PartNaming,
-    Plan,
-    Question,
-    Retraction,
-    Rule,
-    Statement,
-    ToolCommand,
-    TopicStatement,
-    is_contradictory,
-    with_rules,
-)
+from .meaning import ANY_OBJECT, ObjectReference, Question
 from .predicates import PredicateForm, UninterpretableError, UnlearnableError, load_predicates
 
 GOALS = ("pass", "pickUp", "pointTo", "grasp", "use", "putDown", "putBack", "release")
@@ -51,7 +29,7 @@ KIND_FORMS = frozenset({"kindOf", "isA"})
 class Interpreter:
     """Maps predicate forms to meanings, with the interval of each degree of confidence."""
 
-    intervals: Mapping[str, Confidence]
+    intervals: Mapping[str, meanings.Confidence]
     tool_acts: Mapping[str, str]  # done with a tool, each with the affordance of the tool
     acts: frozenset[str]  # further acts on one object that were learned
     new_acts: frozenset[str] = frozenset()  # the acts that new words of an utterance name
@@ -62,7 +40,7 @@ class Interpreter:
         acts = frozenset(word.word for word in words if word.role == "context")
         return replace(self, new_acts=acts) if acts else self
 
-    def meaning(self, intention: PredicateForm, discourse: Discourse) -> Meaning:  # noqa: PLR0911
+    def meaning(self, intention: PredicateForm, discourse: Discourse) -> meanings.Meaning:  # noqa: PLR0911
         """Return the meaning of an intention, such as `want(sam,pass(self,knife))`.
 
         A fragment refers to the last rule, question or command of the discourse. What Hilt can
@@ -76,14 +54,16 @@ class Interpreter:
                 return self._fragment(content, discourse)
             case "wantBelieve" if content.name in _UNLEARNABLE:
                 raise UnlearnableError(_UNLEARNABLE[content.name])
-            case "wantBelieve" if content.name in _TOPICS:
-                return _TOPICS[content.name](content)
+            case "wantBelieve" if content.name in {"topic", "shown"}:
+                return _spoken_of(content)
+            case "wantBelieve" if content.name == "stateOf":
+                return _state(content)
             case "wantBelieve" if content.name == "supposing":  # it may be said of now only
-                return AskBack(choices=(self._statement(content.arguments[0]),))
+                return meanings.AskBack(choices=(self._statement(content.arguments[0]),))
             case "wantBelieve":
                 return self._statement(content)
             case "want" if content.name == "and" and all(each.name != "not" for each in content):
-                return Plan(tuple(map(self.command, content.arguments)))
+                return meanings.Plan(tuple(map(self.command, content.arguments)))
             case "want":
                 return self.command(content)
             case "wantKnow":
@@ -91,33 +71,33 @@ class Interpreter:
             case "wantRevise":
                 return self._correction(content, discourse)
             case _:
-                return Acknowledgement(content.name)
+                return meanings.Acknowledgement(content.name)
 
-    def _statement(self, form: PredicateForm) -> Statement | KindStatement:
+    def _statement(self, form: PredicateForm) -> meanings.Statement | meanings.KindStatement:
         if form.name == "and" and form.arguments[0].name == "graspObject":
             order, rule = form.arguments
             part, target = self._part_of_object(order.arguments[1])
             usual = self.intervals["high"]
-            held = ActionRule(target.object or "", "grasp", part, usual, target.props)
-            is_denied = is_contradictory((held, *self._rules(rule)))
+            held = meanings.ActionRule(target.object or "", "grasp", part, usual, target.props)
+            is_denied = meanings.is_contradictory((held, *self._rules(rule)))
             key = "contradiction" if is_denied else "one_thing_at_a_time"
             raise UninterpretableError(key, asks=is_denied)
         said = self._stated(form)
         if len({rule.source for rule in said.rules}) > 1:
             raise UninterpretableError("whose_words", asks=True)
-        if isinstance(said, Statement) and is_contradictory(said.rules):
+        if isinstance(said, meanings.Statement) and meanings.is_contradictory(said.rules):
             raise UninterpretableError("contradiction", asks=True)
         return said
 
-    def _stated(self, form: PredicateForm) -> Statement | KindStatement:
+    def _stated(self, form: PredicateForm) -> meanings.Statement | meanings.KindStatement:
         said = dict.fromkeys(self._rules(form))
-        kinds = tuple(each for each in said if isinstance(each, KindRelation))
-        rules = tuple(each for each in said if not isinstance(each, KindRelation))
+        kinds = tuple(each for each in said if isinstance(each, meanings.KindRelation))
+        rules = tuple(each for each in said if not isinstance(each, meanings.KindRelation))
         if kinds and rules:
             raise UninterpretableError("not_a_rule")
-        return KindStatement(kinds) if kinds else Statement(rules)
+        return meanings.KindStatement(kinds) if kinds else meanings.Statement(rules)
 
-    def _rules(self, form: PredicateForm) -> Iterator[Rule | KindRelation]:
+    def _rules(self, form: PredicateForm) -> Iterator[meanings.Rule | meanings.KindRelation]:
         if form.name == "and":
             for part in form.arguments:
                 yield from self._rules(part)
@@ -133,7 +113,7 @@ class Interpreter:
                 (name, props), above = kind_and_properties(each), _kind(kind)
                 if props or ANY_OBJECT in {name, above} or name == above:
                     raise UninterpretableError("of_which_object", asks=True)
-                yield KindRelation(above, name, self.intervals[degree.name])
+                yield meanings.KindRelation(above, name, self.intervals[degree.name])
         elif form.name != "implies":
             raise UninterpretableError("not_a_rule")
         elif form.arguments[1].name == "graspObject":
@@ -141,22 +121,22 @@ class Interpreter:
         else:
             yield self._functional_rule(form)
 
-    def _correction(self, form: PredicateForm, discourse: Discourse) -> Meaning:  # noqa: PLR0911 - a case per form
+    def _correction(self, form: PredicateForm, discourse: Discourse) -> meanings.Meaning:  # noqa: PLR0911 - a case per form
         if form.name == "retractAbout":
-            return Retraction(about=kind_and_properties(form.arguments[0])[0])
+            return meanings.Retraction(about=kind_and_properties(form.arguments[0])[0])
         if form.name == "retractPart":
-            return Retraction(part=part_and_owner(form.arguments[0])[0])
+            return meanings.Retraction(part=part_and_owner(form.arguments[0])[0])
         if form.name in {"retract", "retractTold"} and not form.arguments:
-            return Retraction(is_of_told=form.name == "retractTold")
+            return meanings.Retraction(is_of_told=form.name == "retractTold")
         if form.name == "retract":
-            return Retraction(self._one_rule(form.arguments[0]))
+            return meanings.Retraction(self._one_rule(form.arguments[0]))
         if form.name == "correct" and form.arguments[0].name == "stateOf":
             return _state(form.arguments[0])
         if form.name == "correct" and form.arguments[0].name in {"implies", "and", *KIND_FORMS}:
-            return with_rules(self._stated(form.arguments[0]), revises=True)
+            return meanings.with_rules(self._stated(form.arguments[0]), revises=True)
         return self._fragment(form, discourse)
 
-    def _fragment(self, form: PredicateForm, discourse: Discourse) -> Meaning:
+    def _fragment(self, form: PredicateForm, discourse: Discourse) -> meanings.Meaning:
         asks = form.name == "asked"
         said = form.arguments[0] if asks else form
         is_too = said.name == "too"
@@ -200,21 +180,21 @@ class Interpreter:
                 pass
         return fragment
 
-    def command(self, form: PredicateForm) -> Command | ToolCommand:
+    def command(self, form: PredicateForm) -> meanings.SimpleCommand:
         """Return the command of a form such as `pass(self,knife)`; else `UninterpretableError`."""
         if form.name == "not":
             return replace(self.command(form.arguments[0]), negated=True)
         if form.name == "holding":
             command = self.command(form.arguments[0])
             part, owner = part_and_owner(form.arguments[1])
-            if not isinstance(command, Command) or command.part is not None:
+            if not isinstance(command, meanings.Command) or command.part is not None:
                 raise UninterpretableError("one_thing_at_a_time")
             if owner and self._reference(owner) != command.target:
                 raise UninterpretableError("one_thing_at_a_time")
             return replace(command, part=part)
         if form.name == "graspObject":
             part, target = self._part_of_object(form.arguments[1])
-            return Command("grasp", target, part=part)
+            return meanings.Command("grasp", target, part=part)
         if form.name in self.tool_acts:
             return self._tool_command(form)
         most = 3 if form.name == "pass" else 2
@@ -224,7 +204,7 @@ class Interpreter:
         if target == ObjectReference(ANY_OBJECT, other=True):
             raise UninterpretableError("which_thing", asks=True)
         recipient = name_of(form.arguments[2]) if len(form.arguments) > 2 else None
-        return Command(form.said, target, recipient=recipient)
+        return meanings.Command(form.said, target, recipient=recipient)
 
     def is_act_on_object(self, name: str) -> bool:
         """Return whether a name is that of an act on one object."""
@@ -253,7 +233,7 @@ class Interpreter:
             raise UninterpretableError("no_part_named")
         return name_of(form.arguments[0]), self._reference(form.arguments[1])
 
-    def _tool_command(self, form: PredicateForm) -> ToolCommand:
+    def _tool_command(self, form: PredicateForm) -> meanings.ToolCommand:
         patient, props = kind_and_properties(form.arguments[1])
         if (props or patient == ANY_OBJECT) and not self.is_general:
             raise UninterpretableError("on_what", asks=True, goal=form.name)
@@ -263,17 +243,17 @@ class Interpreter:
             tool = ObjectReference(used_for=self.tool_acts[form.name])
         else:
             tool = self._reference(form.arguments[2])
-        return ToolCommand(form.name, patient, tool)
+        return meanings.ToolCommand(form.name, patient, tool)
 
     def _one_rule(
         self, form: PredicateForm, problem: str = "one_rule_at_a_time"
-    ) -> Rule | KindRelation:
+    ) -> meanings.Rule | meanings.KindRelation:
         rule, *others = self._rules(form)
         if others:
             raise UninterpretableError(problem)
         return rule
 
-    def _functional_rule(self, form: PredicateForm) -> FunctionalRule:
+    def _functional_rule(self, form: PredicateForm) -> meanings.FunctionalRule:
         noun, use, degree = form.arguments
         confidence = self.intervals[degree.name]
         if use.name in {"usedFor", "notUsedFor"}:
@@ -284,9 +264,9 @@ class Interpreter:
         if name == ANY_OBJECT and not props:
             raise UninterpretableError("of_which_object", asks=True)
         affordance, material = _use(use)
-        return FunctionalRule(name, affordance, confidence, props, material=material)
+        return meanings.FunctionalRule(name, affordance, confidence, props, material=material)
 
-    def _action_rule(self, form: PredicateForm) -> ActionRule:
+    def _action_rule(self, form: PredicateForm) -> meanings.ActionRule:
         context, act, degree = form.arguments
         part, owner = act.arguments[1].arguments
         if not self.is_act_on_object(context.name) and context.name not in self.tool_acts:
@@ -296,7 +276,7 @@ class Interpreter:
             # It is the tool that is held, not what it is used on.
             raise UninterpretableError("not_a_rule")
         confidence = self.intervals[degree.name]
-        return ActionRule(name, context.said, name_of(part), confidence, props)
+        return meanings.ActionRule(name, context.said, name_of(part), confidence, props)
 
     def _question(self, form: PredicateForm) -> Question:  # noqa: PLR0911, PLR0912 - a case per question
         table = load_predicates()
@@ -367,7 +347,7 @@ class Interpreter:
 
     def _question_on_rule(self, ask: str, form: PredicateForm) -> Question:
         rule = self._one_rule(form, "one_thing_at_a_time")
-        if isinstance(rule, KindRelation):
+        if isinstance(rule, meanings.KindRelation):
             raise UninterpretableError("not_a_rule")
         return question_on(rule, ask)
 
@@ -386,8 +366,9 @@ class Interpreter:
         return replace(_question_on_target(ask, target), context=act.said, part=part)
 
 
-def _state(form: PredicateForm) -> TopicStatement:
-    return TopicStatement(*kind_and_properties(form.arguments[0]), denied=len(form.arguments) > 1)
+def _state(form: PredicateForm) -> meanings.TopicStatement:
+    thing, *denial = form.arguments
+    return meanings.TopicStatement(*kind_and_properties(thing), denied=bool(denial))
 
 
 def _use(form: PredicateForm) -> tuple[str, str | None]:
@@ -412,17 +393,17 @@ def _question_on_target(ask: str, target: ObjectReference) -> Question:
     return Question(ask, object=target.object, affordance=target.used_for, material=target.material)
 
 
-def short_answer(form: PredicateForm) -> Answer:
+def short_answer(form: PredicateForm) -> meanings.Answer:
     """Return what an answer names or chooses: `chosen(knife)`, `chosenUse(cutting)`, `noneOf`.
 
     It raises `UninterpretableError` where what it names has no name.
     """
     if form.name in _CHOICES:
-        return Answer(choice=_CHOICES[form.name])
+        return meanings.Answer(choice=_CHOICES[form.name])
     if form.name == "chosenUse":
         use, material = _use(form.arguments[0])
-        return Answer(use, is_use=True, material=material)
-    return Answer(*kind_and_properties(form.arguments[0]))
+        return meanings.Answer(use, is_use=True, material=material)
+    return meanings.Answer(*kind_and_properties(form.arguments[0]))
 
 
 def _kind(form: PredicateForm) -> str:
@@ -432,22 +413,15 @@ def _kind(form: PredicateForm) -> str:
     return kind
 
 
-def _shown(said: PredicateForm) -> TopicStatement | PartNaming:
-    form = said.arguments[0]
-    if form.name != "partOf":
-        return TopicStatement(_kind(form), shown=True)
-    part, owner = form.arguments
+def _spoken_of(form: PredicateForm) -> meanings.TopicStatement | meanings.PartNaming:
+    (thing,) = form.arguments
+    if form.name == "topic" or thing.name != "partOf":
+        return meanings.TopicStatement(_kind(thing), shown=form.name == "shown")
+    part, owner = thing.arguments
     if owner.name == "other":
-        return PartNaming(name_of(part), other=True)
+        return meanings.PartNaming(name_of(part), other=True)
     name, props = kind_and_properties(owner)
-    return PartNaming(name_of(part), props, object=None if name == ANY_OBJECT else name)
-
-
-_TOPICS: Mapping[str, Callable[[PredicateForm], Meaning]] = {
-    "topic": lambda said: TopicStatement(_kind(said.arguments[0])),
-    "shown": _shown,
-    "stateOf": _state,
-}
+    return meanings.PartNaming(name_of(part), props, object=None if name == ANY_OBJECT else name)
 
 
 def kind_and_properties(form: PredicateForm) -> tuple[str, tuple[str, ...]]:

@@ -176,6 +176,9 @@ class ToolCommand(_Record):
     negated: bool = False  # whether the act is forbidden; then it must never be executed
 
 
+SimpleCommand = Command | ToolCommand
+
+
 @dataclass(frozen=True)
 class Norm(_Record):
     """What must or must not be done from now on, or may be: "never hand knives to children".
@@ -185,7 +188,7 @@ class Norm(_Record):
     """
 
     norm: str  # `forbidden`, `obliged` or `permitted`
-    act: Command | ToolCommand
+    act: SimpleCommand
     confidence: Confidence  # (lower, upper) in [0, 1]
     place: str | None = None  # where it holds; None for anywhere
     before: Command | None = None  # what must be done before the act
@@ -238,7 +241,7 @@ class ActionCommand(_Record):
     objects: tuple[ObjectReference, ...] = ()  # what to act on, in the order of its parameters
 
 
-Act = Command | ToolCommand | ActionCommand
+Act = SimpleCommand | ActionCommand
 
 
 @dataclass(frozen=True)

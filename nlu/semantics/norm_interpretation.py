@@ -10,20 +10,10 @@ A form about several objects, or a prohibition with an exception, lays down seve
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
+from . import meaning as meanings
 from .discourse import Discourse
 from .interpretation import Interpreter, kind_and_properties, name_of
-from .meaning import (
-    ANY_OBJECT,
-    ActionRule,
-    Command,
-    Meaning,
-    Norm,
-    NormStatement,
-    ObjectReference,
-    Question,
-    Statement,
-    ToolCommand,
-)
+from .meaning import ANY_OBJECT, ActionRule, Command, Meaning, Norm, Question
 from .predicates import PredicateForm, UninterpretableError
 
 _NORMS = frozenset({"forbidden", "obliged", "permitted", "beforehand", "without"})
@@ -38,7 +28,7 @@ def meaning_of(intention: PredicateForm, interpreter: Interpreter, discourse: Di
     content = content.mapped(lambda part: _given_to(part, intention.arguments[0]))
     reader = _NormReader(replace(interpreter, is_general=True), discourse)
     if _is_norm(content):
-        return NormStatement(tuple(dict.fromkeys(reader.norms(content))))
+        return meanings.NormStatement(tuple(dict.fromkeys(reader.norms(content))))
     if content.name == "whatForbidden":
         return Question("forbidden")
     if content.name != "isAllowed":
@@ -120,11 +110,11 @@ class _NormReader:
             return
         believed = PredicateForm("wantBelieve", (form,))
         said = self.interpreter.meaning(believed, self.discourse)
-        for rule in said.rules if isinstance(said, Statement) else ():
+        for rule in said.rules if isinstance(said, meanings.Statement) else ():
             usual = self.interpreter.intervals["high"]
             if not isinstance(rule, ActionRule) or not (rule.denies or rule.confidence == usual):
                 raise UninterpretableError("not_a_rule")
-            target = ObjectReference(rule.object, props=rule.props)
+            target = meanings.ObjectReference(rule.object, props=rule.props)
             act = Command(rule.context, target, part=rule.part)
             yield Norm("forbidden" if rule.denies else "obliged", act, usual)
 
@@ -132,14 +122,14 @@ class _NormReader:
         act = self.interpreter.command(form.arguments[0] if form.name == "not" else form)
         if any(part.name in {"usedFor", "notUsedFor", "other"} for part in form):
             raise UninterpretableError("norm_on_use", asks=True)
-        if isinstance(act, ToolCommand) and act.tool.object:
+        if isinstance(act, meanings.ToolCommand) and act.tool.object:
             says_its_use = name == "permitted" or act.patient == ANY_OBJECT
             if says_its_use:
                 raise UninterpretableError("say_the_use")
         return Norm(name, act, self.interpreter.intervals["high"])
 
 
-def _command(act: Command | ToolCommand) -> Command:
+def _command(act: meanings.SimpleCommand) -> Command:
     if not isinstance(act, Command):
         raise UninterpretableError("one_thing_at_a_time")
     return act
