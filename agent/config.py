@@ -6,8 +6,6 @@ names as keys, and the command line makes its options from the same declarations
 says where a command looks for the values of options that it is not given.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field, fields, replace
@@ -87,7 +85,7 @@ class AgentConfig:
     simulate: bool = _option(True, "Move a simulated robot.", "--sim/--no-sim")
     gui: bool = _option(False, "Show the simulator's window.")
     induce: bool = _option(False, "Also act on rules that follow by similarity.")
-    settings: Settings | Path | None = _option(None, "A YAML file with inference settings.")
+    settings: "Settings | Path | None" = _option(None, "A YAML file with inference settings.")
     overrides: tuple[str, ...] = _option(
         (),
         "One setting of the inference: fusion=dempster, threshold.pass=0.1, ...",
@@ -110,14 +108,14 @@ class AgentConfig:
         self.context_intervals()
 
     @classmethod
-    def from_yaml(cls, path: Path) -> AgentConfig:
+    def from_yaml(cls, path: Path) -> "AgentConfig":
         """Read a configuration from a YAML file whose keys are the names of the options.
 
         Files that it names are looked up beside it. DataError says where a key or value is wrong.
         """
         return cls(**read_values(path))
 
-    def context_intervals(self) -> dict[Atom, Interval]:
+    def context_intervals(self) -> "dict[Atom, Interval]":
         """Return each context with the interval to which it holds."""
         return dict(map(_context, self.contexts))
 
@@ -144,20 +142,20 @@ def _read_once(load: Callable[[], T]) -> T:
     return load()
 
 
-def household(path: Path | None = None) -> Household:
+def household(path: Path | None = None) -> "Household":
     """Return the object types of Hilt, and of a file; DataError says where the file is wrong."""
     from ..ontology.objects import load_household
 
     return load_household(path, added_to=household()) if path else _read_once(load_household)
 
 
-def load_language(kinds: Household, lexicon: Path | None = None) -> Language:
+def load_language(kinds: "Household", lexicon: Path | None = None) -> "Language":
     """Return the language for these types and a lexicon file; DataError says where it is wrong."""
     is_own = lexicon is None and kinds is household()
     return _read_once(_read_language) if is_own else _read_language(kinds, lexicon)
 
 
-def _read_language(kinds: Household | None = None, lexicon: Path | None = None) -> Language:
+def _read_language(kinds: "Household | None" = None, lexicon: Path | None = None) -> "Language":
     from ..nlu.language import Language
     from ..nlu.lexicon.vocabulary import household_vocabulary
 
@@ -166,7 +164,7 @@ def _read_language(kinds: Household | None = None, lexicon: Path | None = None) 
         return Language.load(vocabulary=vocabulary, extra_lexicon=lexicon)
 
 
-def actions_with(path: Path | None) -> Actions:
+def actions_with(path: Path | None) -> "Actions":
     """Return the actions of Hilt, and of a file; DataError says where the file is wrong."""
     from ..ontology.actions import load_actions
 
@@ -187,8 +185,8 @@ def default_location() -> Path:
 
 
 def open_base(
-    location: str | None, kinds: Household | None = None, actions: Actions | None = None
-) -> KnowledgeBase:
+    location: str | None, kinds: "Household | None" = None, actions: "Actions | None" = None
+) -> "KnowledgeBase":
     """Open a knowledge base and load the domain graph into it.
 
     The location is `memory:`, a folder or an endpoint, None for the user's own base; the domain is
@@ -226,7 +224,7 @@ def read_value(value: YamlNode, option: ConfigOption, folder: Path) -> Any:
     return option.kind(folder / Path(value.text()).expanduser())
 
 
-def _context(text: str) -> tuple[Atom, Interval]:
+def _context(text: str) -> "tuple[Atom, Interval]":
     from ..kb.interval import Interval
     from ..kb.rule import Atom
 

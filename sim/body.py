@@ -4,8 +4,6 @@ It knows nothing of rules: which object and which part is decided elsewhere. A m
 tried again with another grasp where that can help; what cannot be done is reported without trying.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager
 from hashlib import sha256
@@ -102,7 +100,7 @@ class Body(Striking, AbstractContextManager["Body"]):
         save_picture(take_picture(self.world.engine), path)
         return path
 
-    def record(self, path: Path) -> WorldRecorder:
+    def record(self, path: Path) -> "WorldRecorder":
         """Return a recorder of everything that happens inside its `with` block."""
         from .media.recording import WorldRecorder
 

@@ -3,8 +3,6 @@
 Each function turns a value of the agent into something that rich can print, plain for a pipe.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable, Iterable, Sequence
 from datetime import datetime
@@ -121,7 +119,7 @@ def _cell(value: object) -> Text | str:
     return "" if value is None else escape(str(value))
 
 
-def turn(reply: Reply) -> RenderableType:
+def turn(reply: "Reply") -> RenderableType:
     """Return one turn of a dialogue: the utterance, its predicate form, and the answer."""
     said = (Text(proper_name(reply.speaker), "bold cyan"), printable(reply.text))
     meant = ("", Text(reply.understanding.pragmatics, "dim"))
@@ -129,13 +127,13 @@ def turn(reply: Reply) -> RenderableType:
     return grid((said, meant, answer) if meant[1] else (said, answer))
 
 
-def heard(found: Heard) -> RenderableType:
+def heard(found: "Heard") -> RenderableType:
     """What may have been said, best first, with the certainty of each text."""
     rows = ((each.text, f"{each.score:.2f}") for each in found.alternatives)
     return table(("text", "certainty"), rows)
 
 
-def understanding(found: Understanding) -> RenderableType:
+def understanding(found: "Understanding") -> RenderableType:
     """How an utterance was understood: its derivation, predicate forms, features, and meaning."""
     features = found.reading.features.as_json() if found.reading else {}
     facts = (
@@ -146,27 +144,27 @@ def understanding(found: Understanding) -> RenderableType:
     return Group(Text(str(found.derivation or "")), table(("", ""), facts, show_header=False))
 
 
-def rules(found: Iterable[Rule]) -> Table:
+def rules(found: "Iterable[Rule]") -> Table:
     """A table of rules with interval and source."""
     ids = ((rule, rule.id.removeprefix("rule/")[:SHOWN_DIGITS]) for rule in found)
     rows = ((id_, rule_text(r), r.interval, r.speaker, r.utterance) for r, id_ in ids)
     return table(("id", "rule", "interval", "speaker", "utterance"), rows, "rule")
 
 
-def sentences(found: Iterable[Rule], describe: Callable[[Rule], str]) -> RenderableType:
+def sentences(found: "Iterable[Rule]", describe: "Callable[[Rule], str]") -> RenderableType:
     """Return rules as sentences with who told them; `describe` puts a rule in words."""
     told = [(describe(rule), Text(proper_name(rule.speaker), "dim")) for rule in found]
     rows = ((f"{said[:1].upper()}{said[1:]}.", speaker) for said, speaker in told)
     return grid(rows) if told else Text("Nobody has told me anything yet.")
 
 
-def rule_text(rule: Rule) -> str:
+def rule_text(rule: "Rule") -> str:
     """A rule as the paper writes it: "object:knife & action:pass => graspObject(part:blade)"."""
     left = " & ".join(str(atom) for atom in (*sorted(rule.features), *sorted(rule.contexts)))
     return f"{left} => {rule.functor}({rule.argument or ''})"
 
 
-def walk(steps: Sequence[WalkStep]) -> Tree:
+def walk(steps: "Sequence[WalkStep]") -> Tree:
     """Return the executed action tree, with the four operations at each node."""
     tree = Tree("Action tree, in preorder")
     branches: dict[str, Tree] = {}
@@ -192,7 +190,7 @@ def _by_part(name: str | None, part: str | None) -> str:
     return " by the ".join(filter(None, (name, part)))
 
 
-def decision(made: Decision, quote: Quote) -> Table:
+def decision(made: "Decision", quote: Quote) -> Table:
     """Every candidate with its interval, lambda and reason; the part below the object."""
     parts = made.part.candidates if made.part else ()
     named = [
@@ -213,7 +211,7 @@ def decision(made: Decision, quote: Quote) -> Table:
     return table(columns, rows, title="Decision", title_justify="left")
 
 
-def reasons(made: Decision, quote: Quote) -> Table:
+def reasons(made: "Decision", quote: Quote) -> Table:
     """Return why each candidate was chosen, or was not, in words without figures."""
     rows: list[tuple[str, str]] = []
     for node, wording in zip(made.inferences, ("the {}", "by the {}"), strict=False):
@@ -227,7 +225,7 @@ def reasons(made: Decision, quote: Quote) -> Table:
     return grid(rows)
 
 
-def _told_by(candidate: Candidate, quote: Quote) -> list[str]:
+def _told_by(candidate: "Candidate", quote: Quote) -> list[str]:
     told: list[str] = []
     for rule in candidate.rules:
         who = "It is like" if rule.status == "induced" else f"{proper_name(rule.speaker)} said"
@@ -236,7 +234,7 @@ def _told_by(candidate: Candidate, quote: Quote) -> list[str]:
     return told
 
 
-def execution_result(happened: WorldOutcome) -> Table:
+def execution_result(happened: "WorldOutcome") -> Table:
     """Return what happened in the world, a line each."""
     lines = {
         "fingers touched": ", ".join(happened.touched) or "nothing",
@@ -249,7 +247,7 @@ def execution_result(happened: WorldOutcome) -> Table:
     return table(("", ""), rows, show_header=False, title="In the world", title_justify="left")
 
 
-def goal_result(result: GoalResult, quote: Quote) -> RenderableType:
+def goal_result(result: "GoalResult", quote: Quote) -> RenderableType:
     """Return the whole result of a command: the execution, the decision, the world."""
     parts: list[RenderableType] = [walk(result.steps)]
     if result.decision and result.decision.object.candidates:
@@ -259,7 +257,7 @@ def goal_result(result: GoalResult, quote: Quote) -> RenderableType:
 
 
 def explanation(
-    reply: Reply, changes: Sequence[Counterfactual], describe: Callable[[Rule], str]
+    reply: "Reply", changes: "Sequence[Counterfactual]", describe: "Callable[[Rule], str]"
 ) -> RenderableType:
     """A decision with its proofs, and what would change it; `describe` puts a norm in words."""
     parts: list[RenderableType] = [turn(reply)]
@@ -281,38 +279,38 @@ def explanation(
     return Group(*parts)
 
 
-def conflicts(found: Sequence[Conflict]) -> RenderableType:
+def conflicts(found: "Sequence[Conflict]") -> RenderableType:
     """Rules that contradict each other, a pair a row."""
     rows = ((f"{c.weight:.4f}", _told(c.first), _told(c.second)) for c in found)
     return table(("conflict", "one says", "another says"), rows, "conflict")
 
 
-def _told(rule: Rule) -> str:
+def _told(rule: "Rule") -> str:
     return f"{rule_text(rule)} {rule.interval} ({rule.speaker}, utterance {rule.utterance})"
 
 
-def induced(found: Sequence[InducedRule]) -> RenderableType:
+def induced(found: "Sequence[InducedRule]") -> RenderableType:
     """Return rules that follow by similarity, with their reasons."""
     alike = ((each, f"{each.similarity:.2f}", ", ".join(each.shared)) for each in found)
     rows = ((rule_text(i.rule), i.rule.interval, rule_text(i.source), *more) for i, *more in alike)
     return table(("rule", "interval", "from", "alike", "both have"), rows, "rule")
 
 
-def hypotheses(found: Sequence[Hypothesis]) -> RenderableType:
+def hypotheses(found: "Sequence[Hypothesis]") -> RenderableType:
     """Return hypotheses that explain a conclusion, the likeliest first."""
     told = ((each, frozenset(rule.speaker for rule in each.rules)) for each in found)
     rows = ((each.features, each.contexts, each.interval, speakers) for each, speakers in told)
     return table(("if it were", "while", "then", "told by"), rows, "hypothesis", "hypotheses")
 
 
-def words(found: Sequence[LearnedWord | LearnedPhrase]) -> Table:
+def words(found: "Sequence[LearnedWord | LearnedPhrase]") -> Table:
     """Learned words and phrases with their teachers."""
     keys = ("word", "kind", "said", "speaker", "utterance")
     rows = ([each[key] for key in keys] for each in (one.as_json() for one in found))
     return table(("word", "is", "said as", "speaker", "utterance"), rows, "entry", "entries")
 
 
-def actions(found: Sequence[TaughtAction]) -> Table:
+def actions(found: "Sequence[TaughtAction]") -> Table:
     """Taught actions with what taught them and their teachers."""
     rows = map(attrgetter("name", "said", "speaker", "utterance"), found)
     return table(("action", "said as", "speaker", "utterance"), rows, "action", "actions")
@@ -330,7 +328,7 @@ def results(found: SelectResult | BooleanResult) -> RenderableType:
     return Group(rows, Text(count))
 
 
-def questions(named: Iterable[NamedQuery]) -> Table:
+def questions(named: "Iterable[NamedQuery]") -> Table:
     """Return a table of the named queries, with their parameters."""
     rows = (
         (one.name, one.question, "\n".join(f"{p.name}={p.kind}" for p in one.parameters.values()))
@@ -339,13 +337,13 @@ def questions(named: Iterable[NamedQuery]) -> Table:
     return table(("name", "question", "--arg"), rows, box=None, pad_edge=False)
 
 
-def history(found: Sequence[Utterance]) -> Table:
+def history(found: "Sequence[Utterance]") -> Table:
     """Utterances with their effect, a row each."""
     rows = ((u.sequence, u.time, u.speaker, printable(u.text), _effect(u)) for u in found)
     return table(("", "when", "who", "said", "did"), rows, "utterance")
 
 
-def change(found: UtteranceChanges) -> RenderableType:
+def change(found: "UtteranceChanges") -> RenderableType:
     """One utterance as it happens, with the rules that it touched below."""
     said = found.utterance
     head = Text.assemble(
@@ -356,7 +354,7 @@ def change(found: UtteranceChanges) -> RenderableType:
     return Group(head, *lines)
 
 
-def difference(found: BaseDifference) -> RenderableType:
+def difference(found: "BaseDifference") -> RenderableType:
     """Return the difference of two bases, as the lines of a patch."""
     lines = [
         *((f"- {_weighed(rule)}", "red") for rule in found.removed),
@@ -375,28 +373,28 @@ def difference(found: BaseDifference) -> RenderableType:
     return Group(*(Text(*line) for line in lines)) if lines else Text("They believe the same.")
 
 
-def episodes(found: Sequence[Episode]) -> Table:
+def episodes(found: "Sequence[Episode]") -> Table:
     """Return a table of episodes, a row each."""
     chosen = ((one, _by_part(one.object, one.part)) for one in found)
     rows = ((one.id, one.time, one.speaker, one.text, one.outcome, it) for one, it in chosen)
     return table(("id", "when", "who", "said", "outcome", "chosen"), rows, "episode")
 
 
-def experience(found: Sequence[GraspRecord]) -> Table:
+def experience(found: "Sequence[GraspRecord]") -> Table:
     """Return a table of what grasps came to, a row for each object, part, action and robot."""
     cells = attrgetter("object", "part", "context", "robot", "counts", "counts.interval")
     columns = ("object", "part", "to", "robot", "outcomes", "holds")
     return table(columns, map(cells, found), "record")
 
 
-def teachers(found: Sequence[TeacherRecord]) -> Table:
+def teachers(found: "Sequence[TeacherRecord]") -> Table:
     """Return a table of what the record says about each speaker."""
     trust = ((one, f"{one.trust:g}", f"{one.suggested:.2f}") for one in found)
     rows = ((one.speaker, now, one.counts, one.counts.interval, to) for one, now, to in trust)
     return table(("who", "trust", "grasps as told", "holds", "suggested"), rows, "teacher")
 
 
-def replay_result(found: ReplayResult, quote: Quote) -> RenderableType:
+def replay_result(found: "ReplayResult", quote: Quote) -> RenderableType:
     """Return the result of a replay, and whether it equals the recorded one."""
     shown: list[RenderableType] = [Text(found.episode.text, "bold")]
     shown.append(Text(str(found.repeated["said"])))
@@ -408,7 +406,7 @@ def replay_result(found: ReplayResult, quote: Quote) -> RenderableType:
     return Group(*shown)
 
 
-def import_summary(found: ImportSummary, source: str, *, dry_run: bool) -> RenderableType:
+def import_summary(found: "ImportSummary", source: str, *, dry_run: bool) -> RenderableType:
     """What came from a file or another base: numbers, conflicts, what was not taken."""
     read = f"{'Would read' if dry_run else 'Read'} {counted(found.new + found.known, 'rule')}"
     known = f"{found.known} already known, {found.conflicting} conflicting"
@@ -428,15 +426,15 @@ def import_summary(found: ImportSummary, source: str, *, dry_run: bool) -> Rende
     return Text("\n".join(lines))
 
 
-def _effect(said: Utterance) -> str:
+def _effect(said: "Utterance") -> str:
     counts = {"told": said.asserts, "took back": said.retracts, "replaced": said.supersedes}
     done = ", ".join(f"{verb} {len(ids)}" for verb, ids in counts.items() if ids)
     return done or (said.kind if said.accepted else f"{said.kind}, not accepted")
 
 
-def _weighed(rule: Rule) -> str:
+def _weighed(rule: "Rule") -> str:
     return f"{rule_text(rule)} {rule.interval} ({rule.speaker})"
 
 
-def _state(rule: Rule) -> str:
+def _state(rule: "Rule") -> str:
     return str(rule.interval) if rule.status == "active" else rule.status

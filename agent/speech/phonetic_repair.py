@@ -12,7 +12,7 @@ in the same way. All of it is only ever offered.
 import random
 import re
 from collections import Counter, defaultdict
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from heapq import heappop, heappush
@@ -82,11 +82,11 @@ class SoundRepair:
             costs = -PAIR * np.log(times / times.sum(axis=1, keepdims=True))
         self._pair_costs = np.minimum(costs, _NEVER).astype(np.float32)  # by word and next word
         self._may_be_left_out = np.array([word in self._sounds.articles for word in self._words])
-        self._groups = list(self._words_by_length(self._words[1:], 1))
+        self._groups = list(self._words_by_length(self._words))
         rare = set(filter(str.isalpha, language.lexicon.words())).difference(self._words)
-        self._rare_words = sorted(rare)
-        self._rare_groups = list(self._words_by_length(self._rare_words))
-        self._known = rare.union(word.lower() for word in self._words)
+        self._all_words = [*self._words, *sorted(rare)]
+        self._all_groups = list(self._words_by_length(self._all_words))
+        self._known = frozenset(map(str.lower, self._all_words))
 
     def candidates(self, text: str, names: Collection[str] = ()) -> dict[str, float]:
         """Return sentences of different meanings that sound like a text, the nearest first.
@@ -109,7 +109,7 @@ class SoundRepair:
         heard = self._heard(text)
         if not 0 < len(heard) <= MOST_PHONES:
             return []
-        return list(islice(self._best(self._grammar_costs(heard, names)), MOST_SENTENCES))
+        return list(islice(self._best(self._costs(heard, names, self._groups)), MOST_SENTENCES))
 
     def respelled(self, text: str, names: Collection[str] = ()) -> list[tuple[float, str]]:
         """Return the text with words replaced by known ones that sound alike, and what that costs.
@@ -124,7 +124,7 @@ class SoundRepair:
         known = self._known.difference(word.said for word in understood.new_words)
         strange = [at for at, word in enumerate(said) if "'" not in word and word not in known]
         spans = [(ends[max(0, at - 1)], ends[min(len(said), at + 2)]) for at in strange]
-        edges = self._other_words(self._heard(text), ends[:-1], names)
+        edges = self._other_words(self._heard(text), names)
         for place, others in enumerate(edges if spans else ()):
             within = [span for span in spans if span[0] <= place]
             edges[place] = [e for e in others if any(e.end <= end for _, end in within)]
@@ -139,30 +139,28 @@ class SoundRepair:
         return [(cost + UNPAIRED * len(words.split()), words) for words, cost in tried]
 
     def _other_words(
-        self, heard: Sequence[tuple[int, float]], starts: Sequence[int], names: Collection[str]
+        self, heard: Sequence[tuple[int, float]], names: Collection[str]
     ) -> list[list[_Edge]]:
         """Return the words that sound most like what is heard from each place on."""
         edges = [list[_Edge]() for _ in range(len(heard) + 1)]
-        common = self._grammar_costs(heard, names)[:-1]
-        rare = self._span_costs(heard, self._rare_groups, len(self._rare_words), starts)
-        for words, places, costs in (
-            (self._words, range(len(heard)), common + REPLACING),
-            (self._rare_words, starts, rare + REPLACING + RARE),
-        ):
-            for place, all_costs in zip(places, costs, strict=True):
-                row = all_costs[:, 1 : len(heard) - place + 1]
-                near = np.argpartition(row, _NEAREST, axis=0)[:_NEAREST]
-                found = zip(near.ravel(), np.take_along_axis(row, near, 0).ravel(), strict=True)
-                for number, (word, cost) in enumerate(found):
-                    if cost < MOST_CHANGE:
-                        end = place + number % row.shape[1] + 1
-                        edges[place].append(_Edge(float(cost), end, words[word], is_other=True))
+        costs = self._costs(heard, names, self._all_groups) + REPLACING
+        costs[:, len(self._words) :] += RARE
+        for place in range(len(heard)):
+            row = costs[place, :, 1 : len(heard) - place + 1]
+            near = np.argpartition(row, _NEAREST, axis=0)[:_NEAREST]
+            found = zip(near.ravel(), np.take_along_axis(row, near, 0).ravel(), strict=True)
+            for number, (word, cost) in enumerate(found):
+                if cost < MOST_CHANGE:
+                    end = place + number % row.shape[1] + 1
+                    edges[place].append(_Edge(float(cost), end, self._all_words[word], True))
         return edges
 
-    def _grammar_costs(self, heard: Sequence[tuple[int, float]], names: Collection[str]) -> Floats:
-        """Return the costs of the grammar's words at all places, less for those of names."""
-        costs = self._span_costs(heard, self._groups, len(self._words), range(len(heard) + 1))
-        costs[:, ~self._may_be_left_out, 0] = _NEVER
+    def _costs(
+        self, heard: Sequence[tuple[int, float]], names: Collection[str], groups: Sequence[_Group]
+    ) -> Floats:
+        """Return the costs of words on spans, as of `_span_costs`, less for those of names."""
+        costs = self._span_costs(heard, groups)
+        costs[:, np.flatnonzero(~self._may_be_left_out), 0] = _NEVER
         likely = {word for name in names for word in name.split()} & self._numbers.keys()
         costs[:, [self._numbers[word] for word in likely]] -= BONUS
         return costs
@@ -171,9 +169,9 @@ class SoundRepair:
         words = re.findall(r"[\w']+", text)
         return [each for word in words for each in self._sounds.of_word(word)[0]]
 
-    def _words_by_length(self, words: Iterable[str], first: int = 0) -> Iterator[_Group]:
+    def _words_by_length(self, words: Sequence[str]) -> Iterator[_Group]:
         groups = defaultdict[tuple[int, int], list[tuple[int, list[tuple[int, float]]]]](list)
-        for number, word in enumerate(words, first):
+        for number, word in enumerate(words[1:], start=1):  # but for _EDGE
             for variant, phones in enumerate(self._sounds.of_word(word)):
                 groups[variant, len(phones)].append((number, phones))
         for group in groups.values():
@@ -181,20 +179,15 @@ class SoundRepair:
             numbers = [number for number, _ in group]
             yield numbers, values[..., 0].astype(int), values[..., 1].astype(np.float32)
 
-    def _span_costs(
-        self,
-        heard: Sequence[tuple[int, float]],
-        groups: Sequence[_Group],
-        count: int,
-        places: Sequence[int],
-    ) -> Floats:
+    def _span_costs(self, heard: Sequence[tuple[int, float]], groups: Sequence[_Group]) -> Floats:
         """Return what a word costs that is heard as so many phones: by place, word and number."""
         phones, gaps = [phone for phone, _ in heard], [GAP * weight for _, weight in heard]
         most = max(spoken.shape[1] for _, spoken, _ in groups) + _LONGER
-        costs = np.full((len(places), count, most + 1), _NEVER, np.float32)
+        count = max(max(words) for words, _, _ in groups) + 1
+        costs = np.full((len(heard) + 1, count, most + 1), _NEVER, np.float32)
         for words, spoken, weights in groups:
             wide = spoken.shape[1] + _LONGER
-            span = np.array(places)[:, None] + np.arange(wide)
+            span = np.arange(len(heard) + 1)[:, None] + np.arange(wide)
             near = self._sounds.distances[np.pad(phones, (0, wide))[span]]
             alone = np.pad(np.array(gaps, np.float32), (0, wide), constant_values=_NEVER)[span]
             added = np.pad(np.cumsum(alone, axis=1), ((0, 0), (1, 0)))[:, None]

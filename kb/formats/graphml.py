@@ -13,8 +13,6 @@ barycentre heuristic of Sugiyama, Tagawa and Toda 1981), and each arrow has its 
 so that no label covers another. All lengths are in points.
 """
 
-from __future__ import annotations
-
 import io
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -59,7 +57,7 @@ class _Arrow(NamedTuple):
     rule: str
 
 
-def graph_of(rules: Iterable[Rule]) -> MultiDiGraph[str]:
+def graph_of(rules: Iterable[Rule]) -> "MultiDiGraph[str]":
     """Return the graph of rules.
 
     >>> from hilt.kb import Interval, grasping
@@ -122,7 +120,7 @@ def read_graphml(text: bytes, *, source: str) -> Iterator[Rule]:
             yield rule
 
 
-def draw_graph(graph: MultiDiGraph[str], form: str) -> bytes:
+def draw_graph(graph: "MultiDiGraph[str]", form: str) -> bytes:
     """Draw a graph of rules as "svg" or "png"; MissingExtraError if matplotlib is not installed."""
     with extra_required("report", "matplotlib"):
         import matplotlib as mpl
@@ -212,7 +210,7 @@ def _stacked(
 
 
 def _draw_boxes(
-    axes: Axes, boxes: Mapping[str, tuple[float, float]], left: float, width: float
+    axes: "Axes", boxes: Mapping[str, tuple[float, float]], left: float, width: float
 ) -> None:
     middles, heights = zip(*boxes.values(), strict=True) if boxes else ((), ())
     fills = [_FILLS.get(_kind(node), _OTHER_FILL) for node in boxes]
@@ -221,7 +219,7 @@ def _draw_boxes(
 
 
 def _draw_arrow(
-    axes: Axes, arrow: _Arrow, tail: tuple[float, float], head: tuple[float, float], colour: str
+    axes: "Axes", arrow: _Arrow, tail: tuple[float, float], head: tuple[float, float], colour: str
 ) -> None:
     from matplotlib.patches import FancyArrowPatch
     from matplotlib.path import Path
@@ -244,7 +242,7 @@ def _draw_arrow(
     )  # fmt: skip
 
 
-def _draw_legend(axes: Axes, colours: Mapping[str, str], kinds: Sequence[str]) -> None:
+def _draw_legend(axes: "Axes", colours: Mapping[str, str], kinds: Sequence[str]) -> None:
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 

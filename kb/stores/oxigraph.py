@@ -297,10 +297,8 @@ class OxigraphStore:
             if self.read_only:
                 raise StoreError(f'The knowledge base "{self.location}" is open for reading only.')
             self._snapshot = None
-            try:
-                yield store
-            finally:
-                self.changes += 1
+            yield store
+            self.changes += 1
             if self._log and not self._log.sync(last_utterance(self)):
                 self._write_tables(store)
 

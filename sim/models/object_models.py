@@ -4,8 +4,6 @@ Each part becomes one link of a URDF, named after the part and fixed to the firs
 share the frame of the object. A model is kept in a folder named after a hash of all it depends on.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -96,7 +94,7 @@ def write_model(kind: ObjectType, folder: Path) -> None:
     np.savez_compressed(folder / _NUMBERS_FILE, allow_pickle=False, **numbers)
 
 
-def _write_link(part: PartType, built: Sequence[SolidGeometry], stem: str, folder: Path) -> str:
+def _write_link(part: PartType, built: "Sequence[SolidGeometry]", stem: str, folder: Path) -> str:
     import trimesh
 
     from . import meshes

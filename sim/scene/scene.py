@@ -15,8 +15,6 @@ All objects that the file of unknown ones defines stand on the table, too, each 
 Clutter adds other objects drawn from the seed; the more of them, the closer they stand.
 """
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -123,7 +121,7 @@ def _read_number(text: str, *, low: int, high: int, after: str) -> int:
     return int(text)
 
 
-def _drawn(names: Sequence[str], count: int, rng: np.random.Generator) -> list[str]:
+def _drawn(names: Sequence[str], count: int, rng: "np.random.Generator") -> list[str]:
     drawn: Counter[str] = Counter()
     while drawn.total() < count:
         share = min(count - drawn.total(), len(names))

@@ -3,8 +3,6 @@
 They hold points and numbers, never a reference into the simulator.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -25,7 +23,7 @@ class Percept:
     name: str  #: name under which the object is tracked
     object: str  #: its detected type
     confidence: float  #: confidence in that type, in [0, 1]
-    parts: Mapping[str, Array]  #: points on the visible ones (n, 3), in the world [m]; read-only
+    parts: "Mapping[str, Array]"  #: points on the visible ones (n, 3), in the world [m]; read-only
     #: properties of the object as a whole
     properties: frozenset[str] = field(default_factory=frozenset[str])
 
@@ -34,14 +32,14 @@ class Percept:
             cloud.flags.writeable = False
 
     @cached_property
-    def cloud(self) -> Array:
+    def cloud(self) -> "Array":
         """The points of all its parts (n, 3), in the world [m]."""
         import numpy as np  # here: who decides without a simulator saves its import time
 
         return np.vstack(list(self.parts.values()))
 
     @cached_property
-    def centre(self) -> Array:
+    def centre(self) -> "Array":
         """The centre of the bounding box of its points (3,), in the world [m]."""
         return (self.cloud.min(axis=0) + self.cloud.max(axis=0)) / 2
 
