@@ -48,6 +48,8 @@ VOICES = {
     },
 }
 ENGLISH = ("espeak", "flite", "festival")
+HARMLESS = {"question", "acknowledgement", "topic"}  # kinds of what neither acts nor is believed
+OUTCOMES = ("at once", "after a question", "asked", "answered", "wrong")
 NOISES_DB = (None, 20, 10)
 OTHERS = {
     "the weather is going to be nice tomorrow": ENGLISH,
@@ -197,9 +199,11 @@ def fit(path: Path, held_out: Path) -> None:
 
 
 def outcome(row: Row) -> str:
-    """What becomes of a recording: "at once", "after a question", "asked", or "wrong".
+    """What becomes of a recording that is said to a new agent.
 
-    It is said to a new agent. After a question it is right if that has what was meant as a choice.
+    It is right "at once" or "after a question" that has what was meant as a choice, or "asked"
+    about; or something else is "answered" that changes nothing, or done or believed, which is
+    "wrong".
     """
     heard_before = [
         SimpleNamespace(name=name, recognise=lambda _, name=name: found(row)[name])
@@ -221,7 +225,9 @@ def outcome(row: Row) -> str:
         ]
         offered = [json.dumps(each.as_json(), sort_keys=True) for each in choices]
         return "after a question" if wanted in offered else "asked"
-    return "at once" if meaning(reply.understanding.text) == wanted else "wrong"
+    if meaning(reply.understanding.text) == wanted:
+        return "at once"
+    return "answered" if reply.understanding.kind in HARMLESS else "wrong"
 
 
 def words_of(text: str) -> str:
@@ -236,7 +242,7 @@ def modelled() -> set[str]:
 
 
 def table(path: Path) -> None:
-    """Print how often recordings are right at once, after a question, only asked, or wrong.
+    """Print how often each outcome is, as shares.
 
     Sentences from which the language model was made, word for word, are counted apart.
     """
@@ -246,12 +252,10 @@ def table(path: Path) -> None:
         kind = row["kind"] + ", modelled" * (words_of(row["text"]) in known)
         noise = "clean" if row["noise"] is None else f"{row['noise']} dB"
         counts[kind, noise][outcome(row)] += 1
-    print("| sentences | noise | n | at once | after a question | asked | wrong |\n|" + "---|" * 7)
+    print(f"| sentences | noise | n | {' | '.join(OUTCOMES)} |\n|" + "---|" * 8)
     for (kind, noise), counted in sorted(counts.items(), key=str):
         n = counted.total()
-        shares = (
-            f"{counted[each] / n:.2f}" for each in ("at once", "after a question", "asked", "wrong")
-        )
+        shares = (f"{counted[each] / n:.2f}" for each in OUTCOMES)
         print(f"| {kind} | {noise} | {n} | {' | '.join(shares)} |")
     cpu, seconds = (sum(row[name] for row in rows) for name in ("cpu", "seconds"))
     print(f"processor time per second of sound, both recognisers: {cpu / seconds:.2f}")

@@ -89,7 +89,7 @@ def terminal(*, stderr: bool = False) -> "Console":
     colours = None if os.environ.get("NO_COLOR") else "auto"
     if stream.isatty():
         return Console(stderr=stderr, highlight=False, color_system=colours)
-    width = None if os.environ.get("COLUMNS") else presentation.console.UNLIMITED
+    width = None if os.environ.get("COLUMNS") else 100_000  # as long as it takes
     plain = cast("TextIO", _Unpadded(stream))
     return Console(file=plain, highlight=False, width=width, color_system=None)
 

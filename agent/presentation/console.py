@@ -10,7 +10,7 @@ from itertools import islice
 from operator import attrgetter
 from typing import TYPE_CHECKING, Any, cast
 
-from rich.console import Console, ConsoleOptions, Group, RenderableType, RenderResult
+from rich.console import Console, Group, RenderableType
 from rich.markup import escape
 from rich.progress import BarColumn, Progress, ProgressColumn
 from rich.table import Column, Table
@@ -45,30 +45,7 @@ if TYPE_CHECKING:
 
 Quote = Callable[[int], str]  # the text of an utterance by its number
 SHOWN_DIGITS = 8  # of the id of a rule; 4 are enough to name it when they are unique
-NARROW = 60  # characters in a line, below which tables that do not fit become lists
-UNLIMITED = 100_000  # characters in a line: as many as it takes
 MOST_ROWS = 1000  # of a query result; the layout of more takes longer than the query
-
-
-class RecordTable(Table):
-    """A table that wraps its cells; on a narrow terminal that it does not fit, a list of rows."""
-
-    def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
-        whole = console.measure(self, options=options.update(max_width=UNLIMITED)).maximum
-        if whole <= options.max_width or options.max_width >= NARROW:
-            yield from super().__rich_console__(console, options)
-            return
-        if self.title:
-            yield Text(str(self.title), "italic")
-        for cells in zip(*(column.cells for column in self.columns), strict=True):
-            texts = [one if isinstance(one, Text) else Text.from_markup(str(one)) for one in cells]
-            if self.show_header:
-                heads = [Text(f"{column.header}: ".lstrip(": "), "dim") for column in self.columns]
-                yield Text("\n").join(map(Text.assemble, heads, texts)) + "\n"
-            else:
-                yield Text(": ").join(texts)
-        if self.caption:
-            yield Text(str(self.caption))
 
 
 def grid(rows: Iterable[Iterable[Text | str]]) -> Table:
@@ -88,7 +65,7 @@ def table(
 
     Times are shown as those of this place, and sets in alphabetical order.
     """
-    found = RecordTable(*(Column(each, overflow="fold") for each in columns), **more)
+    found = Table(*(Column(each, overflow="fold") for each in columns), **more)
     for row in rows:
         found.add_row(*map(_cell, row))
     if counts:

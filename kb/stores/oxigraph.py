@@ -10,7 +10,6 @@ one with limits runs in another process (`query_subprocess`).
 
 import contextlib
 import os
-import re
 import shutil
 import threading
 from collections import deque
@@ -35,7 +34,6 @@ from .query_subprocess import WorkerProcess
 from .rdf_text import from_engine, named_node, quad_from_engine, quad_to_engine, to_engine
 
 _PREFIXES = dict(PREFIXES)
-_UNPREFIXED = re.compile(r"(?:[^<:]++|<[\w:/.#%~+-]*+>)*+")  # has no colon but in plain IRIs
 _Found: TypeAlias = "engine.QuerySolutions | engine.QueryBoolean | engine.QueryTriples"
 # The places in a statement that choose each of the engine's indexes, but for the one by which it
 # goes through all statements.
@@ -274,9 +272,8 @@ class OxigraphStore:
     def _run(self, query: str, *, is_union: bool = True, **options: Any) -> _Found:
         # As a union, pyoxigraph ignores the graphs that a query itself chooses (FROM).
         is_union = is_union and ("from" not in query.lower() or "FROM" not in keywords(query))
-        prefixes = None if _UNPREFIXED.fullmatch(query) else _PREFIXES  # to parse them takes time
         return self._engine().query(
-            query, prefixes=prefixes, use_default_graph_as_union=is_union, **options
+            query, prefixes=_PREFIXES, use_default_graph_as_union=is_union, **options
         )
 
     def _engine(self) -> engine.Store:

@@ -23,7 +23,6 @@ from typing import Any
 from pebble import ProcessExpired, ProcessPool
 from rich import progress
 from rich.console import Console
-from rich.text import Text
 
 from ....ontology.errors import WorkersUnavailableError, extra_required
 from ...presentation.console import progress_bar
@@ -240,18 +239,7 @@ def run_experiment(
     return ordered
 
 
-class SpeedColumn(progress.ProgressColumn):
-    """The rate in cases per second, or in seconds per case where they are slow."""
-
-    def render(self, task: progress.Task) -> Text:
-        """Return the rate as a text."""
-        speed = task.finished_speed or task.speed
-        if not speed:
-            return Text("")
-        return Text(f"{speed:.1f} a second" if speed >= 1 else f"{1 / speed:.1f} s each")
-
-
 def case_progress(console: Console | None) -> progress.Progress:
     """Return a bar of cases; it shows nothing if the console is None or not a terminal."""
     left = (progress.TimeRemainingColumn(compact=True), "left")
-    return progress_bar(console, progress.MofNCompleteColumn(), SpeedColumn(), *left)
+    return progress_bar(console, progress.MofNCompleteColumn(), *left)

@@ -40,17 +40,6 @@ def test_narrow_terminal_wraps_and_cuts_nothing(taught: Agent, name: str, width:
     assert max(map(len, text.splitlines())) <= width
 
 
-def test_table_that_does_not_fit_becomes_a_list(taught: Agent):
-    """Below 60 columns: a row is a paragraph, and a cell follows the name of its column."""
-    rules = console.rules(taught.base.rules())
-
-    narrow, wide = shown(rules, 40), shown(rules, 80)
-
-    assert "speaker: sam\nutterance: 1\n\n" in narrow
-    assert narrow.endswith("\n3 rules\n")
-    assert "│" in wide and "│" not in narrow
-
-
 def shown(what: RenderableType, width: int) -> str:
     """What a terminal of this width shows."""
     text = io.StringIO()

@@ -8,13 +8,10 @@ import pytest
 from evaluation_faults import Squares
 from pebble.pool.process import PoolManager
 from rich.console import Console
-from rich.progress import Progress
-from rich.text import Text
 
 from hilt.agent.evaluation.experiment import CaseResult, Experiment, make_experiment
 from hilt.agent.evaluation.runners.runner import (
     Runner,
-    SpeedColumn,
     case_progress,
     make_runner,
     run_experiment,
@@ -156,15 +153,3 @@ def test_bar_counts_what_was_done_before(begun: int):
 def test_nothing_is_shown_in_a_file():
     """What is redirected holds no bar, not even an empty line."""
     assert shown(terminal=False, begun=0) == ""
-
-
-@pytest.mark.parametrize(
-    ("speed", "expected"), [(None, ""), (12.34, "12.3 a second"), (0.25, "4.0 s each")]
-)
-def test_rate_is_told_as_people_would(speed: float | None, expected: str):
-    """Fast cases by the second, slow ones by how long each takes."""
-    bar = Progress(console=Console(file=io.StringIO()))
-    bar.add_task("paper", total=4)
-    bar.tasks[0].finished_speed = speed
-
-    assert SpeedColumn().render(bar.tasks[0]) == Text(expected)
