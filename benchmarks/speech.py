@@ -48,7 +48,7 @@ VOICES = {
     },
 }
 ENGLISH = ("espeak", "flite", "festival")
-HARMLESS = {"question", "acknowledgement", "topic"}  # kinds of what neither acts nor is believed
+HARMLESS = {"question", "acknowledgement"}  # kinds of what neither acts nor is believed
 OUTCOMES = ("at once", "after a question", "asked", "answered", "wrong")
 NOISES_DB = (None, 20, 10)
 OTHERS = {
