@@ -44,10 +44,9 @@ CONSTRUCT { [] a sd:Service ; sd:endpoint <> ; sd:feature sd:UnionDefaultGraph ;
 class SparqlEndpoint:
     """Answers `/sparql`, `/update` and `/store`; its pool is to be closed before its store.
 
-    `admit` returns the speaker for whom a request asks, or raises a problem if that one may not
-    read or, where its second argument is true, write. `update` runs an update, whose relative IRIs
-    a base IRI resolves, in the name of a speaker. A browser that asks for nothing sees the `page`.
-    What was looked up is kept until something is written.
+    `admit` returns the speaker for whom a request asks; a problem if that one may not read or,
+    where its second argument is true, write. `update` runs one, whose relative IRIs a base IRI
+    resolves, for a speaker. A browser that asks nothing sees the `page`. Look-ups are kept.
     """
 
     store: OxigraphStore

@@ -1,6 +1,8 @@
 """Teaching, commanding and watching: the page of a service with a robot."""
 
 import gzip
+from collections.abc import Iterator
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -8,7 +10,7 @@ import pytest
 
 from hilt.agent.web.server import STATIC
 
-from ..running_service import RunningService
+from ..running_service import RunningService, end, start
 from .conftest import Visit
 from .driving import COMMAND, LESSONS, Visitor
 
@@ -99,6 +101,46 @@ def test_new_table_is_shown(robot: RunningService, visit: Visit):
 
     assert "hammer" in visitor.wait_for("canvas").get_attribute("aria-label")
     assert "hammer" in [each["name"] for each in visitor.ask_api("scene")["things"]]
+
+
+@pytest.fixture
+def pupil(tmp_path: Path) -> Iterator[RunningService]:
+    """A service with learned eyes, at a table with something that they do not know."""
+    scene = str(ROOT / "examples" / "unknown_thing.yaml")
+    started = start(tmp_path / "kb", "--scene", scene, "--vision", "learned")
+    yield started
+    end(started)
+
+
+def test_what_is_clicked_is_what_the_next_sentence_is_about(
+    pupil: RunningService, visit: Visit, pictures: Path
+):
+    """An unknown thing is pointed at, named, and known from then on."""
+    visitor = visit(pupil)
+    wait_for_scene(visitor)
+    visitor.page.get_by_role("button", name="Top", exact=True).click()
+
+    point_at(visitor, "thing")
+    visitor.wait_for(".pointed")
+    visitor.page.locator(".stage").screenshot(path=pictures / "pointed.png")
+    answer = visitor.say("This is a mallet.")
+
+    assert "mallet" in answer
+    assert visitor.page.locator(".pointed").count() == 0
+    assert {"word": "mallet", "shown": True}.items() <= visitor.ask_api("words")[0].items()
+
+
+def point_at(visitor: Visitor, name: str) -> None:
+    """Move over the scene until the page names a thing, and click there."""
+    box = visitor.wait_for("canvas").bounding_box()
+    hovered = visitor.page.locator(".hovered")
+    for row, column in product(range(1, 40), repeat=2):
+        at = (box["x"] + box["width"] * column / 40, box["y"] + box["height"] * row / 40)
+        visitor.page.mouse.move(*at)
+        if hovered.count() and hovered.inner_text().partition(":")[0] == name:
+            visitor.page.mouse.click(*at)
+            return
+    raise AssertionError(f"{name} is not in the picture")
 
 
 def test_escape_stops_the_arm_while_another_waits(robot: RunningService, visit: Visit):

@@ -55,11 +55,11 @@ export type ToldRule = Rule & { status: string; utterance: Utterance | null };
 
 const rulePath = (id: string) => `rules/${id.replace(/^rule\//, "")}`;
 
-/** Say something; where it was heard, with what may have been said instead. */
-export function hear(text: string, heard?: Heard): Promise<Reply> {
+/** Say something, perhaps about a place; where it was heard, with what may have been said instead. */
+export function hear(text: string, heard?: Heard, at?: readonly number[]): Promise<Reply> {
   const likely = heard?.alternatives.slice(0, MOST_ALTERNATIVES);
   const alternatives = likely?.map(({ text: other, score }) => ({ text: other, heard: score }));
-  return request("POST", "hear", { text, ...(heard && { heard: heard.heard, alternatives }) });
+  return request("POST", "hear", { text, at, ...(heard && { heard: heard.heard, alternatives }) });
 }
 
 export const listen = (sound: Blob) => request<Heard>("POST", "listen", sound);

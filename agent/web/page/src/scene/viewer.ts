@@ -10,6 +10,7 @@ export type CameraName = "overview" | "front" | "top" | "hand";
 
 export interface ViewerEvents {
   onHover(node: string | undefined): void;
+  onPoint(x: number, y: number): void; // in the world [m]
   onDrawn(): void;
   onMoving(isMoving: boolean): void;
 }
@@ -26,6 +27,8 @@ const HOVER = new THREE.Color(0x555555);
 const WIDTH_DEG = 42; // of the picture, as an angle
 const WIDEST = 1.15; // width by height, from which on more is shown at the sides
 const LONGEST_TICK = 0.1; // [s]
+const STILL = 4; // pixels that the pointer may move in a click
+const MARK = { inner: 0.025, outer: 0.035, above: 0.004 }; // [m], of the ring round a place
 
 export class SceneViewer {
   private readonly renderer: THREE.WebGLRenderer;
@@ -38,6 +41,11 @@ export class SceneViewer {
   private names = new Map<THREE.Object3D, string>();
   private lit = new Set<string>();
   private hovered: string | undefined;
+  private readonly mark = new THREE.Mesh(
+    new THREE.RingGeometry(MARK.inner, MARK.outer, 48),
+    new THREE.MeshBasicMaterial({ color: GLOW, depthTest: false, transparent: true }),
+  );
+  private pressed: [number, number] = [0, 0];
   private last = 0;
   private isStale = true;
   private isMoving = false;
@@ -59,6 +67,10 @@ export class SceneViewer {
     this.resizes = new ResizeObserver(() => this.resize());
     this.resizes.observe(canvas.parentElement ?? canvas);
     canvas.addEventListener("pointermove", this.point);
+    canvas.addEventListener("pointerdown", (event) => (this.pressed = [event.clientX, event.clientY]));
+    canvas.addEventListener("click", this.click);
+    this.mark.visible = false;
+    this.scene.add(this.mark);
     canvas.addEventListener("pointerleave", () => this.hover(undefined));
     this.addLights();
     this.look("overview");
@@ -88,6 +100,13 @@ export class SceneViewer {
   light(names: Iterable<string>): void {
     this.lit = new Set(names);
     this.paint();
+  }
+
+  /** Mark a place on the table, or none. */
+  markPlace(place: readonly [number, number] | undefined): void {
+    this.mark.visible = place !== undefined;
+    if (place) this.mark.position.set(place[0], place[1], MARK.above);
+    this.redraw();
   }
 
   look(name: CameraName): void {
@@ -179,14 +198,25 @@ export class SceneViewer {
   }
 
   private readonly point = (event: PointerEvent): void => {
-    if (!this.model?.visible || event.buttons) return;
+    if (!event.buttons) this.hover(this.nameOf(this.hit(event)?.object));
+  };
+
+  private readonly click = (event: MouseEvent): void => {
+    const moved = Math.hypot(event.clientX - this.pressed[0], event.clientY - this.pressed[1]);
+    const found = moved <= STILL ? this.hit(event)?.point : undefined; // else the view was turned
+    if (found) this.events.onPoint(found.x, found.y);
+  };
+
+  /** What of the model is seen at a place of the screen. */
+  private hit(event: MouseEvent): THREE.Intersection | undefined {
+    if (!this.model?.visible) return undefined;
     const { left, top, width, height } = this.canvas.getBoundingClientRect();
     const x = (2 * (event.clientX - left)) / width - 1;
     const y = 1 - (2 * (event.clientY - top)) / height;
     const ray = new THREE.Raycaster();
     ray.setFromCamera(new THREE.Vector2(x, y), this.camera);
-    this.hover(this.nameOf(ray.intersectObject(this.model, true)[0]?.object));
-  };
+    return ray.intersectObject(this.model, true)[0];
+  }
 
   private nameOf(object: THREE.Object3D | null | undefined): string | undefined {
     for (let each = object; each; each = each.parent) {

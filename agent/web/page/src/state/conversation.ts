@@ -3,6 +3,7 @@
 import { computed, signal } from "@preact/signals";
 import { confirm, hear, Refusal } from "../api/client";
 import { untilShown } from "./frames";
+import { takePlace } from "./pointing";
 import type { Heard, Misunderstanding, Reply, Rule, Utterance } from "../api/types";
 
 const MOST_TURNS = 200; // on the page; the history has all
@@ -86,7 +87,7 @@ export async function say(text: string, heard?: Heard): Promise<void> {
   const key = `p${(count += 1)}`;
   recalled.value = [...recalled.value.filter((each) => each !== text), text].slice(-MOST_RECALLED);
   append({ key, speaker: "", text });
-  await fill(key, hear(text, heard));
+  await fill(key, hear(text, heard, takePlace()));
 }
 
 /** Take one of several choices, by its number from 1 on. */

@@ -3,6 +3,7 @@ import { useEffect, useRef } from "preact/hooks";
 import { setTable } from "../api/client";
 import { focus, isBusy, touched } from "../state/execution";
 import { attempt, notice } from "../state/notices";
+import { pointed, takePlace } from "../state/pointing";
 import { may, scene } from "../state/session";
 import type { CameraName, SceneViewer } from "../scene/viewer";
 
@@ -27,6 +28,7 @@ export function ScenePane() {
   }, [hasModel]);
   useEffect(() => void show(viewer.value), [viewer.value, scene.value?.url, scene.value?.number]);
   useEffect(() => viewer.value?.light(lit()), [viewer.value, focus.value, touched.value]);
+  useEffect(() => viewer.value?.markPlace(pointed.value), [viewer.value, pointed.value]);
   return (
     <section class="pane scene" aria-labelledby="scene-title">
       <h2 id="scene-title">Scene</h2>
@@ -34,6 +36,7 @@ export function ScenePane() {
         <canvas ref={canvas} role="img" aria-label={description()} />
         {!hasModel && <Absent />}
         {hovered.value && <p class="hovered">{hovered.value.replace("/", ": ")}</p>}
+        {pointed.value && <Pointed />}
         {hasModel && focus.value && <p class="focus" role="status">{focus.value.replace("/", ": ")}</p>}
       </div>
       <div class="tools" role="group" aria-label="Camera">
@@ -65,6 +68,7 @@ async function openViewer(canvas: HTMLCanvasElement, onHover: (name: string | un
   const { SceneViewer } = await import("../scene/viewer"); // three.js comes after the page
   return new SceneViewer(canvas, {
     onHover,
+    onPoint: (x, y) => (pointed.value = [x, y]),
     onDrawn: () => (flags["scene"] = "drawn"),
     onMoving: (isMoving) => (flags["moving"] = String(isMoving)),
   });
@@ -76,6 +80,16 @@ async function show(viewer: SceneViewer | undefined): Promise<void> {
   await viewer.load(number, url.replace(/^\//, ""), nodes).catch((error: unknown) => {
     notice.value = `The scene cannot be shown: ${String(error)}`;
   });
+}
+
+/** Says that the next sentence is about the place that was clicked. */
+function Pointed() {
+  return (
+    <p class="pointed" role="status">
+      Your next sentence is about this place.
+      <button type="button" onClick={() => void takePlace()}>Do not point</button>
+    </p>
+  );
 }
 
 function Absent() {
