@@ -237,8 +237,9 @@ class SpokenUtterance:
         sounding = self.sounds_like(conversation.language, first.text, names)
         for text in (*sounding, *offers):
             said = conversation.understand(text, speaker, heard=1.0)
-            if said.meaning not in known:
-                yield MeaningHeard(text, 0.0, said, said.meaning, _new_words(said))
+            if said.meaning in known:
+                return  # that is what was misheard
+            yield MeaningHeard(text, 0.0, said, said.meaning, _new_words(said))
 
     def _offer(self, choices: Sequence[MeaningHeard]) -> Reply:
         conversation, is_one = self.conversation, len(choices) == 1
