@@ -129,9 +129,9 @@ class DisputedScenario:
         return tuple(_paper().affordances)
 
     @property
-    def objects(self) -> tuple[str, ...]:
+    def grasps(self) -> tuple[str, ...]:
         """The objects of the paper."""
-        return tuple(_paper().objects)
+        return tuple(_paper().grasps)
 
     def told(self) -> list[tuple[str, str]]:
         """Return the teachers and what they say, in a random order."""
@@ -147,7 +147,7 @@ class DisputedScenario:
         """Object and affordance -> score."""
         return {
             (name, use): plausibility(fused(standing(self._about(name, "", use))))
-            for name in self.objects
+            for name in self.grasps
             for use in self.affordances
         }
 
@@ -175,8 +175,8 @@ class DisputedScenario:
     def _opinions(self) -> tuple[Opinion, ...]:
         rng = Random(f"{self.seed}/{self.name}")  # noqa: S311 - scenarios, not secrets
         parts = household().objects
-        cells = [(name, "", use) for use in self.affordances for name in (*CLASSES, *self.objects)]
-        cells += [(o, c, part) for o in self.objects for c in CONTEXTS for part in parts[o].parts]
+        cells = [(name, "", use) for use in self.affordances for name in (*CLASSES, *self.grasps)]
+        cells += [(o, c, part) for o in self.grasps for c in CONTEXTS for part in parts[o].parts]
         return tuple(opinion for cell in cells for opinion in _drawn(*cell, rng))
 
 

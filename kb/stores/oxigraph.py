@@ -108,8 +108,7 @@ class OxigraphStore:
         names = zip(("default_graph", "named_graphs"), dataset or (), strict=bool(dataset))
         with timed(__name__, "query %s", query), translated_errors(self.location, query):
             graphs = {key: list(map(named_node, given)) for key, given in names}
-            is_union = is_union and not graphs
-            found: Any = self._run(query, base_iri=base, is_union=is_union, **graphs)
+            found: Any = self._run(query, base_iri=base, is_union=is_union and not graphs, **graphs)
             kinds = (engine.QuerySolutions, engine.QueryBoolean, engine.QueryTriples)
             media_type = formats[kinds.index(type(found))]
             if media_type is None:

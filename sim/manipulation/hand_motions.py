@@ -294,8 +294,8 @@ class HandMotion:
         # As the object is in the hand now: it may have slipped.
         goal = down @ poses.inverse(held.hand_from_seen) @ held.hand_from_grip
         path, opening = held.planner.plan_straight(goal), held.path.grasp.opening
-        if path is None or not held.planner.is_clear(path, opening):
-            return "unreachable"
+        if path is None or not held.planner.is_clear(path, opening, gap=-RELEASE_HEIGHT):
+            return "unreachable"  # the spheres of the tips may reach the table
         self.robot.follow(path, pace=APPROACH_PACE)
         laid = poses.transform(self.robot.world_from_hand, held.points)
         scene = np.vstack([held.planner.obstacles, laid])

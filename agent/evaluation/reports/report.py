@@ -121,10 +121,11 @@ class EvaluationReport:
         """Return a table of the points of the curves; None if there are none."""
         rows: list[Sequence[object]] = []
         for curve in self.summary.get("curves", ()):
+            measure, form = curve.get("measure", "accuracy"), ".2f" if "measure" in curve else ".1%"
             for line, points in curve["lines"].items():
                 for at in points:
-                    band = f"{at['lower']:.1%} to {at['upper']:.1%}"
-                    shown = (f"{at['x']:g}", f"{at['accuracy']:.1%}", band, at["decisions"])
+                    band = f"{at['lower']:{form}} to {at['upper']:{form}}"
+                    shown = (f"{at['x']:g}", f"{at[measure]:{form}}", band, at["decisions"])
                     rows.append((curve["curve"], line, *shown))
         columns = ("curve", "line", "at", "mean", "95 % interval", "decisions")
         return table(columns, rows) if rows else None
@@ -231,10 +232,10 @@ def render_page(
     )
 
 
-def plot_curve(label: str, lines: Mapping[str, Sequence[Json]]) -> str:
-    """Return the SVG element of a plot of the accuracy against the quantity of the label.
+def plot_curve(label: str, lines: Mapping[str, Sequence[Json]], measure: str = "accuracy") -> str:
+    """Return the SVG element of a plot of a measure against the quantity of the label.
 
-    A line is a list of points, each with `x`, `accuracy`, `lower` and `upper`.
+    A line is a list of points, each with `x`, the measure, `lower` and `upper`.
     """
     from matplotlib import rc_context
     from matplotlib.figure import Figure
@@ -247,14 +248,15 @@ def plot_curve(label: str, lines: Mapping[str, Sequence[Json]]) -> str:
         for i, (name, points) in enumerate(lines.items()):
             x, mean, lower, upper = (
                 [float(str(point[key])) for point in points]
-                for key in ("x", "accuracy", "lower", "upper")
+                for key in ("x", measure, "lower", "upper")
             )
             colour, dash = COLOURS[i % len(COLOURS)], DASHES[i % len(DASHES)]
             axes.plot(x, mean, dash, color=colour, label=name, marker="o", markersize=4)
             axes.fill_between(x, lower, upper, color=colour, alpha=0.13, linewidth=0)
         axes.set_xlabel(label)
-        axes.set_ylim(-0.02, 1.02)
-        axes.yaxis.set_major_formatter(PercentFormatter(1))
+        axes.set_ylabel(measure)
+        if measure == "accuracy":
+            axes.yaxis.set_major_formatter(PercentFormatter(1))
         axes.grid(axis="y", color="#e3e7ed")
         axes.spines[["top", "right", "left"]].set_visible(False)
         axes.tick_params(length=0, colors="#3d4755")
