@@ -10,11 +10,11 @@ from __future__ import annotations
 
 import argparse
 import base64
+import bz2
 import contextlib
 import json
 import sys
 import time
-import zlib
 from array import array
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -421,19 +421,16 @@ def _print_row(
 
 
 def as_json(model: OfferModel, seed: int) -> str:
-    """The file of a model: the shapes, and compressed the weights by feature and trait."""
+    """The file of a model: the shapes, and the weights by feature and trait, compressed."""
     weights = {
         feature: {trait: round(weight, 1) for trait, weight in each.items()}
         for feature, each in sorted(model.weights.items())
     }
-    packed = base64.b64encode(zlib.compress(_compact(weights).encode(), 9)).decode()
+    shapes = [json.loads(shape.text) for shape in model.shapes]
+    text = _compact({"shapes": shapes, "weights": weights})
+    packed = base64.b85encode(bz2.compress(text.encode())).decode()
     made_by = f"python benchmarks/train_offers.py --write --seed {seed}"
-    lines = [
-        f'{{"made_by":{json.dumps(made_by)},',
-        '"shapes":[\n' + ",\n".join(shape.text for shape in model.shapes) + "],",
-        f'"weights":"{packed}"}}\n',
-    ]
-    return "\n".join(lines)
+    return f'{{"made_by":{json.dumps(made_by)},\n"model":{json.dumps(packed)}}}\n'
 
 
 def _compact(value: object) -> str:

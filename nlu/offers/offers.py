@@ -6,8 +6,8 @@ or acted on before its speaker has chosen it.
 """
 
 import base64
+import bz2
 import json
-import zlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
@@ -236,8 +236,8 @@ _uncorrecting = partial(with_rules, revises=False)
 def load_model(path: Path) -> OfferModel:
     """Return the model in a file, which `benchmarks/train_offers.py` writes."""
     data = json.loads(path.read_text(encoding="utf-8"))
-    weights = json.loads(zlib.decompress(base64.b64decode(data["weights"])))
-    return OfferModel(tuple(map(shape_from, data["shapes"])), weights)
+    model = json.loads(bz2.decompress(base64.b85decode(data["model"])))
+    return OfferModel(tuple(map(shape_from, model["shapes"])), model["weights"])
 
 
 def choice_of(words: Phrase, count: int, lists: WordLists) -> int | None:
