@@ -1,7 +1,7 @@
 """Commands about scenes, clouds and objects: scene show, grasp, object import."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
@@ -110,7 +110,7 @@ def grasp(
     from ...sim.grasping.cloud_grasps import grasps_on_cloud, read_cloud
     from ...sim.poses import inverse, translation
 
-    arrays = read_cloud(cloud, base_from_camera)
+    arrays: dict[str, Any] = {**read_cloud(cloud, base_from_camera)}
     with spinner("Planning grasps"):
         plan = grasps_on_cloud(
             **arrays,

@@ -71,7 +71,7 @@ def grasps_on_cloud(
     return RankedGrasps(best, dict((+rejected).most_common()))
 
 
-def read_cloud(path: str | Path, pose: str | Path | None = None) -> dict[str, Any]:
+def read_cloud(path: str | Path, pose: str | Path | None = None) -> dict[str, Array | list[str]]:
     """Read what `grasps_on_cloud` takes from an .npz file with these arrays, or from a .ply file.
 
     The points are always there, their `labels` and the pose `base_from_camera` maybe. Labels are
@@ -84,7 +84,7 @@ def read_cloud(path: str | Path, pose: str | Path | None = None) -> dict[str, An
         if pose is not None:
             found["base_from_camera"] = np.loadtxt(pose).reshape(4, 4)
         numeric = [key for key in ("points", "base_from_camera") if key in found]
-        arrays: dict[str, Any] = {key: found[key].astype(float) for key in numeric}
+        arrays: dict[str, Array | list[str]] = {key: found[key].astype(float) for key in numeric}
     except Exception as error:  # readers have errors of their own for each way to be broken
         problem = str(error).rstrip(".")
         raise DataError(f"cannot be read as .npz or .ply: {problem}.", source=str(path)) from error
