@@ -133,6 +133,7 @@ class BeliefRevision:
         """Ask about what the speaker wants to speak of, which may be a new thing."""
         conversation = self._conversation
         conversation.note(said.topic, said.props, is_so=not said.denied)
+        conversation.noted_in[said.topic] = turn.understood
         key = ("noted_not" if said.denied else "noted") if said.props else "topic"
         slots = {"object": said.topic, "properties": said.props}
         spoken = conversation.say(AnswerContent(key, slots))

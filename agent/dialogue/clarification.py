@@ -130,11 +130,10 @@ class ClarificationDialogue:
     def not_understood(self, turn: UnderstoodTurn, said: meaning.Misunderstanding) -> Reply:
         """Return the reply that says what is wrong with a turn, and what could be said instead."""
         conversation, problem = self.conversation, said.message
-        if conversation.last_said.startswith(problem):
-            problem = conversation.say(AnswerContent("still_not_understood"))
         example = AnswerContent("try_saying", {"example": said.nearest[:1]})
         step = conversation.say(example if said.nearest else AnswerContent("ask_for_help"))
         spoken = problem if problem.endswith("?") else f"{problem} {step}"
+        conversation.unanswered = step
         return conversation.recorded(turn, spoken, "not_understood")
 
 

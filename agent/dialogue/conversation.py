@@ -81,8 +81,8 @@ class Conversation:
         self.last_done: Reply | None = None  #: the reply to the last command
         self.control_done: AnswerContent | None = None  #: what a control did since then
         self.noted = defaultdict[str, dict[Atom, Interval]](dict)  #: what kinds at hand are like
-        #: the utterance because of which the last command was not carried out, or was ended
-        self.prohibition: Understanding | None = None
+        self.noted_in: dict[str, Understanding] = {}  #: who said so, by kind
+        self.reason: Understanding | None = None  #: what the last reply rests on, if no rule
 
     def notice_others(self) -> bool:
         """Add the words, phrases and people that other robots at the same base have learned.

@@ -162,8 +162,8 @@ class DialogueManager:
     def _respond(self, turn: UnderstoodTurn) -> Reply:
         self.conversation.discourse = turn.understood.discourse
         said = turn.understood.meaning
-        if turn.understood.kind in {"statement", "correction", "command"}:
-            self.conversation.prohibition = None
+        if turn.understood.kind in {"statement", "correction", "command", "topic"}:
+            self.conversation.reason, self.conversation.unanswered = None, ""
         respond, refusal = self._listeners[type(said)]
         is_halt = isinstance(said, meaning.Control) and said.is_halt  # everybody may stop the arm
         if not refusal or is_halt or self.conversation.people.trusts(turn.speaker):
@@ -191,7 +191,7 @@ class DialogueManager:
             if reading and "lasting" in reading.features.main:
                 return self._norms.forbid(turn, said)
             self._norms.forbid_for_now(turn, said)
-            self.conversation.prohibition = turn.understood
+            self.conversation.reason = turn.understood
             return self.conversation.spoken(turn, declined(said))
         if turn.understood.unknown:
             return self._ask_what_that_is(turn, use_of(said))
@@ -233,7 +233,7 @@ class DialogueManager:
         self._clarification.wait_to_learn(turn, asked)
         return reply
 
-    def attempt(self, request: Request) -> tuple[GoalResult, str]:
+    def attempt(self, request: Request, before: GoalResult | None = None) -> tuple[GoalResult, str]:
         """Carry out a request; return its result and the spoken answer."""
         try:
             goals = self._goals()
@@ -243,6 +243,7 @@ class DialogueManager:
             answered = AnswerContent("cannot", {"goal": request.action}, "failed")
             result = GoalResult(answered, None, (), WorldOutcome())
         result = self._norms.with_reason(result)
+        result = result.after(before) if before else result
         return result, " ".join(map(self.conversation.say, (*result.setbacks, result.answer)))
 
     def _carry_out(
@@ -254,10 +255,7 @@ class DialogueManager:
     ) -> Reply:
         conversation = self.conversation
         request = self._agreements.applied_to(request)
-        result, spoken = self.attempt(request)
-        if before:
-            result = result.after(before)
-            spoken = " ".join(map(conversation.say, (*result.setbacks, result.answer)))
+        result, spoken = self.attempt(request, before)
         if result.answer.ending == "done" and self._names_several(turn):
             spoken = f"{conversation.say(AnswerContent('one_only'))} {spoken}"
         spoken = self._asking_for_use(turn, result, spoken)
@@ -335,7 +333,7 @@ class DialogueManager:
     def _obey(self, turn: UnderstoodTurn, said: meaning.Control) -> Reply:
         conversation = self.conversation
         pending, conversation.open_question = conversation.open_question, None
-        conversation.prohibition = None if said.control == "continue" else turn.understood
+        conversation.reason = None if said.control == "continue" else turn.understood
         stopped, self._just_stopped = self._just_stopped, None
         if said.control == "stop" and stopped:
             return conversation.spoken(turn, replace(stopped, ending="done"))
@@ -369,6 +367,9 @@ class DialogueManager:
         found, rules = about_norms or answer(said, conversation)
         if not rules and (said.object or said.affordance):
             conversation.topic = ()
+        if said.ask not in {"why", "why_not", "source", "confidence", "repeated"}:
+            is_noted = found.ending == "done" and not rules and said.ask in {"state", "about"}
+            conversation.reason = conversation.noted_in.get(said.object or "") if is_noted else None
         if found.ending == "failed":
             conversation.topic, conversation.unanswered = (), conversation.say(found)
             self._clarification.wait_to_learn(turn, said)
@@ -383,6 +384,7 @@ class DialogueManager:
             yes = partial(self._clarification.learn_rule, turn, rule)
             no = partial(conversation.answered, turn, "dismissed", "done")
             conversation.wait_for(turn, yes, no=no, needs_yes=True)
+            conversation.unanswered = conversation.say(found)
         conversation.set_topic(rules)
         named = {rule.object for rule in rules if rule.object}
         if said.object is None and len(named) == 1:  # the answer named it
@@ -395,11 +397,9 @@ class DialogueManager:
 
     def _acknowledge(self, turn: UnderstoodTurn, said: meaning.Acknowledgement) -> Reply:
         conversation, pending = self.conversation, self.conversation.open_question
-        if pending and pending.asked != turn.speaker:
-            pending = None
-        else:
-            conversation.open_question = None
+        pending = pending if pending and pending.asked == turn.speaker else None
         if pending:  # what was asked about can be referred to again
+            conversation.open_question = None
             conversation.discourse = replace(conversation.discourse, has_failed=False)
             agreed = {"yes"} if pending.needs_yes else {"yes", "okay"}
             follow = pending.yes if said.ack in agreed else pending.no if said.ack == "no" else None

@@ -6,7 +6,6 @@ A prohibition of the moment, "don't pass me the knife", holds for this conversat
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from operator import attrgetter
 from typing import cast
 
 from ...inference.node_rules import GRASP
@@ -45,8 +44,7 @@ class NormDialogue:
         for new, old in contrary:
             if new.functor == PERMITTED and not conversation.people.may_end(turn.speaker, old):
                 return conversation.spoken(turn, self._told("not_yours_to_lift", old))
-        said_of = attrgetter("features", "contexts", "argument")
-        opposite = [old.id for new, old in contrary if said_of(new) == said_of(old)]
+        opposite = [old.id for new, old in contrary if _is_ended_by(old, new)]
         opposite += [old.id for new in rules for old in self._denials_lifted(new, turn.speaker)]
         active = {old.id for new in rules for old in self._base.rules_at_nodes([new.node])}
         key = "known_already" if all(rule.id in active for rule in rules) else "learned"
@@ -171,6 +169,15 @@ class NormDialogue:
             told = self._told("may_not", rule)
             return replace(told, ending="done"), (rule,) if rule.utterance else ()
         return spoken("may", done=True), ()
+
+
+def _is_ended_by(old: Rule, new: Rule) -> bool:
+    """Whether a norm ends an earlier one: what may be used may also be touched."""
+    is_wider = (old.context, new.context, new.functor) == (GRASP, "use", PERMITTED)
+    is_anywhere = old.contexts == new.contexts or (
+        is_wider and len(old.contexts | new.contexts) == 2
+    )
+    return is_anywhere and (old.features, old.argument) == (new.features, new.argument)
 
 
 def _is_contrary_argument(old: Rule, new: Rule) -> bool:

@@ -115,9 +115,13 @@ def _how(question: Question, known: Conversation) -> Answered:
     if taught:
         said = spoken("source", done=True, speaker=taught.speaker, texts=taught.said)
         return said, tuple(grasps[:1])
+    goal = question.context or "grasp"
+    if not grasps and not known.language.utterance_parser.procedures.is_act(goal):
+        act = known.language.answers.act_on(goal, *filter(None, [question.object]))
+        return spoken("how_to_do", action=act), ()
     if not grasps:
         key = "no_how_with" if question.context in known.language.builder.tool_acts else "no_how"
-        return spoken(key, goal=question.context or "grasp", object=question.object), ()
+        return spoken(key, goal=goal, object=question.object), ()
     return _told("how", grasps[0], known)
 
 
@@ -200,6 +204,8 @@ def _confidence(question: Question, known: Conversation) -> Answered:
         said = tuple(known.describe(rule) for rule in known.retracted)
         return spoken("no_longer_sure", done=True, rules=said), ()
     rules = _meant(question, known)
+    if not rules and known.reason:
+        return _source(question, known)
     if not rules and known.unanswered and question == Question("confidence"):
         return spoken("unsure_as_said", said=known.unanswered), ()
     if not rules:
@@ -211,7 +217,9 @@ def _confidence(question: Question, known: Conversation) -> Answered:
 
 
 def _source(question: Question, known: Conversation) -> Answered:
-    rules = _meant(question, known)
+    rules, said_in = _meant(question, known), known.reason
+    if not rules and said_in:
+        return spoken("source", done=True, speaker=said_in.speaker, texts=said_in.text), ()
     if not rules or rules[0].utterance is None:
         return spoken("no_source"), ()
     rule = rules[0]
@@ -265,8 +273,8 @@ def _which_context(question: Question, known: Conversation) -> Answered:
 def _see(question: Question, known: Conversation) -> Answered:
     names = known.visible()
     if question.object:
-        seen = question.object in names
-        return spoken("see_one" if seen else "nothing_seen", done=True, object=question.object), ()
+        key = "see_one" if question.object in names else "nothing_seen"
+        return spoken(key, done=True, object=question.object), ()
     return (spoken("see", done=True, objects=names) if names else spoken("see_nothing")), ()
 
 
@@ -285,17 +293,18 @@ def _trust(question: Question, known: Conversation) -> Answered:
 
 def why(question: Question, known: Conversation) -> Answered:
     """Return the sentences that a choice rests on, or the rules that were mentioned last."""
-    if known.prohibition and not question.part:
-        return _as_said(known.prohibition), ()
-    rules, last = tuple(_reasons(question, known)), known.last_done
+    if known.reason and not question.part:
+        return _as_said(known.reason), ()
+    is_open = bool(known.unanswered) and question == Question("why")
+    rules, last = () if is_open else tuple(_reasons(question, known)), known.last_done
     if not rules and question.part and (question.context or last is None):
         rules = tuple(_grasps(rule for rule in _meant(question, known) if rule.asserts))
     if rules:
         is_alike = rules[-1].status == "induced"
         told = {"texts": known.words_of(rules[-1])} if is_alike else _sources(rules, known)
         return spoken("because_alike" if is_alike else "because_told", done=True, **told), rules
-    if last is None:
-        return spoken("nothing_done"), ()
+    if last is None or is_open:
+        return spoken("no_source" if is_open else "nothing_done"), ()
     wrong = _not_so(question, known.decision)
     if wrong:
         return spoken(wrong, object=question.object, part=question.part), ()
@@ -316,8 +325,8 @@ def _because_of_decision(known: Conversation, last: Reply) -> AnswerContent:
 
 def why_not(question: Question, known: Conversation) -> Answered:
     """Return the reasons against another object, or another part."""
-    if known.prohibition and not question.part:
-        return _as_said(known.prohibition), ()
+    if known.reason and not question.part:
+        return _as_said(known.reason), ()
     if not question.part and not question.object:
         is_failed = known.last_done is not None and not known.last_done.is_done
         return why(question, known) if is_failed else (spoken("not_told"), ())

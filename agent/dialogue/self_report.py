@@ -1,10 +1,8 @@
 """Questions about Hilt itself: what it is, holds, did, and was told by whom."""
 
-from collections import defaultdict
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Mapping
 from functools import partial
 
-from ...kb.rule import Atom, Rule
 from ...nlu.semantics.meaning import Question, SimpleCommand
 from .conversation import Answered, Conversation, spoken
 
@@ -82,10 +80,12 @@ def _told(question: Question, known: Conversation) -> Answered:
 def _told_at_an_end(question: Question, known: Conversation, *, newest_first: bool) -> Answered:
     speaker = known.base.match_speaker(question.speaker or "")
     for each in known.base.history(newest_first=newest_first):
-        if each.speaker == speaker and each.kind in _TAUGHT and each.accepted and each.asserts:
+        is_note = each.kind == "topic" and each.predicate.startswith("stateOf")
+        is_told = is_note or (each.kind in _TAUGHT and each.asserts)
+        if each.speaker == speaker and each.accepted and is_told:
             active = [r for r in map(known.base.rule, each.asserts) if r.status == "active"]
             rules = tuple(rule for rule in active if rule.speaker == speaker)
-            key = "source" if active else "told_but_retracted"
+            key = "source" if active or is_note else "told_but_retracted"
             return spoken(key, done=True, speaker=speaker, texts=each.text), rules
     return spoken("told_nothing", done=True, speaker=speaker), ()
 
@@ -98,30 +98,8 @@ def _last_said(_: Question, known: Conversation, *, kinds: Collection[str]) -> A
     return spoken("you_said_nothing", done=True), ()
 
 
-def _exceptions(question: Question, known: Conversation) -> Answered:
-    others = known.base.rules(object=question.object) if question.object else known.base.rules()
-    rules = others if question.object else known.topic or others
-    found = tuple(dict.fromkeys(_exceptions_to(rules, others)))
-    said = tuple(map(known.describe, found))
-    return spoken("exceptions" if found else "no_exceptions", done=True, rules=said), found
-
-
-def _exceptions_to(rules: Iterable[Rule], others: Iterable[Rule]) -> Iterator[Rule]:
-    of_conclusion = defaultdict[tuple[Atom | None, str | None], list[Rule]](list)
-    for other in others:
-        of_conclusion[other.argument, other.object].append(other)
-        if other.object is not None:
-            of_conclusion[other.argument, None].append(other)
-    for rule in rules:
-        for other in of_conclusion[rule.argument, rule.object]:
-            is_special = other.features >= rule.features and other.contexts >= rule.contexts
-            if is_special and other.asserts != rule.asserts:
-                yield other
-
-
 SELF_REPORTS: Mapping[str, Callable[[Question, Conversation], Answered]] = {
     "capabilities": _capabilities,
-    "exceptions": _exceptions,
     "first_told": partial(_told_at_an_end, newest_first=False),
     "hearing": partial(_fixed, "hearing"),
     "holding": _holding,

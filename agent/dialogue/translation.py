@@ -159,10 +159,8 @@ def use_of(said: meaning.SimpleCommand) -> meaning.Question:
 
 def declined(said: meaning.SimpleCommand) -> AnswerContent:
     """Return the answer to a command not to do something."""
-    if isinstance(said, meaning.ToolCommand):
-        slots = {"goal": said.goal, "patient": said.patient}
-        return AnswerContent("will_not_tool", slots, "refused")
-    name = said.target.object or said.target.used_for or "thing"
+    is_tool = isinstance(said, meaning.ToolCommand)
+    name = said.patient if is_tool else said.target.object or said.target.used_for or "thing"
     return AnswerContent("will_not", {"goal": said.goal, "object": name}, "refused")
 
 

@@ -110,11 +110,9 @@ class Clarifier:
     def of_unknown_words(self, tokens: Tokens, unknown: Sequence[Token]) -> Misunderstanding:
         """The answer that some words are not known."""
         words = list(dict.fromkeys(token.word for token in unknown))
-        message = self.answers.say("unknown_words", words=words[:MAX_NEW_WORDS])
-        if len(words) == 1:
-            message = self.answers.say("unknown_word", word=words[0])
-        rest = [token.word for token in tokens.items if token not in unknown]
-        return Misunderstanding(message, nearest=self._nearest_examples(rest))
+        several = self.answers.say("unknown_words", words=words[:MAX_NEW_WORDS])
+        message = several if words[1:] else self.answers.say("unknown_word", word=words[0])
+        return Misunderstanding(message, nearest=self._nearest_examples(tokens))
 
     def of_ambiguity(self, readings: Sequence[Reading]) -> AskBack:
         """The question which one of several meanings was meant."""
@@ -129,16 +127,13 @@ class Clarifier:
             said = self.answers.say(refusal.key, **refusal.slots)
             if refusal.asks:
                 return AskBack(said)
-            return Misunderstanding(said, nearest=self._nearest_examples(tokens.words))
+            return Misunderstanding(said, nearest=self._nearest_examples(tokens))
         where, expected = self.parser.failure(chart, tokens)
-        words, understood = len(tokens.text.split()), len(where.split())
-        if expected and understood == words:
+        key = "not_answered" if tokens.asks else "not_understood"
+        message = self.answers.say(key, text=tokens.text)
+        if expected and where.split() == tokens.text.split():
             message = self.answers.say("not_finished", where=where, expected=expected[0])
-        elif words > understood > words / 2:
-            message = self.answers.say("not_understood_after", where=where)
-        else:
-            message = self.answers.say("not_understood", text=tokens.text)
-        return Misunderstanding(message, where, expected, self._nearest_examples(tokens.words))
+        return Misunderstanding(message, where, expected, self._nearest_examples(tokens))
 
     def _intended_any(self, word: str) -> str | None:
         known = self.known_words
@@ -164,12 +159,13 @@ class Clarifier:
         except UnknownNameError:
             return str(meaning.as_json())
 
-    def _nearest_examples(self, words: Iterable[str]) -> tuple[str, ...]:
-        said = frozenset(words)
+    def _nearest_examples(self, tokens: Tokens) -> tuple[str, ...]:
+        said = frozenset(tokens.words)
 
         def similarity(sentence: str) -> float:
             known = self.examples[sentence]
             return 2 * len(known & said) / (len(known) + len(said))
 
-        ranked = sorted(self.examples, key=similarity, reverse=True)
+        alike = (each for each in self.examples if each.endswith("?") == tokens.asks)
+        ranked = sorted(alike, key=similarity, reverse=True)
         return tuple(each for each in ranked[:MAX_NEAREST] if similarity(each) > 0)

@@ -15,8 +15,9 @@ from itertools import chain, pairwise, product
 
 from ..grammar.word_patterns import WordLists
 from ..lexicon.discourse_markers import ControlPhrases
+from ..lexicon.misspelling import slips
 from ..lexicon.tokenizer import BREAK, Token, Tokens
-from ..lexicon.unknown_words import KnownWords, is_word
+from ..lexicon.unknown_words import NOUNS, KnownWords, is_word
 from ..lexicon.vocabulary import NewWord
 from ..semantics import meaning as meanings
 from ..semantics.discourse import Discourse
@@ -102,7 +103,8 @@ class ProcedureReader:
         """Return the plan, or the command of a taught action, that an utterance is; else None."""
         state = ClauseState(context.discourse)
         clauses = _Clauses(self, context, sentence)
-        found = clauses.read(replace(tokens, asks=False), state) or []
+        bare = tokens.part(self.controls.after_polite(tokens.words), len(tokens.items))
+        found = clauses.read(replace(bare, asks=False), state) or []
         steps = tuple(each for each, _ in found if isinstance(each, Act))
         is_said_again = any(_is_of_same(one, other) for one, other in pairwise(steps))
         new = clauses.new_words(steps)
@@ -111,10 +113,18 @@ class ProcedureReader:
             return None
         if len(steps) == 1 and isinstance(steps[0], meanings.ActionCommand):
             return Understanding.of(tokens, context, steps[0])
+        if len(steps) == len(unknown) == 1 and isinstance(steps[0], Command):
+            asked = meanings.ActionCommand(unknown[0], (steps[0].target,))
+            return Understanding.of(tokens, context, asked) if self._is_new(unknown[0]) else None
         is_odd = len(unknown) == len(steps) or any(map(self._is_known_verb, unknown))
         whole = Understanding.of(tokens, context, meanings.Plan(steps))
         is_plan = len(steps) > 1 and not is_odd
         return replace(whole, discourse=found[-1][1].discourse) if is_plan else None
+
+    def _is_new(self, verb: str) -> bool:
+        is_noun = not NOUNS.isdisjoint(self.known.lexicon.name_categories(verb))
+        meant = () if self.known.has(verb) else slips(verb)
+        return not is_noun and not any(map(self._is_other, (verb, *meant)))
 
     def _definition(
         self, head: ActionHead, body: Tokens, clauses: "_Clauses"
@@ -137,10 +147,12 @@ class ProcedureReader:
     def about(self, tokens: Tokens, context: UtteranceContext) -> Understanding | None:
         """Return the question about a learned action, or its retraction, that an utterance is."""
         for key in ("how", "forget"):
-            for name in (head.name for _, head in self._named(key, tokens)):
-                if self._is_learned(name):
-                    asked = meanings.Question("how", context=name)
-                    meant = asked if key == "how" else meanings.Retraction(action=name)
+            for name, things in ((head.name, head.things) for _, head in self._named(key, tokens)):
+                is_learned = self._is_learned(name)
+                thing = None if is_learned or not things else things[0].object
+                asked = meanings.Question("how", thing, context=name)
+                meant = asked if key == "how" else meanings.Retraction(action=name)
+                if is_learned or (key == "how" and self._is_new(name)):
                     return Understanding.of(tokens, context, meant)
         return None
 
