@@ -115,10 +115,9 @@ def _completed(
 
 def _kept(discourse: Discourse, usual: meanings.Confidence) -> meanings.Meaning:
     match discourse.last:
-        case meanings.Command(target=ObjectReference(object=str(name), props=props)) as last if (
-            last.part and name != meanings.ANY_OBJECT and not last.negated
-        ):
-            return _offered(ActionRule(name, last.goal, last.part, usual, props))
+        case meanings.Command(part=str(part), negated=False) as last if discourse.object:
+            name, props = last.target.object or discourse.object.said, last.target.props
+            return _offered(ActionRule(name, last.goal, part, usual, props))
         case FunctionalRule() | ActionRule() as rule:
             return meanings.Statement((replace(rule, revises=False),))
         case _:
