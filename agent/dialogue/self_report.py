@@ -32,6 +32,8 @@ def _identity(question: Question, known: Conversation) -> Answered:
     speaker = known.person(question.speaker)
     if speaker in {known.listener, known.people.called(known.listener)}:
         return spoken("identity_of", done=True, speaker=speaker), ()
+    if speaker not in known.base.trust_by_speaker():
+        return spoken("knows_nobody", done=True, speaker=speaker), ()
     return _told(question, known)
 
 

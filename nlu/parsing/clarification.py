@@ -131,8 +131,6 @@ class Clarifier:
         where, expected = self.parser.failure(chart, tokens)
         key = "not_answered" if tokens.asks else "not_understood"
         message = self.answers.say(key, text=tokens.text)
-        if expected and where.split() == tokens.text.split():
-            message = self.answers.say("not_finished", where=where, expected=expected[0])
         return Misunderstanding(message, where, expected, self._nearest_examples(tokens))
 
     def _intended_any(self, word: str) -> str | None:

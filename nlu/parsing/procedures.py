@@ -146,13 +146,13 @@ class ProcedureReader:
 
     def about(self, tokens: Tokens, context: UtteranceContext) -> Understanding | None:
         """Return the question about a learned action, or its retraction, that an utterance is."""
-        for key in ("how", "forget"):
+        for key in ("how", "able", "forget"):
             for name, things in ((head.name, head.things) for _, head in self._named(key, tokens)):
                 is_learned = self._is_learned(name)
                 thing = None if is_learned or not things else things[0].object
                 asked = meanings.Question("how", thing, context=name)
-                meant = asked if key == "how" else meanings.Retraction(action=name)
-                if is_learned or (key == "how" and self._is_new(name)):
+                meant = meanings.Retraction(action=name) if key == "forget" else asked
+                if (is_learned and key != "able") or (key != "forget" and self._is_new(name)):
                     return Understanding.of(tokens, context, meant)
         return None
 

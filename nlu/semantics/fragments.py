@@ -180,7 +180,7 @@ def _as_question(  # noqa: PLR0911 - a case per slot
     if fragment.recipient:
         raise _nothing()
     about, use, material = question.object, question.affordance, question.material
-    if fragment.confidence:
+    if fragment.confidence and not (fragment.part and question.context):
         has_more = fragment.target or fragment.use or fragment.part
         if about is None or use is None or has_more:
             raise _nothing()
@@ -205,9 +205,10 @@ def _as_question(  # noqa: PLR0911 - a case per slot
         return replace(question, affordance=fragment.use, material=fragment.material)
     if about is None or question.context is None or fragment.part is None:
         raise _nothing()
-    if fragment.asks or fragment.mode != "fill":
+    sure = fragment.confidence or (fragment.default if fragment.mode == "fill" else None)
+    if fragment.asks or sure is None:
         return replace(question, part=fragment.part)
-    return _offered(ActionRule(about, question.context, fragment.part, fragment.default))
+    return _offered(ActionRule(about, question.context, fragment.part, sure))
 
 
 def _offered(rule: meanings.Rule) -> meanings.AskBack:

@@ -69,7 +69,9 @@ def test_known_words_are_not_called_unknown(language: Language) -> None:
     meaning = language.understand("you may touch not the knife with").meaning
 
     assert isinstance(meaning, Misunderstanding)
-    assert meaning.message == 'I can\'t do anything with "you may touch not the knife with" yet.'
+    assert meaning.message.startswith(
+        'I can\'t do anything with "you may touch not the knife with".'
+    )
 
 
 @pytest.mark.parametrize("text", ["cut Kim with the knife", "Poke Bob."])
