@@ -22,6 +22,7 @@ CELLS_X, CELLS_Z = 5, 6  # of a pad's face
 LEVEL = 0.0012  # [m] that a touched cell may lie behind the outermost one
 PART_CLEARANCE = 0.004  # [m] from the pads to any other part of the object
 RECESS = 0.003  # [m] that another part between the fingers stands back from the pads
+PALM_CLEARANCE = 0.006  # [m] from the palm to any point, for what closes rides up in the fingers
 SWEEP_CLEARANCE = 0.002  # [m] from the moving hand to any point
 SPARE = 0.008  # [m] that the open gripper is wider than the part, on each side
 SPARE_TIGHT = 0.0045  # [m], the same where a neighbour is close
@@ -274,7 +275,7 @@ def _is_swept(x: Array, y: Array, z: Array, half_open: Array, gripper: Gripper) 
     finger &= z <= gripper.tip + SWEEP_CLEARANCE
     root = outside & (y <= half_open + gripper.root_thickness) & (z <= gripper.root)
     along_x, along_y = gripper.palm_size
-    palm = (x <= along_x / 2) & (y <= along_y / 2) & (z <= gripper.palm + SWEEP_CLEARANCE)
+    palm = (x <= along_x / 2) & (y <= along_y / 2) & (z <= gripper.palm + PALM_CLEARANCE)
     return (in_width & (finger | root)) | palm
 
 
