@@ -329,8 +329,7 @@ class HandMotion:
         worse[rotations[:, :, 2] @ towards < -IN_THE_WAY] += len(FACING) + 1
         for offset in OFFSETS:
             for level in np.unique(worse):
-                chosen = rotations[worse == level]
-                goals = poses.pose(chosen, MEETING + offset * towards)
+                goals = poses.pose(rotations[worse == level], MEETING + offset * towards)
                 answer = held.planner.inverse_kinematics(goals)
                 found, reached = goals[answer.found], answer.joints[answer.found]
                 for i in np.argsort(held.planner.travel_time(reached), kind="stable"):
