@@ -207,8 +207,7 @@ class _JudgedAct:
             if order.is_more_specific(one, other):
                 return NormConflict(one, other, "more specific")
         one, other = max(pairs, key=lambda pair: _rank(pair[0]))
-        is_trusted = one.trust > other.trust
-        reason = "told by somebody who is trusted more" if is_trusted else "later"
+        reason = "told by somebody who is trusted more" if one.trust > other.trust else "later"
         return NormConflict(one, other, reason)
 
     def evidence(self, rule: Rule) -> list[Proof]:

@@ -21,8 +21,7 @@ _SMALL_ANGLE = 1e-9  # [rad], below it a rotation has no axis
 def pose(rotation: ArrayLike, position: ArrayLike) -> Array:
     """Return the pose with this rotation (..., 3, 3) and position (..., 3) [m]."""
     rotation, position = np.asarray(rotation, float), np.asarray(position, float)
-    shape = np.broadcast_shapes(rotation.shape[:-2], position.shape[:-1])
-    result = np.zeros((*shape, 4, 4))
+    result = np.zeros((*np.broadcast_shapes(rotation.shape[:-2], position.shape[:-1]), 4, 4))
     result[..., :3, :3] = rotation
     result[..., :3, 3] = position
     result[..., 3, 3] = 1.0
@@ -42,8 +41,7 @@ def inverse(a_from_b: Array) -> Array:
 
 def transform(a_from_b: Array, points: Array) -> Array:
     """Return points (n, 3) of frame b in frame a; (..., n, 3) for a stack of poses."""
-    rotated = points @ np.swapaxes(a_from_b[..., :3, :3], -1, -2)
-    return rotated + a_from_b[..., None, :3, 3]
+    return points @ np.swapaxes(a_from_b[..., :3, :3], -1, -2) + a_from_b[..., None, :3, 3]
 
 
 def rotation_about(axis: ArrayLike, angle: ArrayLike) -> Array:

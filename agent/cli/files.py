@@ -195,7 +195,6 @@ def restore(
     from ...kb.backup import restore as put_back
     from ..config import default_location
 
-    location = kb or str(default_location())
-    number = put_back(folder, location, replace=replace)
+    number = put_back(folder, kb or str(default_location()), replace=replace)
     text = f"Restored up to utterance {number} from {folder}."
     common.announce({"restored": str(folder), "sequence": number}, text, as_json=as_json, err=True)

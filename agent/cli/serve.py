@@ -55,8 +55,7 @@ def serve(
     def ready(url: str, once: str | None, bound: int) -> None:
         if no_auth or bare:
             typer.echo("Without keys: every program of this machine may do everything.", err=True)
-        document = {"url": url, "key": once, "port": bound}
-        announce(document, f"Hilt is at {url}", as_json=as_json)
+        announce({"url": url, "key": once, "port": bound}, f"Hilt is at {url}", as_json=as_json)
         if browser and not as_json:
             typer.launch(url)
 

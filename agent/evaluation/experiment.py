@@ -54,8 +54,7 @@ class TimedResult:
     @classmethod
     def from_json(cls, document: Mapping[str, Any]) -> "TimedResult":
         """Return the result that `to_json_line` wrote; KeyError or TypeError if it is none."""
-        result = CaseResult(**document["result"])
-        return cls(result, document["cpu_s"], document["attempts"])
+        return cls(CaseResult(**document["result"]), document["cpu_s"], document["attempts"])
 
 
 def to_json_line(document: object) -> str:

@@ -230,8 +230,7 @@ class TreeExecutor:
         return [each for each in percepts if found is None or each.name == found.percept.name]
 
     def _excluded(self, arguments: Arguments) -> Collection[str]:
-        is_patient = self._target(arguments) == self._patient
-        return () if is_patient else self._request.excluded
+        return () if self._target(arguments) == self._patient else self._request.excluded
 
     def _act(self, arguments: Arguments, seen: Sequence[Percept], inference: Inference) -> Failure:
         node, target = inference.node, self._target(arguments)

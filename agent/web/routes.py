@@ -313,8 +313,7 @@ def history(service: TheService, _: Reader, since: Since = 0, limit: Limit = 1_0
 @knowledge.get("/episodes")
 def episodes(service: TheService, _: Reader, limit: Limit = 100) -> Documents:
     """The last commands, with their decisions, steps and results."""
-    found = [*service.base.episodes()][-limit:]
-    return [documents.episode_as_json(each) for each in found]
+    return [documents.episode_as_json(each) for each in [*service.base.episodes()][-limit:]]
 
 
 @knowledge.get("/episodes/{id}")

@@ -125,8 +125,7 @@ class SparqlEndpoint:
         media_type, body, number = found
         if not media_type:
             raise _refusal(406, "The answer has no form that is accepted.")
-        headers = {"Vary": "Accept", "Hilt-As-Of": str(number)}
-        return Response(body, 200, headers, media_type)
+        return Response(body, 200, {"Vary": "Accept", "Hilt-As-Of": str(number)}, media_type)
 
     def _looked_up(self, query: str, document: dict[str, Any]) -> tuple[str, bytes, int] | None:
         """The answer to what takes less time than to hand it over; None for other queries."""

@@ -130,8 +130,7 @@ class NQuadsWriter:
 def _shared_lines(
     contexts: frozenset[Atom], functor: str, argument: Atom | None, speaker: str, status: Status
 ) -> SharedLines:
-    features = frozenset([ANY])
-    one = Rule(features, contexts, functor, argument, _TRUE, speaker, status=status)
+    one = Rule(frozenset([ANY]), contexts, functor, argument, _TRUE, speaker, status=status)
     atoms = one.contexts | ({one.argument} if one.argument else frozenset())
     return SharedLines(
         tuple(_end(q) for q in rule_mapping.property_quads(one) if q.predicate not in OWN),

@@ -80,8 +80,7 @@ def write_base(
         if format in RULE_FORMATS:
             _write_rules(counted(scan_rules(store)), stream, format)
             return total
-        only = rules_only or not FORMATS[format].whole
-        quads = counted(statements(store, rules_only=only))
+        quads = counted(statements(store, rules_only=rules_only or not FORMATS[format].whole))
         if format == "turtle12":
             lines = write_annotated(map(quad_from_engine, quads))
             stream.writelines(line.encode() for line in lines)

@@ -151,8 +151,7 @@ def read_table(lines: Iterable[str], *, source: str) -> Iterator[Rule]:
     names = _header(first, source)
     # A column that is missing is found behind the last one.
     places = (names.index(name) if name in names else len(names) for name in COLUMNS)
-    in_order = itemgetter(*places)
-    read = partial(_read_row, width=len(names), in_order=in_order, source=source)
+    read = partial(_read_row, width=len(names), in_order=itemgetter(*places), source=source)
     yield from read_all(rows, read)
 
 

@@ -311,8 +311,7 @@ def open_folder(folder: Path, *, read_only: bool = False) -> OxigraphStore:
     """
     try:
         directory.undo_replacement(folder)
-        is_there = directory.is_base(folder)
-        if read_only and not is_there:
+        if read_only and not directory.is_base(folder):
             raise StoreError(f'There is no knowledge base "{folder}" to read.')
         if read_only:
             snapshot = directory.take_snapshot(folder)

@@ -72,8 +72,7 @@ def _candidates(
     beside = heights.y[:, None] + np.arange(-HALF_BINS, HALF_BINS + 1)
     nearest = heights.first[0, heights.x[:, None], beside].min(axis=1)
     nearest = np.minimum(nearest - starts[:, 2], 0.0)
-    shallow = tips <= (nearest + gripper.tip - gripper.palm)[:, None]
-    possible = clear & narrow & shallow
+    possible = clear & narrow & (tips <= (nearest + gripper.tip - gripper.palm)[:, None])
     ok = possible & (tips > 0) & (left < HALF_BINS) & (right < HALF_BINS)
     row, depth = np.nonzero(ok)
     shift = (right - left)[row, depth] * BIN / 2

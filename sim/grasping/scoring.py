@@ -34,6 +34,7 @@ REJECTION_PENALTY = 10.0  # taken from the score of a rejected pose
 
 MIN_CELLS = 2.5 / (CELLS_X * CELLS_Z)  # share of cells that both pads must touch
 DEEP_ROWS = 3  # of cells, from the tips; objects held by less slip out when moved
+PALM_ROOM = 0.012  # [m] before the palm, for what closes rides up between the fingers
 MIN_CONTACT_HEIGHT = 0.002  # [m] above the ends of the pads; lower contacts are squeezed out
 HEAVY, TOO_HEAVY = 0.25, 0.65  # [N m]; between them an object turns in the hand more and more
 
@@ -43,7 +44,7 @@ _TORQUE, _DISTANCE, _TILT, _WIDE, _WEDGE, _SQUEEZED = 0.3, 0.3, 0.1, 0.1, 1.0, 0
 TORQUE_SCALE = 0.3  # [N m] of gravity that costs all of `_TORQUE`
 DISTANCE_SCALE = 0.5  # [m] to the centre of mass that cost all of `_DISTANCE`
 # Shares that a score loses: weak grasps come last, and are still better than none.
-_SHALLOW, _TURNING = 0.6, 0.6
+_SHALLOW, _TURNING, _PALM = 0.6, 0.6, 0.6
 
 REJECTIONS = ("", "too_wide", "slope", "uneven", "part", "neighbour", "table")
 _NONE, _TOO_WIDE, _SLOPE, _UNEVEN, _PART, _NEIGHBOUR, _TABLE = range(len(REJECTIONS))
@@ -121,7 +122,8 @@ def score_grasps(
     )
     shallow = np.clip(1 - _contact_height(near, width, gripper) / MIN_CONTACT_HEIGHT, 0.0, 1.0)
     turning = np.clip((torque - HEAVY) / (TOO_HEAVY - HEAVY), 0.0, 1.0)
-    score *= (1 - _SHALLOW * shallow) * (1 - _TURNING * turning)
+    near_palm = np.clip(1 - _palm_gap(near, gripper) / PALM_ROOM, 0.0, 1.0)
+    score *= (1 - _SHALLOW * shallow) * (1 - _TURNING * turning) * (1 - _PALM * near_palm)
     score = np.where(rejection == _NONE, score, score - REJECTION_PENALTY)
     return GraspScores(centred, width, section_width, opening, score, rejection, slope, twist)
 
@@ -185,8 +187,7 @@ def _centre(near: HandPointPairs, gripper: Gripper) -> tuple[Array, Array]:
 
 def _contact_profiles(near: HandPointPairs, width: Array, gripper: Gripper) -> Array:
     """How far out each pad meets points (c, 2, CELLS_X, CELLS_Z) [m]; -inf in empty cells."""
-    inside = np.abs(near.y) <= (width / 2 + ROUNDING)[near.hand]
-    band = near.between_pads(gripper) & inside
+    band = near.between_pads(gripper) & (np.abs(near.y) <= (width / 2 + ROUNDING)[near.hand])
     x, y, z = (each[band] for each in (near.x, near.y, near.z))
     cell_x = np.clip((x / gripper.pad_width + 0.5) * CELLS_X, 0, CELLS_X - 1).astype(int)
     cell_z = np.clip((z / gripper.pad_length + 0.5) * CELLS_Z, 0, CELLS_Z - 1).astype(int)
@@ -228,8 +229,7 @@ def _contact_height(near: HandPointPairs, width: Array, gripper: Gripper) -> Arr
 
     Cells are too coarse for it: a plate that the pads just reach fills a whole row of them.
     """
-    level = np.abs(near.y) >= (width / 2 - LEVEL)[near.hand]
-    touched = near.between_pads(gripper) & level
+    touched = near.between_pads(gripper) & (np.abs(near.y) >= (width / 2 - LEVEL)[near.hand])
     sides = []
     for side in (near.y > 0, near.y <= 0):
         hand = near.hand[touched & side]
@@ -237,6 +237,15 @@ def _contact_height(near: HandPointPairs, width: Array, gripper: Gripper) -> Arr
         count = np.bincount(hand, minlength=near.hands)
         sides.append(np.bincount(hand, up, near.hands) / np.maximum(count, 1))
     return np.minimum(*sides)
+
+
+def _palm_gap(near: HandPointPairs, gripper: Gripper) -> Array:
+    """How far the nearest point below the palm is from it (c,) [m]; inf without one."""
+    along_x, along_y = gripper.palm_size
+    below = (np.abs(near.x) <= along_x / 2) & (np.abs(near.y) <= along_y / 2)
+    nearest = np.full(near.hands, np.inf)
+    np.minimum.at(nearest, near.hand[below], near.z[below])
+    return nearest - gripper.palm
 
 
 def _filled(touched: np.ndarray) -> np.ndarray:

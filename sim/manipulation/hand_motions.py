@@ -43,7 +43,7 @@ PLACE_STEP = 0.05  # [m] between two places
 PLACE_GAPS = (0.10, 0.03)  # [m] to other objects: with room for a hand, where there is such a place
 PLACE_HEIGHT = 0.10  # [m] above a place, from where an object is lowered
 RELEASE_TIME = 0.4  # [s]
-RETREAT = 0.08  # [m] the open hand goes back
+BACKWARDS = poses.translation(0, 0, -0.08)  # [m], where the open hand goes, seen from its grip
 POINTING_GAP = 0.05  # [m] between the finger tips and the object pointed at
 POINTING_TILTS_DEG = ((30.0, 8, 1), (45.0, 8, 1), (15.0, 8, 1), (0.0, 8, 1))  # headings, rolls
 MEETING = (0.58, 0.0, 0.40)  # [m], where objects are handed over
@@ -51,7 +51,9 @@ AHEAD = (1.0, 0.0, 0.0)  # from there to the person who receives them, across th
 MIN_FREE_LENGTH = 0.01  # [m] from the grip to the free part, else it has no direction
 HEADINGS = 24  # turns about the vertical that are tried for handing over
 FACING = (-0.5, 0.0, 0.7, 0.9)  # cosines to the receiver; between two of them all are as good
+IN_THE_WAY = 0.3  # sine of the slope of a hand that comes from the receiver's side: tried last
 PULL, FELT = 20.0, 5.0  # [N], of the receiver at the object, and from which on the hand opens
+TWIST = 1.0  # [N m], by which the receiver keeps it from turning
 PULL_SPEED, PULL_TIME = 0.25, 1.0  # [m/s], [s] of that pull
 TAKEN = 0.5  # [m] that the receiver takes it away
 OFFSETS = (0.0, -0.06, 0.06, -0.12)  # [m] from the meeting point towards the receiver
@@ -182,8 +184,7 @@ class HandMotion:
     def _let_loose(self, planner: PathPlanner, opening: float) -> None:
         self.robot.open(opening)
         self.robot.advance(round(RELEASE_TIME / TIME_STEP))
-        back = self.robot.world_from_grip @ poses.translation(0, 0, -RETREAT)
-        path = planner.plan_straight(back)
+        path = planner.plan_straight(self.robot.world_from_grip @ BACKWARDS)
         if path is not None:
             self.robot.follow(path, pace=APPROACH_PACE)
 
@@ -221,8 +222,7 @@ class HandMotion:
     def carry(self, held: HeldObject, path: Array) -> str:
         """Follow a path, slower where the object could turn; return "dropped" if it is, or ""."""
         pace = CARRY_PACE / (1 + held.torque / CAREFUL_TORQUE)
-        is_there = self.robot.follow(path, pace=pace, stop=self.loss_check())
-        return "" if is_there else "dropped"
+        return "" if self.robot.follow(path, pace=pace, stop=self.loss_check()) else "dropped"
 
     def hand_over(self, held: HeldObject) -> str:
         """Carry the held object to the receiver; return the reason of failure, or ""."""
@@ -255,7 +255,8 @@ class HandMotion:
         joints, ahead = self.robot.engine.joints, np.array(AHEAD)
         grip = self.robot.hand_from_grip[:3, 3] + held.free
         start = poses.transform(self.robot.world_from_hand, grip[None])[0]
-        at_rest, tether = self.robot.force_on_hand(), joints.tether(held.name, start, force=PULL)
+        at_rest = self.robot.force_on_hand()
+        tether = joints.tether(held.name, start, force=PULL, torque=TWIST)
         for step in range(round(PULL_TIME / TIME_STEP)):
             joints.move_tether(tether, start + PULL_SPEED * TIME_STEP * step * ahead)
             self.robot.advance(1)
@@ -325,13 +326,18 @@ class HandMotion:
         length = np.linalg.norm(free, axis=1, keepdims=True)
         ahead = np.where(length > MIN_FREE_LENGTH, free / np.maximum(length, MIN_FREE_LENGTH), 0.0)
         worse = -np.digitize(ahead @ towards, FACING)
+        worse[rotations[:, :, 2] @ towards < -IN_THE_WAY] += len(FACING) + 1
         for offset in OFFSETS:
             for level in np.unique(worse):
-                chosen = rotations[worse == level]
-                goals = poses.pose(chosen, MEETING + offset * towards)
+                goals = poses.pose(rotations[worse == level], MEETING + offset * towards)
                 answer = held.planner.inverse_kinematics(goals)
-                reached = answer.joints[answer.found]
-                yield from reached[np.argsort(held.planner.travel_time(reached), kind="stable")]
+                found, reached = goals[answer.found], answer.joints[answer.found]
+                for i in np.argsort(held.planner.travel_time(reached), kind="stable"):
+                    back = held.planner.plan_straight(
+                        found[i] @ BACKWARDS, start=found[i], joints=reached[i]
+                    )
+                    if back is not None:  # the hand can leave what it has given
+                        yield reached[i]
 
     def point_at(self, cloud: Array, planner: PathPlanner) -> str:
         """Point at the middle of a cloud (n, 3), touching nothing; return why it failed, or ""."""

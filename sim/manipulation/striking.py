@@ -70,8 +70,7 @@ class Striking(PickAndPlace):
         height = float(percept.cloud[:, 2].max())
         face = percept.cloud[percept.cloud[:, 2] > height - TOP]
         x, y, _ = (face.min(axis=0) + face.max(axis=0)) / 2
-        depth = self.world.depth(percept.name)
-        self._target = percept.name, np.array([x, y, height + depth])
+        self._target = percept.name, np.array([x, y, height + self.world.depth(percept.name)])
         return self._struck("move_above", held, self._carry_above)
 
     def _lower(self, held: HeldObject) -> MotionReport:

@@ -58,10 +58,8 @@ def loft(rings: Sequence[Array], *, caps: Faces | None = None) -> Trimesh:
     here = np.arange(len(rings) * count).reshape(-1, count)
     after = np.roll(here, -1, axis=1)
     quads = np.stack([here[:-1], after[:-1], after[1:], here[1:]], axis=-1).reshape(-1, 4)
-    fan = [(0, i, i + 1) for i in range(1, count - 1)]
-    first = np.array(fan) if caps is None else caps
-    last = first + here[-1, 0]
-    faces = [trimesh.geometry.triangulate_quads(quads), first[:, ::-1], last]
+    first = np.array([(0, i, i + 1) for i in range(1, count - 1)]) if caps is None else caps
+    faces = [trimesh.geometry.triangulate_quads(quads), first[:, ::-1], first + here[-1, 0]]
     mesh = Trimesh(np.vstack(rings), np.vstack(faces), process=False)
     mesh.merge_vertices(digits_vertex=8)
     mesh.update_faces(mesh.area_faces > _TINY_AREA)

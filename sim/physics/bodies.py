@@ -134,11 +134,12 @@ class Bodies:
         for number, index in self.link_ids(body, link):
             self._client.call("changeDynamics", number, index, **options)
 
-    def ignore_contacts(self, body: str, other: str) -> None:
-        """Let two bodies pass through each other from now on."""
+    def ignore_contacts(self, body: str, other: str, *, ignored: bool = True) -> None:
+        """Let two bodies pass through each other from now on, or find their contacts anew."""
         for number, link in self.link_ids(body):
             for another, its_link in self.link_ids(other):
-                self._client.call("setCollisionFilterPair", number, another, link, its_link, 0)
+                ids = number, another, link, its_link
+                self._client.call("setCollisionFilterPair", *ids, not ignored)
 
     def put_to_sleep(self, body: str) -> None:
         """Leave a body out while it is still and untouched; what a hand holds never sleeps."""
@@ -261,19 +262,26 @@ class Joints:
         bases = (*self._bodies.link_id(other), *self._bodies.link_id(body))
         self._join("FIXED", bases, (0, 0, 0), other_from_body, np.eye(4), maxForce=force)
 
-    def tether(self, body: str, at: Array, *, force: float) -> int:
-        """Hold a body at a point (3,) [m] by at most `force` [N], as a person; return its id."""
+    def tether(self, body: str, at: Array, *, force: float, torque: float) -> Sequence[int]:
+        """Hold a body at a point (3,) [m] as a person does; return the joints.
+
+        They bear at most `force` [N] there, and `torque` [N m], as its direction is held, too.
+        """
         joint, links = poses.translation(*at), (*self._bodies.link_id(body), BASE, BASE)
         body_from_joint = poses.inverse(self._bodies.centre_of_mass(body)) @ joint
-        return self._join("POINT2POINT", links, (0, 0, 0), body_from_joint, joint, maxForce=force)
+        bears = {"POINT2POINT": force, "FIXED": torque}
+        places = (0, 0, 0), body_from_joint, joint
+        return [self._join(kind, links, *places, maxForce=limit) for kind, limit in bears.items()]
 
-    def move_tether(self, tether: int, position: Array) -> None:
+    def move_tether(self, tether: Sequence[int], position: Array) -> None:
         """Move a tether to where its point of the body shall be (3,) [m]."""
-        self._client.call("changeConstraint", tether, jointChildPivot=position)
+        for joint in tether:
+            self._client.call("changeConstraint", joint, jointChildPivot=position)
 
-    def untie(self, tether: int) -> None:
+    def untie(self, tether: Sequence[int]) -> None:
         """Let go of what a tether holds."""
-        self._client.call("removeConstraint", tether)
+        for joint in tether:
+            self._client.call("removeConstraint", joint)
 
     def _join(
         self,

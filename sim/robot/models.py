@@ -103,8 +103,7 @@ class RobotType:
 
 def load_robots(path: Path = ROBOTS_FILE) -> dict[str, RobotType]:
     """Read all robots of a file, by name; DataError if an entry is missing or wrong."""
-    entries = read_yaml(path).entries()
-    return {name: _read_robot(name, field) for name, field in entries.items()}
+    return {name: _read_robot(name, field) for name, field in read_yaml(path).entries().items()}
 
 
 def find_robot(name: str) -> RobotType:

@@ -159,6 +159,9 @@ class Robot:
     def open(self, opening: float) -> None:
         """Open the gripper [m]; takes effect as time passes."""
         half = float(np.clip(opening, 0.0, self.gripper.opening)) / 2
+        # PyBullet may keep contacts whose normal points the wrong way: they hold the fingers.
+        for other in {each.other for each in self.engine.bodies.contacts(NAME)} - {NAME}:
+            self.engine.bodies.ignore_contacts(NAME, other, ignored=False)
         self._drive_fingers(FINGER_SPEED, OPENING_FORCE, to=half)
 
     def close(self, force: float = np.inf) -> None:
@@ -258,5 +261,4 @@ def _rounded(positions: Array, start: Array, half: int) -> Array:
 def resample(positions: Array, spacing: float) -> Array:
     """Those of the positions (t, k) that a joint is `spacing` [rad] apart, and both ends."""
     turned = np.append(0.0, np.cumsum(np.abs(np.diff(positions, axis=0)).max(axis=1)))
-    chosen = np.searchsorted(turned, np.arange(0.0, turned[-1], spacing))
-    return positions[[*chosen, -1]]
+    return positions[[*np.searchsorted(turned, np.arange(0.0, turned[-1], spacing)), -1]]

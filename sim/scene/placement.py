@@ -38,8 +38,7 @@ class DropPose:
 
 def place_objects(scene: Scene, models: Mapping[str, ObjectModel]) -> tuple[DropPose, ...]:
     """Return a spot for every object of a scene; `SimulationError` without room for all."""
-    rng = np.random.default_rng(scene.seed)
-    spots = _place_loose(scene, models, rng)
+    spots = _place_loose(scene, models, np.random.default_rng(scene.seed))
     for placement in scene.placements:
         mount = models[placement.object].kind.mount
         if placement.within is not None and mount is not None:

@@ -97,8 +97,7 @@ def scene_with(names: Sequence[str], *, seed: int, objects: Mapping[str, ObjectT
     for name in names:
         if name not in known:
             raise UnknownNameError("object", name, known)
-    plain = [Placement(name, name) for name in names]
-    return Scene(_mounted(plain, objects), seed)
+    return Scene(_mounted([Placement(name, name) for name in names], objects), seed)
 
 
 def _random_scene(text: str, objects: Mapping[str, ObjectType]) -> Scene:

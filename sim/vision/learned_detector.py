@@ -159,8 +159,7 @@ class Recogniser:
         # Neighbouring points mostly share their part: logits are averaged over each voxel.
         index = np.unique(voxel_keys(segment.points, SMOOTHING), return_inverse=True)[1]
         sums = [np.bincount(index, weights=column) for column in logits.T]
-        means = np.column_stack(sums)[index] / np.bincount(index)[index, None]
-        return np.argmax(means, axis=1)
+        return np.argmax(np.column_stack(sums)[index] / np.bincount(index)[index, None], axis=1)
 
 
 def point_inputs(segment: Segment, kind: int, count: int) -> Array:

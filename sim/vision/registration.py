@@ -41,8 +41,7 @@ def motion_between(before: Percept, after: Percept, guess: Array) -> Array:
         ahead, across = old[index[kept], :3] - moved[kept], normals[index[kept]]
         mean_gaps.append(float(gaps.mean()))
         before_from_after = _step(moved[kept], ahead, across) @ before_from_after
-    is_moved = mean_gaps[0] > WORSE * mean_gaps[-1]
-    return poses.inverse(before_from_after) if is_moved else guess
+    return poses.inverse(before_from_after) if mean_gaps[0] > WORSE * mean_gaps[-1] else guess
 
 
 def _labelled(percept: Percept, parts: list[str]) -> Array:

@@ -161,12 +161,10 @@ def segment_frame(points: Array) -> Array:
     middle = points[:, :2].mean(axis=0)
     along = principal_direction(points)
     # Seen from the middle, the lighter end reaches farther; x points away from it.
-    ahead = (points[:, :2] - middle) @ along
-    if (ahead**3).sum() > 0:
+    if (((points[:, :2] - middle) @ along) ** 3).sum() > 0:
         along = -along
     x, y = along
-    rotation = np.array([[x, -y, 0.0], [y, x, 0.0], [0.0, 0.0, 1.0]])
-    return poses.pose(rotation, (*middle, 0.0))
+    return poses.pose(np.array([[x, -y, 0.0], [y, x, 0.0], [0.0, 0.0, 1.0]]), (*middle, 0.0))
 
 
 def describe_segment(segment: Segment) -> Array:

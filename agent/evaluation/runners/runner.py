@@ -130,8 +130,7 @@ def run_in_processes(
     def start(case: str) -> Future[str]:
         # A worker that dies before it reports its case breaks its pool.
         if not pools or not pools[-1].active:
-            most = min(workers, len(cases))
-            pools.append(ProcessPool(most, context=get_context("spawn")))
+            pools.append(ProcessPool(min(workers, len(cases)), context=get_context("spawn")))
         return pools[-1].schedule(run_in_worker, args=(name, options, case), timeout=timeout_s)
 
     failures = (ProcessExpired, BrokenProcessPool, TimeoutError)

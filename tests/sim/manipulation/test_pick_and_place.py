@@ -248,11 +248,30 @@ def test_object_lost_on_the_way_is_grasped_again_and_handed_over():
 
 
 @pytest.mark.parametrize(
-    ("name", "part"), [("knife", "blade"), ("hammer", "handle"), ("mug", "barrel")]
+    ("name", "part", "seed"),
+    [
+        ("knife", "blade", 7),
+        ("hammer", "handle", 7),
+        ("mug", "barrel", 7),
+        ("hammer", "head", 64004),
+        ("shoe", "upper", 64002),
+        ("spoon", "handle", 64000),
+        ("glass", "stem", 64005),
+    ],
 )
-def test_receiver_takes_what_is_offered(name: str, part: str):
-    """The free part faces the receiver; the hand opens as it is pulled at, and goes home empty."""
-    with body_with(f"objects:{name}", seed=7) as body:
+def test_receiver_takes_what_is_offered(name: str, part: str, seed: int):
+    """The free part faces the receiver; the hand opens as it is pulled at, and goes home empty.
+
+    No link but the fingers touches anything meanwhile.
+    """
+    with body_with(f"objects:{name}", seed=seed) as body:
+        contacts, touched = body.world.engine.bodies.contacts, set[str]()
+
+        def look() -> None:
+            for link in {*body.robot.chain.links} - {*body.robot.gripper.links}:
+                touched.update(link for each in contacts(NAME, link) if each.other != NAME)
+
+        body.world.engine.watchers.append(look)
         assert grasped(body, name, part).ok and body.lift().ok
         offered = body.hand_over()
         before = body.world.pose(name)[0, 3]
@@ -263,6 +282,7 @@ def test_receiver_takes_what_is_offered(name: str, part: str):
         assert body.world.pose(name)[0, 3] > before + 0.3
         assert body.world.points(name)[:, 2].min() > 0.1
         assert not body.robot.is_touching()
+        assert not touched
     assert np.degrees(offered.facing_rad or 0.0) < 45
     assert offered.clearance_m is not None and offered.clearance_m > -0.002
 
