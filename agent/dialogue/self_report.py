@@ -1,8 +1,10 @@
 """Questions about Hilt itself: what it is, holds, did, and was told by whom."""
 
-from collections.abc import Callable, Collection, Mapping
+from collections import defaultdict
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from functools import partial
 
+from ...kb.rule import Atom, Rule
 from ...nlu.semantics.meaning import Question, SimpleCommand
 from .conversation import Answered, Conversation, spoken
 
@@ -100,8 +102,30 @@ def _last_said(_: Question, known: Conversation, *, kinds: Collection[str]) -> A
     return spoken("you_said_nothing", done=True), ()
 
 
+def _exceptions(question: Question, known: Conversation) -> Answered:
+    others = known.base.rules(object=question.object) if question.object else known.base.rules()
+    rules = others if question.object else known.topic or others
+    found = tuple(dict.fromkeys(_exceptions_to(rules, others)))
+    said = tuple(map(known.describe, found))
+    return spoken("exceptions" if found else "no_exceptions", done=True, rules=said), found
+
+
+def _exceptions_to(rules: Iterable[Rule], others: Iterable[Rule]) -> Iterator[Rule]:
+    of_conclusion = defaultdict[tuple[Atom | None, str | None], list[Rule]](list)
+    for other in others:
+        of_conclusion[other.argument, other.object].append(other)
+        if other.object is not None:
+            of_conclusion[other.argument, None].append(other)
+    for rule in rules:
+        for other in of_conclusion[rule.argument, rule.object]:
+            is_special = other.features >= rule.features and other.contexts >= rule.contexts
+            if is_special and other.asserts != rule.asserts:
+                yield other
+
+
 SELF_REPORTS: Mapping[str, Callable[[Question, Conversation], Answered]] = {
     "capabilities": _capabilities,
+    "exceptions": _exceptions,
     "first_told": partial(_told_at_an_end, newest_first=False),
     "hearing": partial(_fixed, "hearing"),
     "holding": _holding,
