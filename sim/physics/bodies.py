@@ -134,12 +134,17 @@ class Bodies:
         for number, index in self.link_ids(body, link):
             self._client.call("changeDynamics", number, index, **options)
 
-    def ignore_contacts(self, body: str, other: str, *, ignored: bool = True) -> None:
-        """Let two bodies pass through each other from now on, or find their contacts anew."""
+    def ignore_contacts(self, body: str, other: str) -> None:
+        """Let two bodies pass through each other from now on."""
         for number, link in self.link_ids(body):
             for another, its_link in self.link_ids(other):
-                ids = number, another, link, its_link
-                self._client.call("setCollisionFilterPair", *ids, not ignored)
+                self._client.call("setCollisionFilterPair", number, another, link, its_link, 0)
+
+    def renew_contacts(self, body: str) -> None:
+        """Find the contacts of a body anew: PyBullet keeps some that pull in place of pushing."""
+        for raw in self._client.call("getContactPoints", self.link_id(body)[0]):
+            if raw[1] != raw[2]:
+                self._client.call("setCollisionFilterPair", *raw[1:5], 1)
 
     def put_to_sleep(self, body: str) -> None:
         """Leave a body out while it is still and untouched; what a hand holds never sleeps."""
@@ -271,6 +276,8 @@ class Joints:
         body_from_joint = poses.inverse(self._bodies.centre_of_mass(body)) @ joint
         bears = {"POINT2POINT": force, "FIXED": torque}
         places = (0, 0, 0), body_from_joint, joint
+        awake = self._client.constant("ACTIVATION_STATE_DISABLE_SLEEPING")
+        self._client.call("changeDynamics", *links[:2], activationState=awake)
         return [self._join(kind, links, *places, maxForce=limit) for kind, limit in bears.items()]
 
     def move_tether(self, tether: Sequence[int], position: Array) -> None:

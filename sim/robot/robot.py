@@ -159,9 +159,7 @@ class Robot:
     def open(self, opening: float) -> None:
         """Open the gripper [m]; takes effect as time passes."""
         half = float(np.clip(opening, 0.0, self.gripper.opening)) / 2
-        # PyBullet may keep contacts whose normal points the wrong way: they hold the fingers.
-        for other in {each.other for each in self.engine.bodies.contacts(NAME)} - {NAME}:
-            self.engine.bodies.ignore_contacts(NAME, other, ignored=False)
+        self.engine.bodies.renew_contacts(NAME)  # some would hold the fingers
         self._drive_fingers(FINGER_SPEED, OPENING_FORCE, to=half)
 
     def close(self, force: float = np.inf) -> None:
