@@ -32,7 +32,7 @@ import yaml
 from hilt.agent.agent import Agent
 from hilt.agent.config import AgentConfig
 from hilt.agent.speech import listening
-from hilt.agent.speech.listening import FEATURES, RECOGNISERS, Listener, find_recogniser
+from hilt.agent.speech.listening import FEATURES, RECOGNISERS, Listener
 from hilt.agent.speech.sound import Sound, Transcript
 from hilt.nlu.jsgf import sentences
 from hilt.nlu.language import Language
@@ -111,7 +111,7 @@ def with_noise(sound: Sound, ratio_db: float | None, rng: np.random.Generator) -
 
 def recordings(language: Language, seed: int) -> Iterator[dict[str, Any]]:
     """What each recogniser makes of each recording, with the processor time."""
-    recognisers = [find_recogniser(name, language) for name in RECOGNISERS]
+    listener = Listener.open((), language)
     rng = np.random.default_rng(seed)
     for kind, text, voices in items(language, seed):
         for voice in voices:
@@ -122,8 +122,8 @@ def recordings(language: Language, seed: int) -> Iterator[dict[str, Any]]:
                 row = {**about, "seconds": sound.duration_s, "ratio": sound.speech_to_noise_db}
                 start = time.process_time()
                 row["found"] = {
-                    each.name: [(one.text, one.score) for one in each.recognise(sound)]
-                    for each in recognisers
+                    name: [(one.text, one.score) for one in each]
+                    for name, each in listener.found(sound).items()
                 }
                 yield {**row, "cpu": time.process_time() - start}
 
@@ -210,7 +210,7 @@ def outcome(row: Row) -> str:
         for name in RECOGNISERS
     ]
     listener = Listener(tuple(heard_before), LANGUAGE_SEEN)
-    heard = listener.hear(SimpleNamespace(speech_to_noise_db=row["ratio"]))
+    heard = listener.hear(SimpleNamespace(speech_to_noise_db=row["ratio"], varied=tuple))
     if not heard.text:
         return "asked"
     agent = Agent.open("memory:", AgentConfig(simulate=False, scene="all"))

@@ -220,7 +220,8 @@ class SpokenUtterance:
         new = [each for each in understood if each.new_words]
         if first in new and first.certainty >= SURE:
             return self._offer([first])
-        for each in [one for one in self.found if one.said is None or one.new_words] or [first]:
+        strange = [e for e in self.found if e.said is None or e.new_words or e.understood.unknown]
+        for each in strange or [first]:
             if each not in known:
                 known += self._likely(each, {each.said for each in known})
         choices = [*known[: MAX_CHOICES - bool(new)], *new][:MAX_CHOICES]

@@ -70,7 +70,7 @@ class Listener:
 
     def hear(self, sound: Sound, discourse: Discourse | None = None) -> Heard:
         """Return what was said, at this point of a conversation."""
-        found = {each.name: tuple(each.recognise(sound)) for each in self.recognisers}
+        found = self.found(sound, discourse)
         meanings = self.meanings(found, sound.speech_to_noise_db, discourse)
         ranked = sorted(meanings, key=lambda each: -each.certainty)
         shares, rest = dict[str, float](), 1.0
@@ -84,6 +84,19 @@ class Listener:
         first = listed[0] if listed else Transcript("", 0.0)
         names = tuple(name for name, each in found.items() if each)
         return Heard(first.text, first.score, listed, names, bool(ranked and ranked[0].is_agreed))
+
+    def found(self, sound: Sound, discourse: Discourse | None = None) -> Found:
+        """Return what each recogniser finds; the first one hears again what is not understood."""
+        found = {each.name: tuple(each.recognise(sound)) for each in self.recognisers}
+        first, heard = self.recognisers[0], found[self.recognisers[0].name]
+        for again in sound.varied() if heard else ():
+            understood = (
+                self.language.understand(each.text, discourse=discourse) for each in heard
+            )
+            if any(meaning_key(each) and not each.unknown for each in understood):
+                break
+            heard += tuple(first.recognise(again))
+        return found | {first.name: heard}
 
     def meanings(
         self, found: Found, speech_to_noise_db: float, discourse: Discourse | None = None

@@ -4,7 +4,7 @@ import warnings
 import wave
 from collections.abc import Callable, Generator, Iterable, Iterator
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from io import BytesIO
 from pathlib import Path
 from queue import SimpleQueue
@@ -84,6 +84,17 @@ class Sound:
         mono = samples.mean(axis=1) if samples.ndim > 1 else samples
         right = resample_poly(mono, RATE, rate) if mono.size else mono
         return cls(np.clip(right, -1, 1).astype(np.float32), source)
+
+    def varied(self) -> "Iterator[Sound]":
+        """Yield it a tenth faster, then with less of its low tones: a second and a third hearing.
+
+        A recogniser often understands one of them where it does not understand the sound itself.
+        """
+        from scipy.signal import resample_poly
+
+        sharper = 2 * self.samples - np.roll(self.samples, 1)
+        for samples in (resample_poly(self.samples, 10, 11), sharper):
+            yield replace(self, samples=np.clip(samples, -1, 1).astype(np.float32))
 
     @property
     def duration_s(self) -> float:

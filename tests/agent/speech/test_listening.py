@@ -58,6 +58,24 @@ def scripted(language: Language, *found: Sequence[Transcript]) -> Heard:
     )
 
 
+def test_what_is_not_understood_is_heard_again(language: Language):
+    """The first recogniser hears it faster, then with less of the low tones, until it is clear."""
+    texts = [["pars of the nigh"], ["pass me the knife"], ["stop"]]
+
+    class Retrying(Scripted):
+        def recognise(self, sound: Sound) -> Sequence[Transcript]:
+            lengths.append(sound.samples.size)
+            return [Transcript(text, 1.0) for text in texts[len(lengths) - 1]]
+
+    lengths: list[int] = []
+    other = Scripted("other", [Transcript("pass me the night", 1.0)])
+    heard = Listener((Retrying("first", ()), other), language).hear(TONE)
+
+    assert "pass me the knife" in [each.text for each in heard.alternatives]
+    assert lengths == [RATE, -(-RATE * 10 // 11)]
+    assert heard.heard < 0.9
+
+
 def test_spoken_sentences_are_understood_or_asked_about(
     listener: Listener, say: Say, tmp_path: Path
 ):
