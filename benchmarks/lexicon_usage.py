@@ -42,7 +42,19 @@ LISTS = ("lexicon.yaml", "constructions.yaml", "requests.yaml")
 """The files that may be pruned; what is in all others is structure."""
 FILES = (*LISTS, "clauses.yaml", "conversation.yaml")
 KEPT = frozenset(
-    {*NEAR, "materials", "attitudes", "said", "paradigm", "generated", "dialogues", "documented"}
+    {
+        *NEAR,
+        "constructions",
+        "kinds",
+        "materials",
+        "new_words",
+        "attitudes",
+        "said",
+        "paradigm",
+        "generated",
+        "dialogues",
+        "documented",
+    }
 )
 """What must stay: one use of a spelling in these sets is enough."""
 
@@ -263,7 +275,7 @@ def _spelt(
     pieces, anchor = pieces
     choices: list[list[tuple[str, ...]]] = []
     for number, piece in enumerate(pieces):
-        if hasattr(piece, "text"):
+        if piece.category.is_words:
             choices.append([said] if number == anchor else runs.get(str(piece.category), []))
         else:
             name = f"{piece.name}:" if piece.name else ""
@@ -332,8 +344,8 @@ class Recorder:
                         made = Construction(pieces_of(variant, says), category, term)
                         head = made.head
                         key: object = (head.category, made.category, made.functor())
-                        if hasattr(head, "text"):
-                            key = (head.text, made.category, made.functor())
+                        if head.category.is_words:
+                            key = (head.category.words, made.category, made.functor())
                         usage.add_spelling(says, line, key, (made.pieces, made.anchor))
 
         def phrases(self: DiscourseMarkers, kind: str, field: YamlNode) -> DiscourseMarkers:
@@ -438,8 +450,8 @@ def _list_edit(node: Any, items: Sequence[str]) -> tuple[int, int, str]:
         comma = ", " if number else ""
         if width + len(item) > 120 and number:
             lines[-1] += ","
-            lines.append("      " + item)
-            width = len(item) + 6
+            lines.append("    " + item)
+            width = len(item) + 4
         else:
             lines[-1] += comma + item
             width += len(item) + 2

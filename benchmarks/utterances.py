@@ -19,7 +19,9 @@ ROOT = Path(__file__).parents[1]
 DATA = ROOT / "tests" / "nlu" / "data"
 
 NEAR = ("paper", "paraphrases", "commands", "conversation")
-GROUPED = (*NEAR, "materials", "attitudes", "wide", "aside", "far")
+GROUPED = (
+    *NEAR, "constructions", "kinds", "materials", "attitudes", "new_words", "wide", "aside", "far"
+)  # fmt: skip
 SENTENCES = 3000
 """How many sentences of the generated grammar are drawn."""
 

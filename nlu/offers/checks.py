@@ -6,7 +6,7 @@ sentence. Doers, sources, times and modality are features, on which the licence 
 for the other checks are data (`offers.yaml`).
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -194,8 +194,7 @@ class OfferChecks:
             return False
         if isinstance(meaning, SimpleCommand):
             return all(self._asks(meaning, n, mentions) for n in self.spoken("condition", mentions))
-        names = _acts_and_uses(meaning)
-        spoken = [each.start for each in mentions.names if each.name in names]
+        spoken = [each.start for each in mentions.names if each.name in _acts_and_uses(meaning)]
         return all(
             any(place < other < end for other in spoken)
             for place in self.spoken("condition", mentions)
@@ -262,11 +261,11 @@ def _said_of(rule: meanings.Rule) -> str:
     return rule.part if isinstance(rule, ActionRule) else rule.affordance
 
 
-def _acts_and_uses(meaning: Meaning) -> frozenset[str]:
+def _acts_and_uses(meaning: Meaning) -> Collection[str]:
     match meaning:
         case Statement(rules):
-            named = (r.context if isinstance(r, ActionRule) else r.affordance for r in rules)
-            return frozenset(named)
+            held = {r.part for r in rules if isinstance(r, ActionRule)}
+            return held | {r.context if isinstance(r, ActionRule) else r.affordance for r in rules}
         case Question():
             return frozenset(filter(None, (meaning.affordance, meaning.context)))
         case _:

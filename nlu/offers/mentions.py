@@ -161,8 +161,7 @@ def find_mentions(
     names = (each for each in whole if places == things or each not in places)
     ordered = tuple(sorted(names, key=lambda each: (each.start, each.end)))
     it = discourse.object.said if discourse.object else None
-    said = tuple(_degrees(words, degrees))
-    return Mentions(tokens, ordered, said, it, discourse.rule)
+    return Mentions(tokens, ordered, tuple(_degrees(words, degrees)), it, discourse.rule)
 
 
 def _label(names: Mapping[str, str], word: str) -> str:
@@ -211,6 +210,8 @@ def _new(tokens: Tokens, known: KnownWords) -> Iterator[Mention]:
                 may_be_person = second in _BEFORE_PEOPLE and first not in {"", *_BEFORE_PLACES}
                 if role == "object" and may_be_person:
                     yield Mention("person", entry.name, start, end, True, is_unknown)
+                if role == "object" and (first == "to" or second.endswith("ing")):
+                    yield Mention("material", entry.name, start, end, True, is_unknown)
 
 
 def _fits(role: str, entry: Entry, words: tuple[str, ...], start: int) -> bool:

@@ -63,6 +63,7 @@ UNDERSTOOD = (
     "blind_speakers.jsonl",
     "blind_turns.jsonl",
     "far.yaml",
+    "far_free.jsonl",
     "far_people.jsonl",
     "far_voices.jsonl",
     "wide.yaml",
