@@ -151,9 +151,8 @@ def needed_features(rule: Rule, rules: Iterable[Rule], objects: ObjectTypes) -> 
 
 def _features(kind: ObjectType) -> frozenset[str]:
     properties = (f"property:{prop}" for prop in kind.properties)
-    parts = (f"part:{name}" for name in kind.parts)
     working = (_part_traits(part) for part in kind.parts.values() if part.role != GRIP)
-    return frozenset[str]().union(properties, parts, *working)
+    return frozenset[str]().union(properties, (f"part:{name}" for name in kind.parts), *working)
 
 
 def _traits(name: str, objects: ObjectTypes, classes: Classes) -> Traits:

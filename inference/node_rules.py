@@ -174,9 +174,8 @@ class NodeRules:
     @cached_property
     def contexts(self) -> tuple[Atom, ...]:
         """The actions above the node, nearest first, each with its more general actions."""
-        names = Actions.contexts(self.node)
         itself = (GRASP,) if self.action == GRASP_OBJECT else ()  # whatever for
-        acting = (Atom("action", name) for name in (*names, *itself))
+        acting = (Atom("action", name) for name in (*Actions.contexts(self.node), *itself))
         kinds = (above for atom in acting for above, _ in self.taxonomy.above(atom))
         return tuple(dict.fromkeys(kinds))
 

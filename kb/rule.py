@@ -130,8 +130,7 @@ class Rule:
         if self.context is None:
             raise ValidationError([f"{self.functor} needs the action that it is about as context."])
         allowed = ("part",) if self.functor == FORBIDDEN else ("part", "action")
-        is_fit = self.argument.kind in allowed if self.argument else self.functor != OBLIGED
-        if not is_fit:
+        if not (self.argument.kind in allowed if self.argument else self.functor != OBLIGED):
             expected = " or ".join(map(_article, allowed))
             raise ValidationError([f"{self.functor} takes {expected}, not {self.argument}."])
 
@@ -309,9 +308,8 @@ def norm(
     `argument` is the part by which it is done; for an obligation, also the action that comes first.
     `contexts` are where, and to whom: places and roles.
     """
-    features = _features(name, properties)
     where = frozenset((Atom("action", action), *contexts))
-    return Rule(features, where, functor, argument, interval, speaker)
+    return Rule(_features(name, properties), where, functor, argument, interval, speaker)
 
 
 def check_speaker(name: str) -> None:

@@ -142,8 +142,7 @@ class RuleWriter(RuleReader):
         Rules of the speaker are discounted by `lower`; `upper` is 1 by default, 0 if `lower` is 0.
         """
         check_speaker(speaker)
-        most = (1.0 if lower else 0.0) if upper is None else upper
-        trust = Interval(lower, most).rounded()
+        trust = Interval(lower, (1.0 if lower else 0.0) if upper is None else upper).rounded()
         form = f"trust({speaker},{trust.lower},{trust.upper})"
         said = (0, f"trust {speaker} {trust}", form, by, to_milliseconds(self.clock()), "trust")
         with self.store.writing():

@@ -237,8 +237,7 @@ class Language:
         if control:
             rest = replace(rest, meaning=control, discourse=context.discourse)
         is_harmless = rest.kind in {"question", "acknowledgement", "control"}
-        is_understood = rest.kind not in {"error", "ask_back"}
-        if is_harmless or (is_understood and courtesy.is_formal):
+        if is_harmless or (rest.kind not in {"error", "ask_back"} and courtesy.is_formal):
             return replace(rest, text=failed.text)
         if courtesy.kind and isinstance(failed.meaning, meanings.Misunderstanding):
             said = f"{self.answers.say(answer_to(courtesy.kind))} {failed.meaning.message}"

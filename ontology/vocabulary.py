@@ -119,8 +119,7 @@ def prefixed(full: Iri) -> str:
     >>> prefixed(iri("object", "wine glass"))
     'object:wine_glass'
     """
-    fitting = (name for name, space in PREFIXES.items() if full.startswith(space))
-    name = next(fitting, "")
+    name = next((name for name, space in PREFIXES.items() if full.startswith(space)), "")
     return f"{name}:{full.removeprefix(PREFIXES[name])}" if name else str(full)
 
 

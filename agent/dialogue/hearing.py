@@ -198,8 +198,7 @@ class SpokenUtterance:
             return self.hear(best.text)
         said = best.understood
         if said.kind in _HARMLESS and best.said == said.meaning and not best.new_words:
-            heard = best.certainty
-            again = self.conversation.understand(best.text, said.speaker, heard=heard)
+            again = self.conversation.understand(best.text, said.speaker, heard=best.certainty)
             is_sure = again.meaning == said.meaning
         else:
             is_sure = best.certainty >= SURE and not self._is_open(best)

@@ -146,8 +146,7 @@ def _is_used_for(question: Question, known: Conversation) -> Answered:
     if not rules[0].trust:
         slots = {"rule": known.describe(rules[0]), "speaker": rules[0].speaker}
         return spoken("hardly_sure", done=True, **slots), (rules[0],)
-    key = "is_used_for" if rules[0].asserts else "is_denied"
-    return _told(key, rules[0], known)
+    return _told("is_used_for" if rules[0].asserts else "is_denied", rules[0], known)
 
 
 def _is_kind_of(question: Question, known: Conversation) -> Answered:
@@ -476,8 +475,7 @@ def _meant(question: Question, known: Conversation) -> list[Rule]:
     if not any(named.values()):
         latest = sorted(known.base.rules(), key=lambda rule: -(rule.utterance or 0))[:1]
         return list(known.topic) or ([] if known.last_said else latest)
-    rules = known.base.rules(**named)
-    fitting = [rule for rule in rules if question.part in {None, rule.part}]
+    fitting = [rule for rule in known.base.rules(**named) if question.part in {None, rule.part}]
     return _on_material(fitting, question, known) if question.affordance else _by_strength(fitting)
 
 

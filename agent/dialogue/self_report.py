@@ -1,10 +1,10 @@
 """Questions about Hilt itself: what it is, holds, did, and was told by whom."""
 
 from collections import defaultdict
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Mapping
 from functools import partial
 
-from ...kb.rule import Atom, Rule
+from ...kb.rule import Rule
 from ...nlu.semantics.meaning import Question, SimpleCommand
 from .conversation import Answered, Conversation, spoken
 
@@ -104,23 +104,18 @@ def _last_said(_: Question, known: Conversation, *, kinds: Collection[str]) -> A
 
 def _exceptions(question: Question, known: Conversation) -> Answered:
     others = known.base.rules(object=question.object) if question.object else known.base.rules()
-    rules = others if question.object else known.topic or others
-    found = tuple(dict.fromkeys(_exceptions_to(rules, others)))
+    rules, alike = others if question.object else known.topic or others, defaultdict(list[Rule])
+    for other in others:
+        alike[other.argument].append(other)
+    pairs = ((other, rule) for rule in rules for other in alike[rule.argument])
+    found = tuple(dict.fromkeys(other for other, rule in pairs if _is_exception(other, rule)))
     said = tuple(map(known.describe, found))
     return spoken("exceptions" if found else "no_exceptions", done=True, rules=said), found
 
 
-def _exceptions_to(rules: Iterable[Rule], others: Iterable[Rule]) -> Iterator[Rule]:
-    of_conclusion = defaultdict[tuple[Atom | None, str | None], list[Rule]](list)
-    for other in others:
-        of_conclusion[other.argument, other.object].append(other)
-        if other.object is not None:
-            of_conclusion[other.argument, None].append(other)
-    for rule in rules:
-        for other in of_conclusion[rule.argument, rule.object]:
-            is_special = other.features >= rule.features and other.contexts >= rule.contexts
-            if is_special and other.asserts != rule.asserts:
-                yield other
+def _is_exception(other: Rule, rule: Rule) -> bool:
+    is_special = other.features >= rule.features and other.contexts >= rule.contexts
+    return rule.object in {None, other.object} and is_special and other.asserts != rule.asserts
 
 
 SELF_REPORTS: Mapping[str, Callable[[Question, Conversation], Answered]] = {

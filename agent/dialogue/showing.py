@@ -94,8 +94,7 @@ class Showing:
     def _distance(self, cloud: "Array") -> float:
         import numpy as np  # here: who decides without a simulator saves its import time
 
-        at = self.pointed_at or (0.0, 0.0)
-        return float(np.linalg.norm(cloud[:, :2] - at, axis=1).min())
+        return float(np.linalg.norm(cloud[:, :2] - (self.pointed_at or (0.0, 0.0)), axis=1).min())
 
     def _keep(
         self, turn: UnderstoodTurn, kind: "ShownKind", eyes: "LearnedDetector", spoken: str

@@ -196,8 +196,7 @@ def word_for_person(name: str) -> NewWord:
 
 def _target(said: meaning.ObjectReference) -> Target:
     name = None if said.object == meaning.ANY_OBJECT else said.object
-    props = frozenset(said.props)
-    return Target(name, said.used_for, said.not_used_for, props, said.material)
+    return Target(name, said.used_for, said.not_used_for, frozenset(said.props), said.material)
 
 
 def tree_from_definition(said: meaning.ActionDefinition, tool_acts: Names) -> actions.ActionTree:

@@ -88,15 +88,14 @@ class Listener:
     def found(self, sound: Sound, discourse: Discourse | None = None) -> Found:
         """Return what each recogniser finds; the first one hears again what is not understood."""
         found = {each.name: tuple(each.recognise(sound)) for each in self.recognisers}
-        first, heard = self.recognisers[0], found[self.recognisers[0].name]
-        for again in sound.varied() if heard else ():
-            understood = (
-                self.language.understand(each.text, discourse=discourse) for each in heard
-            )
-            if any(meaning_key(each) and not each.unknown for each in understood):
+        first = self.recognisers[0]
+        for again in sound.varied() if found[first.name] else ():
+            texts = (each.text for each in found[first.name])
+            heard = (self.language.understand(text, discourse=discourse) for text in texts)
+            if any(meaning_key(each) and not each.unknown for each in heard):
                 break
-            heard += tuple(first.recognise(again))
-        return found | {first.name: heard}
+            found[first.name] += tuple(first.recognise(again))
+        return found
 
     def meanings(
         self, found: Found, speech_to_noise_db: float, discourse: Discourse | None = None

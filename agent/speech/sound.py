@@ -86,10 +86,7 @@ class Sound:
         return cls(np.clip(right, -1, 1).astype(np.float32), source)
 
     def varied(self) -> "Iterator[Sound]":
-        """Yield it a tenth faster, then with less of its low tones: a second and a third hearing.
-
-        A recogniser often understands one of them where it does not understand the sound itself.
-        """
+        """Yield it a tenth faster, and with less of its low tones: such are often understood."""
         from scipy.signal import resample_poly
 
         sharper = 2 * self.samples - np.roll(self.samples, 1)

@@ -177,8 +177,7 @@ class ModelTools:
             raise ToolError("There is no such plan of yours, or it is too old. Plan again.")
         planned, command, *_ = found
         again = await run_in_threadpool(self._planned, command, caller)
-        chosen = (planned.object, planned.part, "done")
-        if (again.object, again.part, again.outcome) != chosen:
+        if (again.object, again.part, again.outcome) != (planned.object, planned.part, "done"):
             raise ToolError(f"It would be decided otherwise now: {again.said} Plan again.")
         self._service.lease(caller, PLAN_SECONDS)
         try:

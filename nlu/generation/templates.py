@@ -114,16 +114,14 @@ class AnswerTemplates:
             if act.tool.object in {None, meaning.ANY_OBJECT} and not act.tool.props:
                 return f"{verb} {patient}"
             tool = self.noun_phrase(act.tool.object or meaning.ANY_OBJECT, act.tool.props)
-            slots = {"act": f"{verb} {patient}", "tool": tool}
-            return self.fill(said["with_tool"], slots)
+            return self.fill(said["with_tool"], {"act": f"{verb} {patient}", "tool": tool})
         target = self.noun_phrase(act.target.object or meaning.ANY_OBJECT, act.target.props)
         text = f"{verb} {target}"
         if act.recipient is None:
             return text
         is_role = act.recipient in self.words.nouns["human"]
         named = self.words.inflection.with_article if is_role else proper_name
-        person = named(act.recipient)
-        return self.fill(said["to_whom"], {"act": text, "recipient": person})
+        return self.fill(said["to_whom"], {"act": text, "recipient": named(act.recipient)})
 
     def use_phrase(self, affordance: str, *materials: str | None) -> str:
         """Return what something is used for: "cutting", "cutting bread", "painting walls"."""

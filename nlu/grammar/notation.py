@@ -62,8 +62,7 @@ def parse(field: YamlNode, start: Start) -> object:
 
     text = field.text()
     if len(text) > MAX_CHARACTERS:
-        problem = f"expected at most {MAX_CHARACTERS} characters, found {len(text)}."
-        raise field.fail(problem)
+        raise field.fail(f"expected at most {MAX_CHARACTERS} characters, found {len(text)}.")
     try:
         return _parser().parse(text, start=start)
     except UnexpectedInput as error:

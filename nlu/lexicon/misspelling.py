@@ -61,8 +61,7 @@ def _slips_of_words(word: str) -> Iterator[str]:
 
 
 def _swapped(word: str) -> Iterator[str]:
-    pairs = range(len(word) - 1)
-    return (word[:n] + word[n + 1] + word[n] + word[n + 2 :] for n in pairs)
+    return (word[:n] + word[n + 1] + word[n] + word[n + 2 :] for n in range(len(word) - 1))
 
 
 def _doubled(word: str) -> Iterator[str]:

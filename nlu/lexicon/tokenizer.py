@@ -77,8 +77,7 @@ class Tokens:
         """The capitalised words that begin no sentence; none if the whole text is in capitals."""
         if self.text.isupper():
             return frozenset()
-        before = (BREAK, *self.words)
-        pairs = zip(before, self.items, strict=False)
+        pairs = zip((BREAK, *self.words), self.items, strict=False)
         return frozenset(each.word for last, each in pairs if each.capital and last != BREAK)
 
     @property
@@ -148,8 +147,7 @@ def _words(found: re.Match[str], contractions: Mapping[str, tuple[str, ...]]) ->
     word, capital = said.lower(), said[:1].isupper()
     head, mark, tail = word.rpartition("'")
     short = mark + tail
-    is_split = head and (short == "'s" or short in contractions)
-    if word in contractions or not is_split:
+    if word in contractions or not (head and (short == "'s" or short in contractions)):
         for part in contractions.get(word, (word,)):
             yield Token(part, start, end, capital)
         return

@@ -84,8 +84,7 @@ class OfferChecks:
         """Whether a meaning stays what it is beside some words that are said by the way."""
         if not isinstance(meaning, (Statement, Command, meanings.ToolCommand, Question)):
             return False
-        aside = self.reader.features((), around)
-        return self.licence.outcome(meaning, aside) == ACCEPT
+        return self.licence.outcome(meaning, self.reader.features((), around)) == ACCEPT
 
     def denies(self, words: Sequence[str]) -> bool:
         """Whether words deny something, limit it by an exception, or say what comes close."""
@@ -205,9 +204,8 @@ class OfferChecks:
     def _asks(self, meaning: SimpleCommand, place: int, mentions: Mentions) -> bool:
         acts = [m.start for m in mentions.names if m.role == "act" and m.name == meaning.goal]
         between = range(place + 1, min(acts, default=0))
-        is_one_clause = set(between).isdisjoint(mentions.tokens.pauses)
         words = [mentions.tokens.words[each] for each in between]
-        return is_one_clause and self._has("hearer", words)
+        return set(between).isdisjoint(mentions.tokens.pauses) and self._has("hearer", words)
 
     def _keeps_grip(self, meaning: Meaning, mentions: Mentions) -> bool:
         if not isinstance(meaning, Statement):

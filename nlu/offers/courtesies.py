@@ -135,8 +135,7 @@ class CourtesyPhrases:
         is_limiting = lists.has("limiting", words[0])
         is_address = len(words) <= _LONGEST_ADDRESS and unknown and not is_limiting
         is_denied |= any(token.word.endswith("ing") for token in unknown)  # it may be a new use
-        is_chatter = not is_denied and (is_address or lists.end("chatter", words) > 0)
-        return "" if is_chatter else None
+        return "" if not is_denied and (is_address or lists.end("chatter", words) > 0) else None
 
     def _is_all(self, kind: str, words: Phrase, start: int) -> bool:
         found = self.words.of_group("courtesies", words, start)

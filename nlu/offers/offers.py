@@ -156,8 +156,7 @@ class OfferFinder:
         """Return the likeliest candidates with their probabilities, the likeliest first."""
         some = tuple(candidates(mentions, self.model.shapes, self.tool_acts))
         chances = self.model.probabilities(mentions, some)
-        ranked = sorted(zip(chances, some, strict=True), key=lambda each: -each[0])
-        return ranked[:MAX_TRIED]
+        return sorted(zip(chances, some, strict=True), key=lambda each: -each[0])[:MAX_TRIED]
 
     def is_text(self, tokens: Tokens) -> bool:
         """Whether an utterance consists of words, not of too many, and most of them known."""

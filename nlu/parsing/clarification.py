@@ -67,8 +67,7 @@ class Clarifier:
                 return self._did_you_mean(word.said, close)
         for reading, word in ((each, word) for each in readings for word in each.new_words):
             if word.said not in accepted and self._may_be_part(word, reading, tokens):
-                question = self.answers.say("also_an_object", word=word.word)
-                return AskBack(question, (word.said,))
+                return AskBack(self.answers.say("also_an_object", word=word.word), (word.said,))
             for part in word.said.split(" "):
                 if part in accepted or self.known_words.has(part):
                     continue

@@ -138,8 +138,7 @@ class SentenceParser:
         act = "CORRECT" if form.name == "correctPart" else act
         if tokens.asks and act == "INSTRUCT":
             raise UninterpretableError("as_question", asks=True)
-        is_asked = act == "QUESTION" or (tokens.asks and act == "STATEMENT")
-        if is_asked and form.name in _STATED:
+        if (act == "QUESTION" or (tokens.asks and act == "STATEMENT")) and form.name in _STATED:
             act, form = "QUESTION", PredicateForm("isTrue", (form,))
         people = map(PredicateForm, (context.speaker, context.addressee))
         speech_act = PredicateForm(act, (*people, form))

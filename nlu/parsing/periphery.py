@@ -228,8 +228,7 @@ class PieceReader:
                 end = place + len(phrase)
                 is_said = words[place:end] == phrase
                 # At the end they are adverbs: "before", "otherwise".
-                is_adverb = end == len(words) and kind in {"condition", "exception"}
-                if is_said and not is_adverb:
+                if is_said and not (end == len(words) and kind in {"condition", "exception"}):
                     yield kind
 
     def _circumstances(self, words: Phrase) -> Iterator[str]:

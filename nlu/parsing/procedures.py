@@ -284,8 +284,7 @@ class _Clauses:
         for end in _starts(self._words, tokens):
             # "And the knife" is a clause only with the word before it.
             for begin in dict.fromkeys((start, 0)) if end > start else ():
-                clause = tokens.part(begin, end)
-                found = self._clause(clause, state)
+                found = self._clause(tokens.part(begin, end), state)
                 rest = self.read(tokens.part(end, count), found[1]) if found else None
                 if found and rest is not None:
                     return [found, *rest]
@@ -401,8 +400,7 @@ class _Clauses:
             # The longest one: "if you can't reach it" and not "if you can't".
             end, causes = max((each for each in ends if each[1]), default=(start, ()))
             # "Put it down. Stop if it fails": the condition is one of the last sentence.
-            is_apart = BREAK in tokens.words[:start]
-            if causes and (end == count) == (start > 0) and not is_apart:
+            if causes and (end == count) == (start > 0) and BREAK not in tokens.words[:start]:
                 rest = tokens.part(0, start) if start else tokens.part(end, count)
                 return self._response(rest, causes, state)
         return None

@@ -245,11 +245,10 @@ class _Attempt:
                     return []
                 context = context.with_object(topic)
                 continue
-            if topic is not None:
-                # A topic is only said for a segment that refers to it.
-                alone = self._sentence(segment, context.with_object(None))
-                if alone.reading is not None:
-                    return []
+            # A topic is only said for a segment that refers to it.
+            alone = context.with_object(None)
+            if topic is not None and self._sentence(segment, alone).reading is not None:
+                return []
             topic = None
             found.append(each)
             context = replace(context, discourse=each.discourse)

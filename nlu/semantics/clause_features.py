@@ -99,8 +99,7 @@ class FeatureReader:
 
     def is_part(self, *words: str) -> bool:
         """Whether one of some nouns is commonly a part of a thing: "lid", "left handle"."""
-        heads = {word.rpartition(" ")[2] for word in words}
-        return not self.nouns["part"].isdisjoint(heads)
+        return not self.nouns["part"].isdisjoint({word.rpartition(" ")[2] for word in words})
 
     def is_elsewhere(self, *words: str) -> bool:
         """Whether one of some nouns names what is no part of an object: places, people, clothes."""

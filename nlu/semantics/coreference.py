@@ -256,8 +256,7 @@ def _resolve_action_rule(form: PredicateForm, discourse: Discourse) -> Predicate
     context, act, degree = form.arguments
     actor, place = act.arguments
     part, owners = _part(place)
-    candidates = [_grasped_object(context, owners), *owners]
-    known = _most_specific(candidates) or discourse.object
+    known = _most_specific([_grasped_object(context, owners), *owners]) or discourse.object
     if known is None:
         raise UninterpretableError("of_which_object", asks=True)
     act = PredicateForm("graspObject", (actor, PredicateForm("partOf", (part, known))))

@@ -134,6 +134,4 @@ def _references(meaning: Meaning) -> Iterator[ObjectReference]:
 def use_form(use: str, material: str | None) -> PredicateForm:
     """Return the form of a use, on a material where there is one."""
     act = PredicateForm.named(use)
-    if not material:
-        return act
-    return PredicateForm("of", (act, PredicateForm.named(material)))
+    return act if not material else PredicateForm("of", (act, PredicateForm.named(material)))

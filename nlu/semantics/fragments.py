@@ -181,8 +181,7 @@ def _as_question(  # noqa: PLR0911 - a case per slot
         raise _nothing()
     about, use, material = question.object, question.affordance, question.material
     if fragment.confidence and not (fragment.part and question.context):
-        has_more = fragment.target or fragment.use or fragment.part
-        if about is None or use is None or has_more:
+        if about is None or use is None or (fragment.target or fragment.use or fragment.part):
             raise _nothing()
         return _offered(FunctionalRule(about, use, fragment.confidence, material=material))
     if fragment.target:

@@ -108,8 +108,7 @@ class _NormReader:
         if _is_norm(form):
             yield from self.norms(form)
             return
-        believed = PredicateForm("wantBelieve", (form,))
-        said = self.interpreter.meaning(believed, self.discourse)
+        said = self.interpreter.meaning(PredicateForm("wantBelieve", (form,)), self.discourse)
         for rule in said.rules if isinstance(said, meanings.Statement) else ():
             usual = self.interpreter.intervals["high"]
             if not isinstance(rule, ActionRule) or not (rule.denies or rule.confidence == usual):
@@ -122,10 +121,9 @@ class _NormReader:
         act = self.interpreter.command(form.arguments[0] if form.name == "not" else form)
         if any(part.name in {"usedFor", "notUsedFor", "other"} for part in form):
             raise UninterpretableError("norm_on_use", asks=True)
-        if isinstance(act, meanings.ToolCommand) and act.tool.object:
-            says_its_use = name == "permitted" or act.patient == ANY_OBJECT
-            if says_its_use:
-                raise UninterpretableError("say_the_use")
+        told = act if isinstance(act, meanings.ToolCommand) and act.tool.object else None
+        if told and (name == "permitted" or told.patient == ANY_OBJECT):
+            raise UninterpretableError("say_the_use")
         return Norm(name, act, self.interpreter.intervals["high"])
 
 

@@ -73,8 +73,7 @@ def _candidates(
     nearest = heights.first[0, heights.x[:, None], beside].min(axis=1)
     nearest = np.minimum(nearest - starts[:, 2], 0.0)
     possible = clear & narrow & (tips <= (nearest + gripper.tip - gripper.palm)[:, None])
-    ok = possible & (tips > 0) & (left < HALF_BINS) & (right < HALF_BINS)
-    row, depth = np.nonzero(ok)
+    row, depth = np.nonzero(possible & (tips > 0) & (left < HALF_BINS) & (right < HALF_BINS))
     shift = (right - left)[row, depth] * BIN / 2
     # Of the grip frame, along the axes of the hand (c, 3) [m].
     centres = starts[row] + np.column_stack([0 * shift, shift, tips[row, depth] - gripper.tip])
@@ -94,8 +93,7 @@ def _tip_depths(rotations: Array, samples: Array, table: float, gripper: Gripper
     lowest = np.maximum(finger, palm)[:, None]  # of the hand below its tips
     room = (samples[:, 2] - table - TABLE_CLEARANCE - lowest) / np.maximum(z, 1e-6)[:, None]
     depths = np.minimum(np.array(TIP_DEPTHS), room[..., None])
-    fresh = np.diff(depths, prepend=0.0, axis=2) > 0.25 * TIP_DEPTHS[0]
-    return np.where(fresh, depths, -1.0)
+    return np.where(np.diff(depths, prepend=0.0, axis=2) > 0.25 * TIP_DEPTHS[0], depths, -1.0)
 
 
 @dataclass(frozen=True)

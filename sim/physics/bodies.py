@@ -273,9 +273,8 @@ class Joints:
         They bear at most `force` [N] there, and `torque` [N m], as its direction is held, too.
         """
         joint, links = poses.translation(*at), (*self._bodies.link_id(body), BASE, BASE)
-        body_from_joint = poses.inverse(self._bodies.centre_of_mass(body)) @ joint
+        places = (0, 0, 0), poses.inverse(self._bodies.centre_of_mass(body)) @ joint, joint
         bears = {"POINT2POINT": force, "FIXED": torque}
-        places = (0, 0, 0), body_from_joint, joint
         awake = self._client.constant("ACTIVATION_STATE_DISABLE_SLEEPING")
         self._client.call("changeDynamics", *links[:2], activationState=awake)
         return [self._join(kind, links, *places, maxForce=limit) for kind, limit in bears.items()]

@@ -89,9 +89,8 @@ class KinematicChain:
     def solve(self, base_from_tip: Array, starts: Array) -> IkSolutions:
         """Solve for targets (m, 4, 4) from postures (s, k): what is nearest to the first."""
         m, s = len(base_from_tip), len(starts)
-        targets = np.repeat(base_from_tip, s, axis=0)
         joints = np.clip(np.tile(starts, (m, 1)), self.low, self.high)
-        error = self._descend(joints, targets)
+        error = self._descend(joints, np.repeat(base_from_tip, s, axis=0))
         found = _is_small(error).reshape(m, s)
         far = np.abs(joints - starts[0]).max(axis=1).reshape(m, s)
         best = np.argmin(np.where(found, far, 1e3 + np.linalg.norm(error, axis=1).reshape(m, s)), 1)

@@ -153,9 +153,8 @@ class PathPlanner:
 
     def inverse_kinematics(self, world_from_grip: Array) -> IkSolutions:
         """Postures for grip poses (m, 4, 4), near the present one where possible."""
-        targets = self.robot.base_from_hand(world_from_grip)
         starts = np.vstack([self.robot.joints, self.robot.kind.starts])
-        return self.robot.chain.solve(targets, starts)
+        return self.robot.chain.solve(self.robot.base_from_hand(world_from_grip), starts)
 
     def can_reach(self, points: Array) -> bool:
         """Whether the grip can come to any of the points (n, 3) in any orientation."""

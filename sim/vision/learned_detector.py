@@ -290,8 +290,7 @@ class LearnedDetector(ObjectDetector):
                 yield Percept(each, each, confidence, visible, objects[each].properties)
 
     def _nearest_object(self, percept: Percept) -> str:
-        kinds = self.world.kinds
         gaps = {n: np.linalg.norm(at - percept.centre[:2]) for n, at in self._places.items()}
-        alike = [name for name in gaps if kinds[name].name == percept.object]
+        alike = [name for name in gaps if self.world.kinds[name].name == percept.object]
         near = [name for name in alike if gaps[name] < SAME_PLACE]
         return min(near or alike or gaps, key=lambda name: gaps[name], default=percept.object)

@@ -55,9 +55,8 @@ def _step(points: Array, ahead: Array, normals: Array) -> Array:
     """The small motion (4, 4) of points (n, 3) to planes through what is `ahead` of them (n, 3)."""
     middle = points.mean(axis=0)
     rows = np.hstack([np.cross(points - middle, normals) / LEVER, normals])
-    gaps = (ahead * normals).sum(axis=1)
     moments = rows.T @ rows / len(rows) + DAMPING * np.eye(6)
-    answer = np.linalg.solve(moments, rows.T @ gaps / len(rows))
+    answer = np.linalg.solve(moments, rows.T @ (ahead * normals).sum(axis=1) / len(rows))
     turn = answer[:3] / LEVER
     angle = float(np.linalg.norm(turn))
     rotation = poses.rotation_about(turn / angle, angle) if angle else np.eye(3)

@@ -184,8 +184,7 @@ def _pictures(experiment: Experiment, cases: Sequence[Case]) -> Iterator[tuple[s
         return
     scenes: dict[tuple[str, ...], str] = {}
     for case in cases:
-        scene = (*case.spec["scene"], str(case.spec["seed"]))
-        scenes.setdefault(scene, case.key.split("/")[1])
+        scenes.setdefault((*case.spec["scene"], str(case.spec["seed"])), case.key.split("/")[1])
     for (*objects, seed), name in list(scenes.items())[:MAX_PICTURES]:
         caption = f"scene {name}, seed {seed}: {', '.join(objects) or 'nothing'}"
         with tempfile.TemporaryDirectory() as folder:

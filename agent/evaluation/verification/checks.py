@@ -257,9 +257,8 @@ def _definition(
     grasped = [space.index[RuleKey(o, part, context)] for o in held for part in space.parts[o]]
     read = {*([node[i] for i in scene] if objects else node), *grasped}
     listed = {*node, *(space.node(RuleKey("", "", context)) if held else ())}
-    parts = _highest_codes([codes[cell] for cell in grasped])
     sets = (bit_mask(cell for cell in each if codes[cell]) for each in (read, listed))
-    return [bit_mask(objects), parts, *sets]
+    return [bit_mask(objects), _highest_codes([codes[cell] for cell in grasped]), *sets]
 
 
 def check_growth(space: ScenarioSpace, seed: int, number: int) -> CheckResult:
