@@ -23,7 +23,7 @@ AREA = ((0.32, 0.68), (-0.40, 0.40))  # [m], range of x and y of the middle of a
 REACH = 0.80  # [m] from the robot at the origin; a hand that points down can lift 1 cm nearer
 LIMITS = ((0.24, 0.78), (-0.50, 0.50))  # [m], range of x and y of all its points
 MAX_TRIES = 60  # positions of one object
-MAX_ROUNDS = 60  # times that all are drawn again
+MAX_ROUNDS = 300  # times that all are drawn again
 _ALLOWED = shapely.box(*np.transpose(LIMITS).ravel()) & shapely.Point(0, 0).buffer(REACH, 64)
 
 
