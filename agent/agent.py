@@ -7,7 +7,7 @@
 The simulated body is made at the first command: teaching and asking need no robot.
 """
 
-from collections.abc import Callable, Collection, Generator, Iterable, Sequence
+from collections.abc import Callable, Collection, Generator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import replace
 from functools import cached_property, partial
@@ -196,14 +196,16 @@ class Agent(AbstractContextManager["Agent"]):
                 reply = reply.with_pictures(str(self._film.path))
             return reply
 
-    def _sounds_like(self, language: Language, text: str, names: Collection[str]) -> Iterable[str]:
+    def _sounds_like(
+        self, language: Language, text: str, names: Collection[str]
+    ) -> Mapping[str, float]:
         from .speech.phonetic_repair import SoundRepair
 
         if self._repair is None or self._repair.language is not language:
             try:
                 self._repair = SoundRepair(language)
             except MissingExtraError:  # what sounds like it is only a help
-                return ()
+                return {}
         return self._repair.candidates(text, names)
 
     @property

@@ -74,8 +74,7 @@ def fuse_dempster(intervals: Sequence[Interval]) -> Interval:
     true, false, either = evidence_operators.commonalities(intervals)
     agreement = true + false - either
     if agreement <= 0:
-        shown = ", ".join(map(str, intervals))
-        problem = f"The sources {shown} contradict each other fully."
+        problem = f"The sources {', '.join(map(str, intervals))} contradict each other fully."
         raise ConflictError(f'{problem} Discount one of them, or fuse by "yager".')
     return _bounded((true - either) / agreement, true / agreement)
 

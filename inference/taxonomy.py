@@ -96,8 +96,7 @@ class Taxonomy:
 
     def names_above(self, kind: str, name: str | None) -> frozenset[str]:
         """Return the name of an atom of a kind and those of its superclasses; of None nothing."""
-        above = self.above(Atom(kind, name)) if name else ()
-        return frozenset(atom.name for atom, _ in above)
+        return frozenset(atom.name for atom, _ in (self.above(Atom(kind, name)) if name else ()))
 
     def above(self, atom: Atom) -> tuple[tuple[Atom, int], ...]:
         """Return the atom and its superclasses, each with its distance, nearest first."""

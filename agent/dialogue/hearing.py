@@ -27,12 +27,14 @@ SURE = 0.9
 NOTABLE = 0.01  # the least score of an alternative that puts in doubt whether something is denied
 CLEAR = 2  # how many times surer than all else together a "yes" or a number must be
 MAX_CHOICES = 3
+FURTHER = 0.08  # how much rarer than the nearest sentence another one that sounds alike is right
 
 Alternative = tuple[str, float]
 """A text that may have been said, and its score in [0, 1]."""
 
-SoundsLike = Callable[[Language, str, Collection[str]], Iterable[str]]
-"""Returns sentences that sound like a text, the nearest first; some names are likely in them."""
+SoundsLike = Callable[[Language, str, Collection[str]], Mapping[str, float]]
+"""Returns sentences that sound like a text and how far they are from it, per phone, nearest first;
+some names are likely in them."""
 
 _WORD = re.compile(r"[\w'-]+")
 _HARMLESS = {"question", "ask_back"}
@@ -220,9 +222,9 @@ class SpokenUtterance:
         if first in new and first.certainty >= SURE:
             return self._offer([first])
         strange = [e for e in self.found if e.said is None or e.new_words or e.understood.unknown]
-        for each in strange or [first]:
-            if each not in known:
-                known += self._likely(each, {each.said for each in known})
+        for each in strange or [each for each in [first] if each not in known]:
+            known += self._likely(each, {each.said for each in known})
+        known.sort(key=lambda each: -each.certainty)
         choices = [*known[: MAX_CHOICES - bool(new)], *new][:MAX_CHOICES]
         if choices or first.understood.kind == "ask_back":
             return self._offer(choices or [first])
@@ -235,11 +237,12 @@ class SpokenUtterance:
         names = [name for rule in conversation.topic for name in (rule.object, rule.part) if name]
         names += conversation.visible()
         sounding = self.sounds_like(conversation.language, first.text, names)
-        for text in (*sounding, *offers):
+        for place, text in enumerate((*sounding, *offers)):
             said = conversation.understand(text, speaker, heard=1.0)
             if said.meaning in known:
                 return  # that is what was misheard
-            yield MeaningHeard(text, 0.0, said, said.meaning, _new_words(said))
+            share = max(0.0, 1.4 - 3 * sounding.get(text, 1.0)) * (FURTHER if place else 1)
+            yield MeaningHeard(text, share, said, said.meaning, _new_words(said))
 
     def _offer(self, choices: Sequence[MeaningHeard]) -> Reply:
         conversation, is_one = self.conversation, len(choices) == 1

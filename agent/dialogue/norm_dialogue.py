@@ -126,8 +126,7 @@ class NormDialogue:
             thing = named or str(slots["object"])
             slots = {**slots, "first": verdict.first.name, "thing": thing}
             key = "comes_first"
-        told = self._told(key, rule)
-        slots = {**slots, **told.slots, "property": " ".join(verdict.unseen)}
+        slots = {**slots, **self._told(key, rule).slots, "property": " ".join(verdict.unseen)}
         ending = "refused" if key == "forbidden" else "asked"
         return replace(result, answer=replace(result.answer, key=key, slots=slots, ending=ending))
 

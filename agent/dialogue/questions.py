@@ -470,8 +470,7 @@ def _on_material(rules: Iterable[Rule], question: Question, known: Conversation)
 
 
 def _meant(question: Question, known: Conversation) -> list[Rule]:
-    names = ("object", "affordance", "context")
-    named = {name: getattr(question, name) for name in names}
+    named = {name: getattr(question, name) for name in ("object", "affordance", "context")}
     if not any(named.values()):
         latest = sorted(known.base.rules(), key=lambda rule: -(rule.utterance or 0))[:1]
         return list(known.topic) or ([] if known.last_said else latest)

@@ -105,8 +105,7 @@ def _optional(found: Mapping[str, YamlNode], key: str) -> str:
 @lru_cache(maxsize=2**16)
 def _written(value: str | tuple[str, ...] | Interval) -> str:
     if isinstance(value, Interval):
-        bounds = map(value_notation.write_bound, (value.lower, value.upper))
-        return f"[{', '.join(bounds)}]"
+        return f"[{', '.join(map(value_notation.write_bound, (value.lower, value.upper)))}]"
     import yaml  # imported here to save start-up time
 
     dumper = getattr(yaml, "CSafeDumper", yaml.SafeDumper)

@@ -311,7 +311,7 @@ def open_folder(folder: Path, *, read_only: bool = False) -> OxigraphStore:
     """
     try:
         directory.undo_replacement(folder)
-        if read_only and not directory.is_base(folder):
+        if not directory.is_base(folder) and read_only:
             raise StoreError(f'There is no knowledge base "{folder}" to read.')
         if read_only:
             snapshot = directory.take_snapshot(folder)

@@ -102,8 +102,7 @@ def shape_of(meaning: Json, mentions: Mentions, tool_acts: Mapping[str, str]) ->
         for role in _ROLES_OF_KEYS.get(key, ()):
             if value in mentions.by_role.get(role, {}):
                 number = sum(known == role for known, _ in taken)
-                name = f"?{role}{number + 1 if number else ''}"
-                return taken.setdefault((role, value), name)
+                return taken.setdefault((role, value), f"?{role}{number + 1 if number else ''}")
         if value == tool_acts.get(str(meaning.get("goal"))) and key == "usedFor":
             return "?tool"
         if last and value == getattr(last, key, None):

@@ -121,10 +121,11 @@ class ProcedureReader:
         is_plan = len(steps) > 1 and not is_odd
         return replace(whole, discourse=found[-1][1].discourse) if is_plan else None
 
-    def _is_new(self, verb: str) -> bool:
-        is_noun = not NOUNS.isdisjoint(self.known.lexicon.name_categories(verb))
-        meant = () if self.known.has(verb) else slips(verb)
-        return not is_noun and not any(map(self._is_other, (verb, *meant)))
+    def _is_new(self, verb: str, thing: str | None = None) -> bool:
+        names = self.known.lexicon.name_categories
+        is_other = self.known.has(verb) or any(map(self._is_other, slips(verb)))
+        is_told = (thing is None or names(thing)) and NOUNS.isdisjoint(names(verb))
+        return bool(is_told and not is_other)
 
     def _definition(
         self, head: ActionHead, body: Tokens, clauses: "_Clauses"
@@ -152,7 +153,8 @@ class ProcedureReader:
                 thing = None if is_learned or not things else things[0].object
                 asked = meanings.Question("how", thing, context=name)
                 meant = meanings.Retraction(action=name) if key == "forget" else asked
-                if (is_learned and key != "able") or (key != "forget" and self._is_new(name)):
+                is_new = self._is_new(name, thing)
+                if (is_learned and key != "able") or (key != "forget" and is_new):
                     return Understanding.of(tokens, context, meant)
         return None
 

@@ -168,8 +168,7 @@ def features_of(reader: FeatureReader, reading: Reading, tokens: Tokens) -> Utte
     source = meaning.source if isinstance(meaning, (Statement, meanings.KindStatement)) else None
     if source:
         new = {entry.name for entry in entries if entry.role == "person"}
-        before = _before(tokens.words, source, 1)
-        if not reader.is_person(source, before, is_new=source in new):
+        if not reader.is_person(source, _before(tokens.words, source, 1), is_new=source in new):
             named["source"] = frozenset({"other"})
     is_goal = any(str(entry.category) in reader.categories["goal"] for entry in entries)
     is_carried = not reader.words["carrying"].isdisjoint(tokens.words)

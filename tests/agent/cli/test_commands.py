@@ -351,7 +351,7 @@ def test_options_of_the_command_line_replace_those_of_the_file(taught: Hilt, tmp
     [
         (["tell", ""], 1, "I didn't hear anything"),
         (["tell", "x" * 10_000], 1, "That is too long for me"),
-        (["tell", "To pass a knife grab"], 1, "I understood"),
+        (["tell", "To pass a knife grab"], 1, "I can't do anything with"),
         (["do", "--no-sim", "--scene", "objects:kniife", "hi"], 2, 'Did you mean "knife"'),
         (["do", "--no-sim", "--scene", "none.yaml", "hi"], 2, "none.yaml: cannot be read"),
         (["do", "--no-sim"], 2, "Missing argument 'text'"),
