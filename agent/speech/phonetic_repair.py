@@ -39,7 +39,7 @@ MOST_CANDIDATES, MOST_SENTENCES = 5, 10
 REPLACING, RARE = 0.6, 0.8  # what a word costs in place of others, and one not in the grammar
 UNPAIRED = 0.35  # what a word costs there instead of its pair: about as much as a usual pair
 MOST_REPLACED, MOST_CHANGE = 3, 3.5  # words that take the place of others, and their cost
-MOST_TRIED = 15  # texts with replaced words
+MOST_TRIED = 20  # texts with replaced words
 
 _SENTENCES, _SEED = 20_000, 0  # from which the word pairs are counted
 _LONGER = 3  # by how many phones a word may be heard longer than it is
