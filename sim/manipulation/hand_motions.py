@@ -51,7 +51,7 @@ AHEAD = (1.0, 0.0, 0.0)  # from there to the person who receives them, across th
 MIN_FREE_LENGTH = 0.01  # [m] from the grip to the free part, else it has no direction
 HEADINGS = 24  # turns about the vertical that are tried for handing over
 FACING = (-0.5, 0.0, 0.7, 0.9)  # cosines to the receiver; between two of them all are as good
-IN_THE_WAY = 0.3  # sine of the slope of a hand that comes from the receiver's side: tried last
+IN_THE_WAY = 0.3  # sine of the slope of a hand that comes from the receiver's side: tried later
 PULL, FELT = 20.0, 5.0  # [N], of the receiver at the object, and from which on the hand opens
 TWIST = 1.0  # [N m], by which the receiver keeps it from turning
 PULL_SPEED, PULL_TIME = 0.25, 1.0  # [m/s], [s] of that pull
@@ -325,8 +325,8 @@ class HandMotion:
         free = rotations @ held.free * (1, 1, 0)
         length = np.linalg.norm(free, axis=1, keepdims=True)
         ahead = np.where(length > MIN_FREE_LENGTH, free / np.maximum(length, MIN_FREE_LENGTH), 0.0)
-        worse = -np.digitize(ahead @ towards, FACING)
-        worse[rotations[:, :, 2] @ towards < -IN_THE_WAY] += len(FACING) + 1
+        is_between = rotations[:, :, 2] @ towards < -IN_THE_WAY
+        worse = is_between - 2 * np.digitize(ahead @ towards, FACING)
         for offset in OFFSETS:
             for level in np.unique(worse):
                 goals = poses.pose(rotations[worse == level], MEETING + offset * towards)
