@@ -127,8 +127,7 @@ OPTIONS: Mapping[str, ConfigOption] = {
 
 def read_nodes(path: Path, known: Collection[str]) -> Mapping[str, YamlNode]:
     """Return the entries of a YAML or TOML file with known keys; errors as of `from_yaml`."""
-    read = read_toml if path.suffix == ".toml" else read_yaml
-    return read(path).entries(optional=known)
+    return (read_toml if path.suffix == ".toml" else read_yaml)(path).entries(optional=known)
 
 
 def read_values(path: Path) -> dict[str, Any]:

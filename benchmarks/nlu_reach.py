@@ -35,23 +35,25 @@ GROUPS = {
     "refused": ("refusals", "blind_refusals", "near_misses", "unsaid"),
 }
 EMPTY = "constructions: []\n"
+FOLDERS: list[TemporaryDirectory[str]] = []  # a language reads some files when it needs them
 
 
 def language_without(name: str | None) -> Language | None:
     """English without one of its word files, None when it cannot be loaded without it."""
     if name is None:
         return Language.load()
-    with TemporaryDirectory() as folder:
-        copy = Path(folder) / "english"
-        copy.mkdir()
-        for path in ENGLISH.iterdir():
-            text = EMPTY if path.name == name else path.read_text(encoding="utf-8")
-            (copy / path.name).write_text(text, encoding="utf-8")
-        with patch.object(loader, "LANGUAGES_FOLDER", copy.parent):
-            try:
-                return Language.load()
-            except HiltError:
-                return None
+    folder = TemporaryDirectory()
+    FOLDERS.append(folder)
+    copy = Path(folder.name) / "english"
+    copy.mkdir()
+    for path in ENGLISH.iterdir():
+        text = EMPTY if path.name == name else path.read_text(encoding="utf-8")
+        (copy / path.name).write_text(text, encoding="utf-8")
+    with patch.object(loader, "LANGUAGES_FOLDER", copy.parent):
+        try:
+            return Language.load()
+        except HiltError:
+            return None
 
 
 def kilobytes(without: str | None) -> float:

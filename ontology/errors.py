@@ -126,8 +126,7 @@ class ValidationError(HiltError, ValueError):
 
     def __init__(self, findings: Sequence[str]) -> None:
         first, *others = self.findings = tuple(findings)
-        more = f" (and {len(others)} more)" if others else ""
-        super().__init__(f"{first}{more}")
+        super().__init__(first + (f" (and {len(others)} more)" if others else ""))
 
 
 class MissingExtraError(HiltError, ImportError):

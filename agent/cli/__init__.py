@@ -101,8 +101,7 @@ def _told(error: Any) -> tuple[errors.HiltError | str, int]:
     message: str = error.format_message().rstrip(".")
     context = getattr(error, "ctx", None)
     path = context.command_path if context else "hilt"
-    stop = "" if message.endswith("?") else "."
-    return f"{message}{stop} Run: {path} --help", WRONG_USAGE
+    return f"{message}{'' if message.endswith('?') else '.'} Run: {path} --help", WRONG_USAGE
 
 
 def _reordered(command: Any, arguments: Sequence[str]) -> list[str]:

@@ -58,6 +58,9 @@ class ClarificationDialogue:
 
     def ask_back(self, turn: UnderstoodTurn, said: meaning.AskBack) -> Reply:
         """Ask what a turn leaves open, and wait for the answer; return the reply that asks."""
+        act = next(iter(said.choices), None)
+        if not said.question and isinstance(act, meaning.ActionCommand):  # that nobody has taught
+            return self.respond(replace(turn, understood=replace(turn.understood, meaning=act)))
         reply = self.conversation.recorded(turn, said.question, "asked")
         text, speaker, wait_for = turn.understood.text, turn.speaker, self.conversation.wait_for
         choices = [each for each in said.choices if not isinstance(each, str)]

@@ -72,8 +72,7 @@ def rule_sentence(name: str, argument: str, context: str = "", level: str = LEVE
     """Return the sentence that teaches an affordance, or in a context the part to grasp."""
     if context:
         return f"To {_INFINITIVES[context]} a {name} {level} grab the {name} by the {argument}"
-    article = "an" if name[0] in "aeiou" else "a"
-    return f"{article} {name} is {level} used for {argument}"
+    return f"{'an' if name[0] in 'aeiou' else 'a'} {name} is {level} used for {argument}"
 
 
 def command(action: str, affordance: str) -> str:

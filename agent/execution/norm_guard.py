@@ -100,8 +100,7 @@ class NormGuard:
             if value == target:
                 found += self._done_with(self._request.action, parameter)
                 found += [USE] if parameter == TOOL else []
-        grasping = [GRASP] if GRASP_OBJECT in found else []
-        return tuple(dict.fromkeys((*found, *grasping)))
+        return tuple(dict.fromkeys([*found, *([GRASP] if GRASP_OBJECT in found else [])]))
 
     def _done_with(self, action: str, parameter: str) -> Iterator[str]:
         tree = self._actions.trees.get(action)

@@ -260,8 +260,7 @@ def _undeclared_prefixes(text: str) -> list[str]:
 
 
 def _forbidden_words(text: str) -> Iterator[str]:
-    capitals = text.upper()
-    suspects = [word for word in EXTERNAL_ACCESS if word in capitals]
+    suspects = [word for word in EXTERNAL_ACCESS if word in text.upper()]
     if not suspects:
         return
     brackets, before = list[str](), ""

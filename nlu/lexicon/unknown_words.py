@@ -238,8 +238,7 @@ def _entries(
     for form in ("ing", "third", "participle"):
         bare_forms += inflection.origins(word, form)[:1]
     for bare in bare_forms:
-        looks_inflected = bare == word and inflection.origins(word, "ing")
-        cost = _SINGULAR_COST if looks_inflected else 0.0
+        cost = _SINGULAR_COST if bare == word and inflection.origins(word, "ing") else 0.0
         act, use = Verb(bare, ("new_act",), bare), Verb(bare, ("new_affordance",), None)
         if "context" in roles:
             senses += builder.verb_forms(act, "context", _VERB_COST + cost)

@@ -193,7 +193,8 @@ class OfferChecks:
             return False
         if isinstance(meaning, SimpleCommand):
             return all(self._asks(meaning, n, mentions) for n in self.spoken("condition", mentions))
-        spoken = [each.start for each in mentions.names if each.name in _acts_and_uses(meaning)]
+        names = _names_in(meaning)
+        spoken = [each.start for each in mentions.names if each.name in names]
         return all(
             any(place < other < end for other in spoken)
             for place in self.spoken("condition", mentions)
@@ -259,7 +260,7 @@ def _said_of(rule: meanings.Rule) -> str:
     return rule.part if isinstance(rule, ActionRule) else rule.affordance
 
 
-def _acts_and_uses(meaning: Meaning) -> Collection[str]:
+def _names_in(meaning: Meaning) -> Collection[str]:
     match meaning:
         case Statement(rules):
             held = {r.part for r in rules if isinstance(r, ActionRule)}

@@ -114,8 +114,9 @@ class ProcedureReader:
         if len(steps) == 1 and isinstance(steps[0], meanings.ActionCommand):
             return Understanding.of(tokens, context, steps[0])
         if len(steps) == len(unknown) == 1 and isinstance(steps[0], Command):
-            asked = meanings.ActionCommand(unknown[0], (steps[0].target,))
-            return Understanding.of(tokens, context, asked) if self._is_new(unknown[0]) else None
+            act = meanings.ActionCommand(unknown[0], (steps[0].target,))
+            asked = Understanding.of(tokens, context, meanings.AskBack(choices=(act,)))
+            return asked if self._is_new(act.goal) else None
         is_odd = len(unknown) == len(steps) or any(map(self._is_known_verb, unknown))
         whole = Understanding.of(tokens, context, meanings.Plan(steps))
         is_plan = len(steps) > 1 and not is_odd
