@@ -7,6 +7,7 @@ It needs the extra "speech", whose PocketSphinx brings the pronunciations of wor
 
 import time
 from pathlib import Path
+from statistics import median
 from typing import Any
 
 import pytest
@@ -28,18 +29,18 @@ def repair() -> SoundRepair:
     return SoundRepair(Language.load())
 
 
-def test_search_takes_less_than_50_ms(repair: SoundRepair, benchmark: Any):
-    """The nearest sentences of each transcript are found in time, in processor time."""
-    slowest = 0.0
+def test_repair_takes_less_than_50_ms(repair: SoundRepair, benchmark: Any):
+    """A transcript is repaired in time, in processor time: the search and the parsing together."""
+    taken: list[float] = []
     for heard in HEARD:
         started = time.process_time()
-        repair.nearest(heard)
-        slowest = max(slowest, time.process_time() - started)
+        repair.candidates(heard)
+        taken.append(time.process_time() - started)
 
-    benchmark(lambda: [repair.nearest(heard) for heard in HEARD])
+    benchmark(lambda: [repair.candidates(heard) for heard in HEARD])
 
-    benchmark.extra_info["slowest"] = slowest
-    assert slowest < MOST
+    benchmark.extra_info.update(median=median(taken), slowest=max(taken))
+    assert max(taken) < MOST
 
 
 def test_repair_is_made_in_seconds(benchmark: Any):

@@ -126,9 +126,7 @@ class Specificity:
 
     def _premises(self, rule: Rule, *, is_asked: bool) -> Premises:
         contexts = (a for a in rule.contexts if self._has_material or a.kind != "material")
-        premises = {("feature", atom) for atom in rule.features} | {
-            ("context", a) for a in contexts
-        }
+        premises = {("feature", a) for a in rule.features} | {("context", a) for a in contexts}
         return frozenset(premises | {("argument", a) for a in (rule.argument,) if is_asked and a})
 
     def _is_more_specific(self, one: Premises, other: Premises) -> bool:

@@ -107,10 +107,8 @@ def _locked(folder: Path) -> Generator[None]:
 def _beside(target: Path) -> Generator[Path]:
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(
-            prefix=unfinished_name(target), dir=target.parent
-        ) as folder:
-            yield Path(folder) / "base"
+        with tempfile.TemporaryDirectory(prefix=unfinished_name(target), dir=target.parent) as made:
+            yield Path(made) / "base"
     except StoreError:
         raise
     except OSError as error:

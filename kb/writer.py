@@ -88,9 +88,8 @@ class RuleWriter(RuleReader):
             change, number = _Change(), self.sequence + 1
             change.insert += speaker_quads(source, BELIEFS) if source else []
             for word in words:
-                before = self.store.quads(
-                    learned.WORDS.node(word), learned.LOOK.predicate, None, None
-                )
+                node = learned.WORDS.node(word)
+                before = self.store.quads(node, learned.LOOK.predicate, None, None)
                 change.replace(before, learned.WORDS.learned_quads(replace(word, utterance=number)))
             for action in actions:
                 for known in TAUGHT_ACTIONS.active(self.store):
@@ -202,11 +201,9 @@ class RuleWriter(RuleReader):
             self._write(replace(self._correction(text, speaker), answer=answer), [], change)
         return found[-1]
 
-    def _end_learned(
-        self, change: _Change, mapping: LearnedMapping[Record], record: Record
-    ) -> None:
-        before = self.store.quads(mapping.node(record), None, None, mapping.graph)
-        change.replace(before, mapping.learned_quads(record, status="retracted"))
+    def _end_learned(self, change: _Change, kind: LearnedMapping[Record], record: Record) -> None:
+        before = self.store.quads(kind.node(record), None, None, kind.graph)
+        change.replace(before, kind.learned_quads(record, status="retracted"))
 
     @property
     def last_written(self) -> int:

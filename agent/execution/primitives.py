@@ -190,12 +190,10 @@ class PrimitiveExecutor:
         slots = {"goal": self.goal, "patient": self.patient or "thing", "tool": tool}
         return AnswerContent(key, slots, "failed", reason)
 
-    def _moved(
-        self, report: MotionReport, task: PrimitiveTask, *same: str, **changed: Any
-    ) -> Failure:
-        changed |= {name: getattr(report, name) for name in same}
-        changed["moved"] = self.world.moved + report.moved
-        self.world = replace(self.world, executed=True, **changed)
+    def _moved(self, report: MotionReport, task: PrimitiveTask, *same: str, **new: Any) -> Failure:
+        new |= {name: getattr(report, name) for name in same}
+        new["moved"] = self.world.moved + report.moved
+        self.world = replace(self.world, executed=True, **new)
         name = task.percept.object if task.percept else self.tool or "thing"
         return None if report.ok else outcome_answer.motion_failed(report, name, self._part)
 

@@ -155,6 +155,4 @@ def meaning_key(understood: Understanding) -> str:
 @cache
 def _weights() -> Mapping[str, float]:
     nodes = read_yaml(_CALIBRATION).entries(required=("weights",))["weights"]
-    return {
-        name: each.number() for name, each in nodes.entries(required=FEATURES, optional=()).items()
-    }
+    return {name: e.number() for name, e in nodes.entries(required=FEATURES, optional=()).items()}

@@ -6,17 +6,17 @@ are searched among those made of the word pairs of Hilt's own grammar: what a wo
 of phones (Levenshtein 1966), the best way on from each place by dynamic programming backwards, and
 with these exact costs the best sentences by A* (Soong & Huang 1991). People say more than that
 grammar makes, so the text with a few words replaced by known ones that sound alike is searched for
-in the same way. All of it is only ever offered.
+in the same way where none of its sentences is near. All of it is only ever offered.
 """
 
 import random
 import re
-from collections import Counter, defaultdict
+from collections import Counter
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from heapq import heappop, heappush
-from itertools import accumulate, combinations, count, islice, pairwise
+from itertools import accumulate, chain, combinations, count, islice, pairwise
 from pathlib import Path
 from typing import NamedTuple
 
@@ -25,7 +25,9 @@ import numpy.typing as npt
 
 from ...nlu.jsgf import sentences
 from ...nlu.language import Language
-from ...nlu.parsing.understanding import Understanding
+from ...nlu.lexicon.tokenizer import tokenize
+from ...nlu.parsing.understanding import Understanding, UtteranceContext
+from ...nlu.semantics.discourse import Discourse
 from ...nlu.semantics.meaning import Meaning
 from ...ontology.yaml_reader import read_yaml
 from .recognisers import pronunciations
@@ -33,13 +35,15 @@ from .recognisers import pronunciations
 GAP, NEAR, VOWEL, OTHER = 0.8, 0.4, 0.7, 1.0  # costs of a lost or added phone, and of others for it
 PAIR = 0.25  # what a word pair costs: this times its negative log probability
 BONUS = 0.3  # what a likely word costs less
-MOST_COST = 0.5  # of a candidate, per phone
+MOST_COST, NEAR_COST = 0.5, 0.25  # of a candidate, and of the only ones searched for, per phone
 MOST_PHONES = 90  # of a text that is repaired
-MOST_CANDIDATES, MOST_SENTENCES = 5, 10
+MOST_CANDIDATES, MOST_SENTENCES = 4, 15
 REPLACING, RARE = 0.6, 0.8  # what a word costs in place of others, and one not in the grammar
 UNPAIRED = 0.35  # what a word costs there instead of its pair: about as much as a usual pair
 MOST_REPLACED, MOST_CHANGE = 3, 3.5  # words that take the place of others, and their cost
-MOST_TRIED = 20  # texts with replaced words
+MOST_PATHS, MOST_LIKELY = 60, 24  # texts with replaced words, and those likely by their pairs
+MOST_TRIED = 20  # of them, if none is a sentence
+RARE_PAIR = 1.5  # what a pair costs at most to be among these
 
 _SENTENCES, _SEED = 20_000, 0  # from which the word pairs are counted
 _LONGER = 3  # by how many phones a word may be heard longer than it is
@@ -47,10 +51,21 @@ _STEPS, _BRANCHES = 600, 30  # of the search at most, and at each of them
 _NEAREST = 6  # other words for a span
 _NEVER = 1e4
 _EDGE = ""  # stands for a word before and after a sentence
+_NOTHING_SAID = UtteranceContext("sam", "self", Discourse())
 
 Phones = tuple[str, ...]
 Floats = npt.NDArray[np.float32]
-_Group = tuple[list[int], npt.NDArray[np.int64], Floats]  # words of as many phones
+Ints = npt.NDArray[np.int64]
+
+
+class _Level(NamedTuple):
+    """The phones of all words at one place; those of words that begin alike are one."""
+
+    before: Ints  # each one's number on the level before
+    phones: Ints
+    weights: Floats
+    spoken: Ints  # the numbers of the pronunciations that end here,
+    ends: Ints  # and of their last phones
 
 
 class _Edge(NamedTuple):
@@ -81,11 +96,12 @@ class SoundRepair:
         with np.errstate(divide="ignore"):
             costs = -PAIR * np.log(times / times.sum(axis=1, keepdims=True))
         self._pair_costs = np.minimum(costs, _NEVER).astype(np.float32)  # by word and next word
-        self._may_be_left_out = np.array([word in self._sounds.articles for word in self._words])
-        self._groups = list(self._words_by_length(self._words))
         rare = set(filter(str.isalpha, language.lexicon.words())).difference(self._words)
         self._all_words = [*self._words, *sorted(rare)]
-        self._all_groups = list(self._words_by_length(self._all_words))
+        self._articles = [numbers[each] for each in self._sounds.articles & numbers.keys()]
+        spoken = [[*map(tuple, self._sounds.of_word(word))] for word in self._all_words]
+        self._firsts = np.cumsum([0, *map(len, spoken[:-1])])  # of each word's pronunciations
+        self._levels = [*_levels([*chain.from_iterable(spoken)])]
         self._known = frozenset(map(str.lower, self._all_words))
 
     def candidates(self, text: str, names: Collection[str] = ()) -> dict[str, float]:
@@ -94,59 +110,71 @@ class SoundRepair:
         Each has its cost: how far its sound is from that of the text, per phone. They are at most
         `MOST_CANDIDATES`; the words of some names are likelier than others.
         """
-        phones = len(self._heard(text))
-        found: dict[Meaning, tuple[str, float]] = {}
-        for cost, sentence in sorted([*self.nearest(text, names), *self.respelled(text, names)]):
+        costs, found = self.costs(text, names), dict[Meaning, tuple[str, float]]()
+        phones = len(costs) - 1
+        listed = [each for each in self.nearest(costs) if each[0] <= MOST_COST * phones]
+        if not listed or listed[0][0] > NEAR_COST * phones:
+            listed += self.respelled(text, costs, most=0 if listed else MOST_TRIED)
+        for cost, sentence in sorted(listed):
             if cost > MOST_COST * phones or len(found) == MOST_CANDIDATES:
                 break
-            understood = self.language.understand(sentence)
+            understood = self._understood(sentence)
             if _is_clear(understood):
                 found.setdefault(understood.meaning, (sentence, cost / phones))
         return dict(found.values())
 
-    def nearest(self, text: str, names: Collection[str] = ()) -> list[tuple[float, str]]:
+    def nearest(self, costs: Floats) -> list[tuple[float, str]]:
         """Return the sentences that sound most like a text, with what they cost in all."""
-        heard = self._heard(text)
-        if not 0 < len(heard) <= MOST_PHONES:
-            return []
-        return list(islice(self._best(self._costs(heard, names, self._groups)), MOST_SENTENCES))
+        found = islice(self._best(costs[:, : len(self._words)]), MOST_SENTENCES)
+        return [(cost, sentence) for cost, sentence in found if self._is_derived(sentence)]
 
-    def respelled(self, text: str, names: Collection[str] = ()) -> list[tuple[float, str]]:
+    def respelled(self, text: str, costs: Floats, most: int) -> list[tuple[float, str]]:
         """Return the text with words replaced by known ones that sound alike, and what that costs.
 
         Those are replaced that the language does not know, alone or with a neighbour; if it knows
-        all of them and still does not understand, any.
+        all of them and still does not understand, any. If none is a sentence by the chart alone,
+        they are so many, whatever they are.
         """
-        said, understood = re.findall(r"[\w']+", text.lower()), self.language.understand(text)
+        said, understood = re.findall(r"[\w']+", text.lower()), self._understood(text)
         ends = [*accumulate((len(self._heard(word)) for word in said), initial=0)]
-        if _is_clear(understood) or not 0 < ends[-1] <= MOST_PHONES:
+        if len(costs) == 1 or _is_clear(understood):
             return []
         known = self._known.difference(word.said for word in understood.new_words)
         strange = [at for at, word in enumerate(said) if "'" not in word and word not in known]
         spans = [(ends[max(0, at - 1)], ends[min(len(said), at + 2)]) for at in strange]
-        edges = self._other_words(self._heard(text), names)
-        for place, others in enumerate(edges if spans else ()):
-            within = [span for span in spans if span[0] <= place]
-            edges[place] = [e for e in others if any(e.end <= end for _, end in within)]
+        edges = self._other_words(costs, spans or [(0, ends[-1])])
         for at, (start, end) in enumerate(pairwise(ends)):
             if at not in strange:
                 edges[start].append(_Edge(0.0, end, said[at], is_other=False))
         found: dict[str, float] = {}
-        for cost, words in islice(_paths(edges), _STEPS):
-            found.setdefault(words, cost)
+        for cost, words in islice(_paths(edges), MOST_PATHS):
+            found.setdefault(words.lower(), cost)
         found.pop(" ".join(said), None)
-        tried = islice(found.items(), MOST_TRIED)
-        return [(cost + UNPAIRED * len(words.split()), words) for words, cost in tried]
+        likely = sorted(found, key=lambda words: found[words] + self._pairs_cost(words))
+        tried = [*filter(self._is_derived, likely[:MOST_LIKELY])] or [*found][:most]
+        return [(found[words] + UNPAIRED * len(words.split()), words) for words in tried]
 
-    def _other_words(
-        self, heard: Sequence[tuple[int, float]], names: Collection[str]
-    ) -> list[list[_Edge]]:
-        """Return the words that sound most like what is heard from each place on."""
-        edges = [list[_Edge]() for _ in range(len(heard) + 1)]
-        costs = self._costs(heard, names, self._all_groups) + REPLACING
-        costs[:, len(self._words) :] += RARE
-        for place in range(len(heard)):
-            row = costs[place, :, 1 : len(heard) - place + 1]
+    def _pairs_cost(self, words: str) -> float:
+        numbers = [self._numbers.get(word, -1) for word in (_EDGE, *words.split(), _EDGE)]
+        pairs = (self._pair_costs[p] if min(p) >= 0 else RARE_PAIR for p in pairwise(numbers))
+        return sum(min(RARE_PAIR, cost) for cost in pairs)
+
+    def _is_derived(self, sentence: str) -> bool:
+        parser = self.language.parser
+        chart = parser.chart(tokenize(sentence, self.language.builder.contractions), {})
+        return any(map(chart.derivations, parser.grammar.roots))
+
+    def _understood(self, text: str) -> Understanding:
+        return self.language.utterance_parser.understand(text, _NOTHING_SAID, ())
+
+    def _other_words(self, costs: Floats, spans: Sequence[tuple[int, int]]) -> list[list[_Edge]]:
+        """Return the words within some spans that sound most like what is heard at each place."""
+        edges = [list[_Edge]() for _ in costs]
+        rare = np.arange(costs.shape[1]) >= len(self._words)
+        extra = (REPLACING + RARE * rare).astype(np.float32)[:, None]
+        for place in range(len(costs) - 1):
+            until = max([place, *(end for start, end in spans if start <= place)])
+            row = costs[place, :, 1 : until - place + 1] + extra
             near = np.argpartition(row, _NEAREST, axis=0)[:_NEAREST]
             found = zip(near.ravel(), np.take_along_axis(row, near, 0).ravel(), strict=True)
             for number, (word, cost) in enumerate(found):
@@ -155,12 +183,15 @@ class SoundRepair:
                     edges[place].append(_Edge(float(cost), end, self._all_words[word], True))
         return edges
 
-    def _costs(
-        self, heard: Sequence[tuple[int, float]], names: Collection[str], groups: Sequence[_Group]
-    ) -> Floats:
-        """Return the costs of words on spans, as of `_span_costs`, less for those of names."""
-        costs = self._span_costs(heard, groups)
-        costs[:, np.flatnonzero(~self._may_be_left_out), 0] = _NEVER
+    def costs(self, text: str, names: Collection[str] = ()) -> Floats:
+        """Return what words cost, less for those of names, on all spans of a text that is heard.
+
+        By the place where a span begins, word and number of phones; one place if nothing can be
+        heard or too much.
+        """
+        heard = self._heard(text)
+        costs = self._span_costs(heard if len(heard) <= MOST_PHONES else ())
+        costs[:, np.isin(np.arange(costs.shape[1]), self._articles, invert=True), 0] = _NEVER
         likely = {word for name in names for word in name.split()} & self._numbers.keys()
         costs[:, [self._numbers[word] for word in likely]] -= BONUS
         return costs
@@ -169,40 +200,33 @@ class SoundRepair:
         words = re.findall(r"[\w']+", text)
         return [each for word in words for each in self._sounds.of_word(word)[0]]
 
-    def _words_by_length(self, words: Sequence[str]) -> Iterator[_Group]:
-        groups = defaultdict[tuple[int, int], list[tuple[int, list[tuple[int, float]]]]](list)
-        for number, word in enumerate(words[1:], start=1):  # but for _EDGE
-            for variant, phones in enumerate(self._sounds.of_word(word)):
-                groups[variant, len(phones)].append((number, phones))
-        for group in groups.values():
-            values = np.array([phones for _, phones in group])
-            numbers = [number for number, _ in group]
-            yield numbers, values[..., 0].astype(int), values[..., 1].astype(np.float32)
-
-    def _span_costs(self, heard: Sequence[tuple[int, float]], groups: Sequence[_Group]) -> Floats:
+    def _span_costs(self, heard: Sequence[tuple[int, float]]) -> Floats:
         """Return what a word costs that is heard as so many phones: by place, word and number."""
-        phones, gaps = [phone for phone, _ in heard], [GAP * weight for _, weight in heard]
-        most = max(spoken.shape[1] for _, spoken, _ in groups) + _LONGER
-        count = max(max(words) for words, _, _ in groups) + 1
-        costs = np.full((len(heard) + 1, count, most + 1), _NEVER, np.float32)
-        for words, spoken, weights in groups:
-            wide = spoken.shape[1] + _LONGER
-            span = np.arange(len(heard) + 1)[:, None] + np.arange(wide)
-            near = self._sounds.distances[np.pad(phones, (0, wide))[span]]
-            alone = np.pad(np.array(gaps, np.float32), (0, wide), constant_values=_NEVER)[span]
-            added = np.pad(np.cumsum(alone, axis=1), ((0, 0), (1, 0)))[:, None]
-            rows = np.repeat(added, len(words), axis=1)
-            for phone, weight in zip(spoken.T, weights.T[..., None], strict=True):
-                changed = rows[..., :-1] + near[:, :, phone].swapaxes(1, 2) * weight
-                rows = rows + GAP * weight
-                rows[..., 1:] = np.minimum(rows[..., 1:], changed)
-                rows = np.minimum.accumulate(rows - added, axis=2) + added
-            costs[:, words, : wide + 1] = np.minimum(costs[:, words, : wide + 1], rows)
-        return costs
+        places, most = len(heard) + 1, len(self._levels) + _LONGER
+        phones = np.array([phone for phone, _ in heard] + [0] * most)
+        gaps = np.full(len(phones), _NEVER, np.float32)
+        gaps[: len(heard)] = [GAP * weight for _, weight in heard]
+        rows = np.zeros((_LONGER + 1, 1, places), np.float32)  # by number, last phone and place
+        for span in range(_LONGER):
+            rows[span + 1] = rows[span] + gaps[span : span + places]
+        costs = np.full(
+            (places, sum(len(each.ends) for each in self._levels) + 1, most + 1), _NEVER, np.float32
+        )
+        for level in self._levels:
+            before = rows[:, level.before]
+            near = self._sounds.distances[level.phones][:, phones] * level.weights
+            rows = np.full((len(before) + 1, *before.shape[1:]), _NEVER, np.float32)
+            rows[:-1] = before + GAP * level.weights
+            for span, row in enumerate(rows[1:]):
+                within = slice(span, span + places)
+                np.minimum(row, before[span] + near[:, within], out=row)
+                np.minimum(row, rows[span] + gaps[within], out=row)
+            costs[:, level.spoken, : len(rows)] = rows[:, level.ends].T
+        return np.minimum.reduceat(costs, self._firsts, axis=1)
 
     def _ways_on(self, costs: Floats) -> Floats:
         """Return the least cost from each place to the end, with each word as the next one."""
-        (places, words, wide), skipped = costs.shape, np.flatnonzero(self._may_be_left_out)
+        (places, words, wide), skipped = costs.shape, self._articles
         after = np.full((places + wide, words), _NEVER, np.float32)  # by place and word before it
         after[places - 1] = self._pair_costs[:, 0]
         ways = np.full((places, words), _NEVER, np.float32)
@@ -236,9 +260,22 @@ class SoundRepair:
                 return
 
 
+def _levels(spoken: Sequence[tuple[tuple[int, float], ...]]) -> Iterator[_Level]:
+    before: dict[tuple[tuple[int, float], ...], int] = {(): 0}
+    for length in range(1, max(map(len, spoken)) + 1):
+        begun = dict.fromkeys(phones[:length] for phones in spoken if len(phones) >= length)
+        numbers = {phones: number for number, phones in enumerate(begun)}
+        ended = [(at, numbers[phones]) for at, phones in enumerate(spoken) if len(phones) == length]
+        last, weights = zip(*(phones[-1] for phones in begun), strict=True)
+        numbered = np.array([before[phones[:-1]] for phones in begun])
+        counted = np.array(weights, np.float32)[:, None]
+        yield _Level(numbered, np.array(last), counted, *np.reshape(ended, (-1, 2)).astype(int).T)
+        before = numbers
+
+
 def _is_clear(understood: Understanding) -> bool:
-    is_new = understood.new_words or understood.unknown
-    return understood.kind not in {"error", "ask_back"} and not is_new
+    is_open = understood.kind in {"error", "ask_back"}
+    return not (is_open or understood.new_words or understood.unknown)
 
 
 def _paths(edges: Sequence[Sequence[_Edge]]) -> Iterator[tuple[float, str]]:
@@ -303,9 +340,7 @@ def _load_sounds() -> _Sounds:
     known, names = pronunciations(), ("vowels", "endings", "articles", "near", "letters")
     fields = read_yaml(Path(__file__).with_name("phones.yaml")).entries(required=names, optional=())
     vowels, endings, articles = (frozenset(fields[name].texts()) for name in names[:3])
-    letters = {
-        key: tuple(str(node.value).split()) for key, node in fields["letters"].entries().items()
-    }
+    letters = {key: tuple(str(n.value).split()) for key, n in fields["letters"].entries().items()}
     pairs = {pair for each in fields["near"].items() for pair in combinations(each.texts(), 2)}
     words = {word: [tuple(each.split()) for each in ways] for word, ways in known.items()}
     phones = sorted({phone for variants in words.values() for each in variants for phone in each})

@@ -129,11 +129,9 @@ def plan_trust(plan: AncillaryWrites, base: KnowledgeBase, other: RuleReader) ->
             )
 
 
-def plan_history(
-    plan: AncillaryWrites, base: KnowledgeBase, utterances: Iterable[Utterance]
-) -> None:
+def plan_history(plan: AncillaryWrites, base: KnowledgeBase, said: Iterable[Utterance]) -> None:
     """Add the utterances that the base has not, after its own."""
-    for utterance in sorted(utterances, key=lambda one: one.sequence):
+    for utterance in sorted(said, key=lambda one: one.sequence):
         there = _same_utterance(base, utterance)
         if there:
             plan.numbers[utterance.sequence] = there

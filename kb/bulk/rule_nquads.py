@@ -21,9 +21,7 @@ from ..stores.base import is_first
 _MAX_KNOWN = 2**18  # lines of each kind that are remembered
 _MAX_HELD = 2**20  # characters that are passed on at once
 _RULES, _UTTERANCES = PREFIXES["rule"], PREFIXES["utterance"]
-_END, _HISTORY_END, _DERIVED_END = (
-    f" {as_sparql(graph)} .\n" for graph in (BELIEFS, HISTORY, DERIVED)
-)
+_END, _HISTORY_END, _DERIVED_END = (f" {as_sparql(g)} .\n" for g in (BELIEFS, HISTORY, DERIVED))
 _LOWER, _UPPER, _TIME, _RULE, _ASSERTS = (
     f" {as_sparql(key)} " for key in (LOWER, UPPER, GENERATED_AT, rule_mapping.RULE, ASSERTS)
 )

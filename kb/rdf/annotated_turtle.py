@@ -65,9 +65,7 @@ def write_annotated(quads: Iterable[Quad]) -> Iterator[str]:
         edges = rule_mapping.plain_edges(rule_mapping.read_rule(found)) if is_active else []
         if edges:
             said = _pairs(sorted(found, key=lambda one: one[0] not in _BOUNDS))
-            first, *others = [
-                f"{' '.join(map(_short, edge[:3]))} ~ {_short(node)}" for edge in edges
-            ]
+            first, *others = [f"{' '.join(map(_short, e[:3]))} ~ {_short(node)}" for e in edges]
             yield f"\n{first} {{|\n    {said} |}} .\n"
             yield from (f"{edge} .\n" for edge in others)
         elif plain := [one for one in found if one[0] not in rule_mapping.PLAIN_EDGES]:

@@ -80,7 +80,7 @@ class Tokens:
         pairs = zip((BREAK, *self.words), self.items, strict=False)
         return frozenset(each.word for last, each in pairs if each.capital and last != BREAK)
 
-    @property
+    @cached_property
     def is_transcript(self) -> bool:
         """Whether the text has neither capitals nor pauses, as a speech recogniser writes it."""
         return self.text.islower() and all(c.isalnum() or c in " '’" for c in self.text)

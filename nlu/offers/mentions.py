@@ -32,10 +32,7 @@ _BEFORE_VERBS = frozenset({"to", "can", "you", "we", "i", "and"})
 _LABELS = ("degree", "object", "part", "property", "material", "person", "act", "affordance", "new")
 """Of the roles of one word the first of these is its label."""
 
-_NEW_ROLES = {
-    **{role: role for role in ("object", "part", "affordance", "person")},
-    "context": "act",
-}
+_NEW_ROLES = {**{r: r for r in ("object", "part", "affordance", "person")}, "context": "act"}
 
 LEAST_ASIDE = 4  # the least length of what is said aside, from pause to pause [words]
 

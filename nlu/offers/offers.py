@@ -113,7 +113,7 @@ class OfferFinder:
         if len(tokens.items) > MAX_TOKENS:
             return ()
         for start, end in islice(self.segments.found(mentions), MAX_SEGMENTS):
-            beside = _with_object_before(start, mentions, context)
+            beside = _with_object(start, mentions, context)
             meaning = _revising(self.meaning_of(tokens.span(start, end), beside), context)
             if start and _holds_for_anything(meaning, mentions):
                 continue
@@ -175,9 +175,7 @@ class OfferFinder:
         return found == meaning or (isinstance(found, AskBack) and found.choices == (meaning,))
 
 
-def _with_object_before(
-    place: int, mentions: Mentions, context: UtteranceContext
-) -> UtteranceContext:
+def _with_object(place: int, mentions: Mentions, context: UtteranceContext) -> UtteranceContext:
     before = {m.name: m for m in mentions.names if m.role == "object" and m.end <= place}
     if not before:
         return context

@@ -55,7 +55,7 @@ class ReadingFilter:
                 for part in word.said.split(" ")
             )
             and (not each.new_words or self._may_introduce_words(each, tokens))
-            and self._may_introduce_recipients(each, tokens, commanded=commanded)
+            and self._may_name_recipients(each, tokens, commanded=commanded)
         ]
 
     def _may_introduce_words(self, reading: Reading, tokens: Tokens) -> bool:
@@ -121,9 +121,7 @@ class ReadingFilter:
         is_name = word.role in {"object", "affordance"}
         return is_part or (is_name and self.known_words.is_surely_name(word.said))
 
-    def _may_introduce_recipients(
-        self, reading: Reading, tokens: Tokens, *, commanded: bool
-    ) -> bool:
+    def _may_name_recipients(self, reading: Reading, tokens: Tokens, *, commanded: bool) -> bool:
         """Whether those whom a reading takes for people may be given something."""
         people = new_recipients(lexical_entries(reading.derivation))
         if not people:

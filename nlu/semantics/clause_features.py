@@ -185,9 +185,7 @@ def check_spellings(path: Path, reader: FeatureReader) -> None:
     """Check that no pattern mixes two values of a feature; `DataError` says which, and where."""
     parts = read_yaml(path).entries()
     varying = parts["varies"].texts(choices=reader.values) if "varies" in parts else ()
-    items = [
-        item for key in ("words", "constructions") if key in parts for item in parts[key].items()
-    ]
+    items = [e for key in ("words", "constructions") if key in parts for e in parts[key].items()]
     said = [item.entries(required=("says",))["says"] for item in items]
     for key in ("classes", "discourse_markers"):
         said += parts[key].entries().values() if key in parts else ()

@@ -174,9 +174,7 @@ def resolve_rules(form: PredicateForm, discourse: Discourse) -> PredicateForm:
             alternatives, known = _alternatives(form), discourse.object or IT
             if not alternatives:
                 is_held = act.name == "graspObject"
-                return (
-                    _resolve_action_rule(form, discourse) if is_held else form.replacing(IT, known)
-                )
+                return _resolve_act(form, discourse) if is_held else form.replacing(IT, known)
             form = PredicateForm("and", alternatives)
         case "within", (occasion, rule):
             form = _on_occasion(occasion, rule)
@@ -252,7 +250,7 @@ def _alternatives(form: PredicateForm) -> tuple[PredicateForm, ...]:
     return ()
 
 
-def _resolve_action_rule(form: PredicateForm, discourse: Discourse) -> PredicateForm:
+def _resolve_act(form: PredicateForm, discourse: Discourse) -> PredicateForm:
     context, act, degree = form.arguments
     actor, place = act.arguments
     part, owners = _part(place)

@@ -97,15 +97,11 @@ def is_contradictory(rules: "Sequence[Rule | KindRelation]") -> bool:
     said: dict[Rule | KindRelation, Confidence] = {}
     for rule in rules:
         bare = replace(rule, confidence=(0.0, 1.0))
-        about = [each for each in said if bare in (each, _as_grasp(each))]
-        if any(said[each] != rule.confidence for each in about):
+        own = [e for e in said if isinstance(e, ActionRule) and replace(e, context="grasp") == bare]
+        if any(said.get(each, rule.confidence) != rule.confidence for each in (bare, *own)):
             return True
         said[bare] = rule.confidence
     return False
-
-
-def _as_grasp(rule: "Rule | KindRelation") -> "Rule | KindRelation":
-    return replace(rule, context="grasp") if isinstance(rule, ActionRule) else rule
 
 
 Told = TypeVar("Told", bound=_Rule)

@@ -98,10 +98,8 @@ def _mesh(shape: VisualShape) -> Trimesh:
     smooth: Trimesh = trimesh.graph.smooth_shade(mesh, angle=meshes.CREASE, facet_minarea=None)
     screen = np.array(shape.colour[:3])  # sRGB; glTF has linear colours
     linear = np.where(screen <= 0.04045, screen / 12.92, ((screen + 0.055) / 1.055) ** 2.4)
-    factor = [*linear, shape.colour[3]]
-    material = PBRMaterial(
-        baseColorFactor=factor, roughnessFactor=ROUGHNESS, metallicFactor=METALLIC
-    )
+    rgba = [*linear, shape.colour[3]]
+    material = PBRMaterial(baseColorFactor=rgba, roughnessFactor=ROUGHNESS, metallicFactor=METALLIC)
     return Trimesh(
         vertices=np.round(smooth.vertices / GRID) * GRID,
         faces=smooth.faces,

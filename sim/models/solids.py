@@ -115,9 +115,7 @@ def _lathe_rings(lathe: forms.Lathe, sides: int, steps: int) -> list[Array]:
     return rings
 
 
-def _ring(
-    lathe: forms.Lathe, sides: int, radius: float, height: float, shift: float = 0.0
-) -> Array:
+def _ring(lathe: forms.Lathe, sides: int, radius: float, height: float, shift: float = 0) -> Array:
     # Half a step of turn puts a flat side, not an edge, underneath.
     angles = (np.arange(sides) + 0.5) * 2 * np.pi / sides
     wide, deep = (max(radius * factor + shift, 0.0) for factor in lathe.stretch)

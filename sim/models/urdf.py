@@ -139,21 +139,19 @@ def _read(path: Path) -> ElementTree.Element:
     return root
 
 
-def _attached_elements(
-    root: ElementTree.Element, attachment: HandFile
-) -> list[ElementTree.Element]:
-    wanted, joints = {attachment.link}, list[ElementTree.Element]()
+def _attached_elements(root: ElementTree.Element, hand: HandFile) -> list[ElementTree.Element]:
+    wanted, joints = {hand.link}, list[ElementTree.Element]()
     for joint in root.findall("joint"):  # a URDF lists parents before their children
         if child_attribute(joint, "parent", "link") in wanted:
             joints.append(joint)
             wanted.add(child_attribute(joint, "child", "link"))
     links = [link for link in root.findall("link") if link.get("name") in wanted]
     if len(links) != len(wanted):
-        raise DataError(f'expected a link "{attachment.link}".', source=str(attachment.urdf))
-    carrier = ElementTree.Element("joint", name=f"{attachment.link} on the arm", type="fixed")
-    ElementTree.SubElement(carrier, "parent", link=attachment.carrier)
-    ElementTree.SubElement(carrier, "child", link=attachment.link)
-    at, turn = map(_numbers, (attachment.at, attachment.turn))
+        raise DataError(f'expected a link "{hand.link}".', source=str(hand.urdf))
+    carrier = ElementTree.Element("joint", name=f"{hand.link} on the arm", type="fixed")
+    ElementTree.SubElement(carrier, "parent", link=hand.carrier)
+    ElementTree.SubElement(carrier, "child", link=hand.link)
+    at, turn = map(_numbers, (hand.at, hand.turn))
     ElementTree.SubElement(carrier, "origin", xyz=at, rpy=turn)
     return [*links, carrier, *joints]
 

@@ -81,7 +81,7 @@ def test_words_of_free_sentences_are_replaced(repair: SoundRepair, said: str, he
 
 def test_what_is_understood_gets_no_other_words(repair: SoundRepair):
     """There is nothing to repair."""
-    assert repair.respelled("Pass me the knife") == []
+    assert repair.respelled("Pass me the knife", repair.costs("Pass me the knife"), 1) == []
 
 
 def test_transcript_gets_the_form_of_what_was_said(repair: SoundRepair):
@@ -147,7 +147,7 @@ def test_long_text_is_left_as_it_is(repair: SoundRepair):
 @pytest.mark.parametrize("said", [said for said in MISHEARD if "grab it by the blade" in said])
 def test_sentence_itself_costs_least(repair: SoundRepair, said: str):
     """What was heard well is its own nearest sentence."""
-    assert repair.nearest(said)[0][1] == said
+    assert repair.nearest(repair.costs(said))[0][1] == said
 
 
 @pytest.fixture
