@@ -16,7 +16,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from heapq import heappop, heappush
-from itertools import accumulate, chain, combinations, count, islice, pairwise
+from itertools import accumulate, combinations, count, islice, pairwise
 from pathlib import Path
 from typing import NamedTuple
 
@@ -100,8 +100,10 @@ class SoundRepair:
         self._all_words = [*self._words, *sorted(rare)]
         self._articles = [numbers[each] for each in self._sounds.articles & numbers.keys()]
         spoken = [[*map(tuple, self._sounds.of_word(word))] for word in self._all_words]
-        self._firsts = np.cumsum([0, *map(len, spoken[:-1])])  # of each word's pronunciations
-        self._levels = [*_levels([*chain.from_iterable(spoken)])]
+        # Each word's first pronunciation, then all further ones, with the numbers of their words.
+        further = [(n, each) for n, ways in enumerate(spoken) for each in ways[1:]]
+        self._owners = [n for n, _ in further]
+        self._levels = [*_levels([ways[0] for ways in spoken] + [each for _, each in further])]
         self._known = frozenset(map(str.lower, self._all_words))
 
     def candidates(self, text: str, names: Collection[str] = ()) -> dict[str, float]:
@@ -132,15 +134,13 @@ class SoundRepair:
         """Return the text with words replaced by known ones that sound alike, and what that costs.
 
         Those are replaced that the language does not know, alone or with a neighbour; if it knows
-        all of them and still does not understand, any. If none is a sentence by the chart alone,
-        they are so many, whatever they are.
+        all of them, any. They are sentences by the chart alone or, if none is, the `most` nearest.
         """
-        said, understood = re.findall(r"[\w']+", text.lower()), self._understood(text)
+        said = re.findall(r"[\w']+", text.lower())
         ends = [*accumulate((len(self._heard(word)) for word in said), initial=0)]
-        if len(costs) == 1 or _is_clear(understood):
+        if len(costs) == 1 or self._is_derived(text):
             return []
-        known = self._known.difference(word.said for word in understood.new_words)
-        strange = [at for at, word in enumerate(said) if "'" not in word and word not in known]
+        strange = [n for n, each in enumerate(said) if not ("'" in each or each in self._known)]
         spans = [(ends[max(0, at - 1)], ends[min(len(said), at + 2)]) for at in strange]
         edges = self._other_words(costs, spans or [(0, ends[-1])])
         for at, (start, end) in enumerate(pairwise(ends)):
@@ -222,7 +222,10 @@ class SoundRepair:
                 np.minimum(row, before[span] + near[:, within], out=row)
                 np.minimum(row, rows[span] + gaps[within], out=row)
             costs[:, level.spoken, : len(rows)] = rows[:, level.ends].T
-        return np.minimum.reduceat(costs, self._firsts, axis=1)
+        first, further = np.split(costs, [len(self._all_words)], axis=1)
+        for word, cost in zip(self._owners, further.swapaxes(0, 1), strict=True):
+            first[:, word] = np.minimum(first[:, word], cost)
+        return first
 
     def _ways_on(self, costs: Floats) -> Floats:
         """Return the least cost from each place to the end, with each word as the next one."""
