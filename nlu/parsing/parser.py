@@ -131,16 +131,16 @@ class SentenceParser:
         discourse = replace(context.discourse, rule=None) if is_for_now else context.discourse
         form = resolve(form, discourse)
         entries = lexical_entries(derivation)
-        words = new_words(entries)
-        fragments = predicates.load_predicates().fragments
+        words, fragments = new_words(entries), predicates.load_predicates().fragments
         if tokens.asks and (act == "FRAGMENT" or form.name in fragments):
             act, form = "FRAGMENT", PredicateForm("asked", (form,))
         act = "CORRECT" if form.name == "correctPart" else act
-        if tokens.asks and act == "INSTRUCT":
+        is_denied_wish = form.name == "want" and form.arguments[-1].name == "not"
+        if tokens.asks and (act == "INSTRUCT" or (act == "STATEMENT" and is_denied_wish)):
             raise UninterpretableError("as_question", asks=True)
         if (act == "QUESTION" or (tokens.asks and act == "STATEMENT")) and form.name in _STATED:
             act, form = "QUESTION", PredicateForm("isTrue", (form,))
-        people = map(PredicateForm, (context.speaker, context.addressee))
+        people = PredicateForm(context.speaker), PredicateForm(context.addressee)
         speech_act = PredicateForm(act, (*people, form))
         intention = self._intention(speech_act, context.recognition)
         interpreter = self.interpreter.with_words(words)

@@ -452,8 +452,8 @@ class PeripheryReader:
         }
         things = named.difference(words[slice(*span)])
         is_known = all(known.lexicon.is_name(word, _THINGS) for word in things)
-        is_past = any("tense=past" in each.signs for each in pieces)
-        return things.pop() if is_known and len(things) == 1 and not is_past else None
+        is_other = any(each.signs & {"tense=past", "agent=addressee"} for each in pieces)
+        return things.pop() if is_known and len(things) == 1 and not is_other else None
 
 
 def kinds_of_core(meaning: Meaning) -> frozenset[str]:

@@ -217,11 +217,11 @@ def _offered(rule: meanings.Rule) -> meanings.AskBack:
 def _as_command(  # noqa: PLR0911 - a case per slot
     fragment: FragmentValues, command: meanings.Command, discourse: Discourse
 ) -> meanings.Command | Question | meanings.AskBack:
-    anew = replace(command, part=None, negated=False)
-    if fragment.asks and fragment.target:
+    anew, target = replace(command, part=None, negated=False), fragment.target or fragment.tool
+    if fragment.asks and target:
         if command.target.object is None:  # Hilt chose the object, and is asked for its reason
-            return Question("why_not", object=_kind(fragment.target)[0])
-        return meanings.AskBack(choices=(replace(anew, target=fragment.target),))
+            return Question("why_not", object=_kind(target)[0])
+        return meanings.AskBack(choices=(replace(anew, target=target),))
     other = _other_of_pair(discourse)
     if (
         fragment.mode in {"also", "other"}
@@ -232,8 +232,7 @@ def _as_command(  # noqa: PLR0911 - a case per slot
         return meanings.AskBack(choices=(replace(anew, target=ObjectReference(other)),))
     if fragment.context:
         command = replace(command, goal=fragment.context, recipient=None)
-    if fragment.target:
-        target = fragment.target
+    if target:
         is_described = fragment.mode == "other" and command.target.object is None
         if target.object == meanings.ANY_OBJECT or is_described:
             props = target.props or command.target.props
