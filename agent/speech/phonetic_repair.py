@@ -42,8 +42,8 @@ REPLACING, RARE = 0.6, 0.8  # what a word costs in place of others, and one not 
 UNPAIRED = 0.35  # what a word costs there instead of its pair: about as much as a usual pair
 MOST_REPLACED, MOST_CHANGE = 3, 3.5  # words that take the place of others, and their cost
 MOST_PATHS, MOST_LIKELY = 60, 24  # texts with replaced words, and those likely by their pairs
-MOST_TRIED = 20  # of them, if none is a sentence
-RARE_PAIR = 1.5  # what a pair costs at most to be among these
+MOST_TRIED = 20  # of them, if none is a sentence and no word is unknown
+RARE_PAIR = 1.5  # what a pair costs at most when the likely ones are chosen
 
 _SENTENCES, _SEED = 20_000, 0  # from which the word pairs are counted
 _LONGER = 3  # by how many phones a word may be heard longer than it is
@@ -134,7 +134,7 @@ class SoundRepair:
         """Return the text with words replaced by known ones that sound alike, and what that costs.
 
         Those are replaced that the language does not know, alone or with a neighbour; if it knows
-        all of them, any. They are sentences by the chart alone or, if none is, the `most` nearest.
+        all of them, any. They are sentences by the chart or, of any words, the `most` nearest.
         """
         said = re.findall(r"[\w']+", text.lower())
         ends = [*accumulate((len(self._heard(word)) for word in said), initial=0)]
@@ -151,7 +151,8 @@ class SoundRepair:
             found.setdefault(words.lower(), cost)
         found.pop(" ".join(said), None)
         likely = sorted(found, key=lambda words: found[words] + self._pairs_cost(words))
-        tried = [*filter(self._is_derived, likely[:MOST_LIKELY])] or [*found][:most]
+        rest = [] if strange else [*found][:most]
+        tried = [*filter(self._is_derived, likely[:MOST_LIKELY])] or rest
         return [(found[words] + UNPAIRED * len(words.split()), words) for words in tried]
 
     def _pairs_cost(self, words: str) -> float:
