@@ -26,7 +26,7 @@ import numpy.typing as npt
 from ...nlu.jsgf import sentences
 from ...nlu.language import Language
 from ...nlu.lexicon.tokenizer import tokenize
-from ...nlu.parsing.understanding import Understanding, UtteranceContext
+from ...nlu.parsing.understanding import UtteranceContext
 from ...nlu.semantics.discourse import Discourse
 from ...nlu.semantics.meaning import Meaning
 from ...ontology.yaml_reader import read_yaml
@@ -120,9 +120,9 @@ class SoundRepair:
         for cost, sentence in sorted(listed):
             if cost > MOST_COST * phones or len(found) == MOST_CANDIDATES:
                 break
-            understood = self._understood(sentence)
-            if _is_clear(understood):
-                found.setdefault(understood.meaning, (sentence, cost / phones))
+            meaning = self._meaning(sentence)
+            if meaning:
+                found.setdefault(meaning, (sentence, cost / phones))
         return dict(found.values())
 
     def nearest(self, costs: Floats) -> list[tuple[float, str]]:
@@ -163,10 +163,13 @@ class SoundRepair:
     def _is_derived(self, sentence: str) -> bool:
         parser = self.language.parser
         chart = parser.chart(tokenize(sentence, self.language.builder.contractions), {})
-        return any(map(chart.derivations, parser.grammar.roots))
+        is_sentence = any(map(chart.derivations, parser.grammar.roots))
+        return is_sentence or self.language.control(sentence) is not None
 
-    def _understood(self, text: str) -> Understanding:
-        return self.language.utterance_parser.understand(text, _NOTHING_SAID, ())
+    def _meaning(self, text: str) -> Meaning | None:
+        found = self.language.utterance_parser.understand(text, _NOTHING_SAID, ())
+        is_open = found.kind in {"error", "ask_back"} or found.new_words or found.unknown
+        return self.language.control(text) or (None if is_open else found.meaning)
 
     def _other_words(self, costs: Floats, spans: Sequence[tuple[int, int]]) -> list[list[_Edge]]:
         """Return the words within some spans that sound most like what is heard at each place."""
@@ -275,11 +278,6 @@ def _levels(spoken: Sequence[tuple[tuple[int, float], ...]]) -> Iterator[_Level]
         counted = np.array(weights, np.float32)[:, None]
         yield _Level(numbered, np.array(last), counted, *np.reshape(ended, (-1, 2)).astype(int).T)
         before = numbers
-
-
-def _is_clear(understood: Understanding) -> bool:
-    is_open = understood.kind in {"error", "ask_back"}
-    return not (is_open or understood.new_words or understood.unknown)
 
 
 def _paths(edges: Sequence[Sequence[_Edge]]) -> Iterator[tuple[float, str]]:

@@ -79,6 +79,15 @@ def test_words_of_free_sentences_are_replaced(repair: SoundRepair, said: str, he
     assert repair.language.understand(said).meaning in meanings
 
 
+@pytest.mark.parametrize(
+    ("said", "heard"),
+    [("put it down", "put it dawn"), ("let go", "let goat"), ("drop it", "drop id")],
+)
+def test_controls_of_the_arm_are_found(repair: SoundRepair, said: str, heard: str):
+    """What stops the arm or empties the hand is no sentence of the grammar, and found as well."""
+    assert said in offered(repair, heard)
+
+
 def test_what_is_understood_gets_no_other_words(repair: SoundRepair):
     """There is nothing to repair."""
     assert repair.respelled("Pass me the knife", repair.costs("Pass me the knife"), 1) == []
