@@ -220,7 +220,7 @@ def _watch_links(body: Body) -> tuple[set[tuple[str, str]], list[float]]:
     contacts, arm, fingers = body.world.engine.bodies.contacts, body.robot.chain.links, ()
     if body.robot.kind.gripper:
         fingers = body.robot.gripper.links
-    hits, kinds, taken = set[tuple[str, str]](), body.world.kinds, list[float]()
+    hits, kinds, spent_s = set[tuple[str, str]](), body.world.kinds, list[float]()
 
     def look() -> None:
         started = process_time()
@@ -230,10 +230,10 @@ def _watch_links(body: Body) -> tuple[set[tuple[str, str]], list[float]]:
                 hits.update(
                     (link, kinds[c.other].name if c.other in kinds else c.other) for c in found
                 )
-        taken.append(process_time() - started)
+        spent_s.append(process_time() - started)
 
     body.world.engine.watchers.append(look)
-    return hits, taken
+    return hits, spent_s
 
 
 def _pile(world: World, piled: Mapping[str, poses.Array]) -> None:

@@ -213,9 +213,8 @@ class SoundRepair:
         rows = np.zeros((_LONGER + 1, 1, places), np.float32)  # by number, last phone and place
         for span in range(_LONGER):
             rows[span + 1] = rows[span] + gaps[span : span + places]
-        costs = np.full(
-            (places, sum(len(each.ends) for each in self._levels) + 1, most + 1), _NEVER, np.float32
-        )
+        spoken = len(self._all_words) + len(self._owners)
+        costs = np.full((places, spoken, most + 1), _NEVER, np.float32)
         for level in self._levels:
             before = rows[:, level.before]
             near = self._sounds.distances[level.phones][:, phones] * level.weights

@@ -97,8 +97,9 @@ def is_contradictory(rules: "Sequence[Rule | KindRelation]") -> bool:
     said: dict[Rule | KindRelation, Confidence] = {}
     for rule in rules:
         bare = replace(rule, confidence=(0.0, 1.0))
-        own = [e for e in said if isinstance(e, ActionRule) and replace(e, context="grasp") == bare]
-        if any(said.get(each, rule.confidence) != rule.confidence for each in (bare, *own)):
+        acts = (each for each in said if isinstance(each, ActionRule))
+        about = [bare, *(each for each in acts if replace(each, context="grasp") == bare)]
+        if any(said.get(each, rule.confidence) != rule.confidence for each in about):
             return True
         said[bare] = rule.confidence
     return False

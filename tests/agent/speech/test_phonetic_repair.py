@@ -111,7 +111,9 @@ def _statement(repair: SoundRepair, text: str) -> Statement:
 def test_learned_word_is_found():
     """A word that was learned is known by its sound, whether the dictionary has it or not."""
     language = Language.load().with_words(
-        [NewWord("celery", "object", "celery"), NewWord("gromble", "object", "gromble")]
+        [
+            NewWord(word, "object", word) for word in ("celery", "gromble", "日本")
+        ]  # the last: no sound
     )
 
     repair = SoundRepair(language)
