@@ -35,14 +35,13 @@ from .recognisers import pronunciations
 GAP, NEAR, VOWEL, OTHER = 0.8, 0.4, 0.7, 1.0  # costs of a lost or added phone, and of others for it
 PAIR = 0.25  # what a word pair costs: this times its negative log probability
 BONUS = 0.3  # what a likely word costs less
-MOST_COST, NEAR_COST = 0.5, 0.25  # of a candidate, and of the only ones searched for, per phone
+MOST_COST, NEAR_COST = 0.5, 0.23  # of a candidate, and of the only ones searched for, per phone
 MOST_PHONES = 90  # of a text that is repaired
 MOST_CANDIDATES, MOST_SENTENCES = 4, 15
 REPLACING, RARE = 0.6, 0.8  # what a word costs in place of others, and one not in the grammar
 UNPAIRED = 0.35  # what a word costs there instead of its pair: about as much as a usual pair
 MOST_REPLACED, MOST_CHANGE = 3, 3.5  # words that take the place of others, and their cost
-MOST_PATHS, MOST_LIKELY = 60, 24  # texts with replaced words, and those likely by their pairs
-MOST_TRIED = 20  # of them, if none is a sentence and no word is unknown
+MOST_PATHS, MOST_LIKELY = 150, 200  # texts with replaced words, and words of those likely by pairs
 RARE_PAIR = 1.5  # what a pair costs at most when the likely ones are chosen
 
 _SENTENCES, _SEED = 20_000, 0  # from which the word pairs are counted
@@ -116,7 +115,7 @@ class SoundRepair:
         phones = len(costs) - 1
         listed = [each for each in self.nearest(costs) if each[0] <= MOST_COST * phones]
         if not listed or listed[0][0] > NEAR_COST * phones:
-            listed += self.respelled(text, costs, most=0 if listed else MOST_TRIED)
+            listed += self.respelled(text, costs)
         for cost, sentence in sorted(listed):
             if cost > MOST_COST * phones or len(found) == MOST_CANDIDATES:
                 break
@@ -130,11 +129,11 @@ class SoundRepair:
         found = islice(self._best(costs[:, : len(self._words)]), MOST_SENTENCES)
         return [(cost, sentence) for cost, sentence in found if self._is_derived(sentence)]
 
-    def respelled(self, text: str, costs: Floats, most: int) -> list[tuple[float, str]]:
+    def respelled(self, text: str, costs: Floats) -> list[tuple[float, str]]:
         """Return the text with words replaced by known ones that sound alike, and what that costs.
 
         Those are replaced that the language does not know, alone or with a neighbour; if it knows
-        all of them, any. They are sentences by the chart or, of any words, the `most` nearest.
+        all of them, any. They are sentences by the chart.
         """
         said = re.findall(r"[\w']+", text.lower())
         ends = [*accumulate((len(self._heard(word)) for word in said), initial=0)]
@@ -145,20 +144,19 @@ class SoundRepair:
         edges = self._other_words(costs, spans or [(0, ends[-1])])
         for at, (start, end) in enumerate(pairwise(ends)):
             if at not in strange:
-                edges[start].append(_Edge(0.0, end, said[at], is_other=False))
-        found: dict[str, float] = {}
-        for cost, words in islice(_paths(edges), MOST_PATHS):
+                edges[start].append(_Edge(UNPAIRED, end, said[at], is_other=False))
+        found, most = dict[str, float](), MOST_CHANGE + UNPAIRED * len(said)
+        for cost, words in islice(_paths(edges, most), MOST_PATHS):
             found.setdefault(words.lower(), cost)
         found.pop(" ".join(said), None)
         likely = sorted(found, key=lambda words: found[words] + self._pairs_cost(words))
-        rest = [] if strange else [*found][:most]
-        tried = [*filter(self._is_derived, likely[:MOST_LIKELY])] or rest
-        return [(found[words] + UNPAIRED * len(words.split()), words) for words in tried]
+        tried = filter(self._is_derived, likely[: MOST_LIKELY // len(said)])
+        return [(found[words], words) for words in tried]
 
     def _pairs_cost(self, words: str) -> float:
         numbers = [self._numbers.get(word, -1) for word in (_EDGE, *words.split(), _EDGE)]
         pairs = (self._pair_costs[p] if min(p) >= 0 else RARE_PAIR for p in pairwise(numbers))
-        return sum(min(RARE_PAIR, cost) for cost in pairs)
+        return sum(min(RARE_PAIR, cost) - UNPAIRED for cost in pairs)
 
     def _is_derived(self, sentence: str) -> bool:
         parser = self.language.parser
@@ -173,18 +171,23 @@ class SoundRepair:
 
     def _other_words(self, costs: Floats, spans: Sequence[tuple[int, int]]) -> list[list[_Edge]]:
         """Return the words within some spans that sound most like what is heard at each place."""
-        edges = [list[_Edge]() for _ in costs]
-        rare = np.arange(costs.shape[1]) >= len(self._words)
-        extra = (REPLACING + RARE * rare).astype(np.float32)[:, None]
-        for place in range(len(costs) - 1):
-            until = max([place, *(end for start, end in spans if start <= place)])
-            row = costs[place, :, 1 : until - place + 1] + extra
-            near = np.argpartition(row, _NEAREST, axis=0)[:_NEAREST]
-            found = zip(near.ravel(), np.take_along_axis(row, near, 0).ravel(), strict=True)
-            for number, (word, cost) in enumerate(found):
-                if cost < MOST_CHANGE:
-                    end = place + number % row.shape[1] + 1
-                    edges[place].append(_Edge(float(cost), end, self._all_words[word], True))
+        edges, wide = [list[_Edge]() for _ in costs], costs.shape[2] - 1
+        is_rare = np.arange(costs.shape[1]) >= len(self._words)
+        extra = UNPAIRED + REPLACING + RARE * is_rare
+        near = costs[:, :, 1:] + extra.astype(np.float32)[:, None]
+        ends = np.add.outer(np.arange(len(costs)), np.arange(1, wide + 1))
+        is_within = np.zeros(ends.shape, bool)
+        for start, end in spans:
+            is_within[start:end] |= ends[start:end] <= end
+        likely = np.flatnonzero((near < UNPAIRED + MOST_CHANGE) & is_within[:, None])
+        places, words, more = np.unravel_index(likely, near.shape)
+        found, span = near[places, words, more], places * wide + more
+        order = np.argsort(span * 2 * MOST_CHANGE + found)
+        span = np.append([-1] * _NEAREST, span[order])
+        for at in order[span[_NEAREST:] != span[:-_NEAREST]].tolist():
+            place, end = int(places[at]), int(ends[places[at], more[at]])
+            word = self._all_words[words[at]]
+            edges[place].append(_Edge(float(found[at]), end, word, is_other=True))
         return edges
 
     def costs(self, text: str, names: Collection[str] = ()) -> Floats:
@@ -279,7 +282,7 @@ def _levels(spoken: Sequence[tuple[tuple[int, float], ...]]) -> Iterator[_Level]
         before = numbers
 
 
-def _paths(edges: Sequence[Sequence[_Edge]]) -> Iterator[tuple[float, str]]:
+def _paths(edges: Sequence[Sequence[_Edge]], most: float) -> Iterator[tuple[float, str]]:
     """Return the paths from the first place to the last with few other words, cheapest first."""
     rest = [[_NEVER] * (MOST_REPLACED + 1) for _ in edges]  # by place and words that may be others
     rest[-1] = [0.0] * (MOST_REPLACED + 1)
@@ -292,19 +295,18 @@ def _paths(edges: Sequence[Sequence[_Edge]]) -> Iterator[tuple[float, str]]:
         total, _, place, left, said = heappop(heap)
         if place == len(edges) - 1:
             yield total, said.lstrip()
-        for edge in edges[place] if total <= MOST_CHANGE else ():
-            if left >= edge.is_other:
-                after = left - edge.is_other
-                cost = total - rest[place][left] + edge.cost + rest[edge.end][after]
+        for edge in edges[place]:
+            after = left - edge.is_other
+            cost = total - rest[place][left] + edge.cost + rest[edge.end][after]
+            if after >= 0 and cost <= most:
                 heappush(heap, (cost, next(order), edge.end, after, f"{said} {edge.word}"))
 
 
 def _after_word(reached: Floats, costs: Floats) -> Floats:
-    found = np.full_like(reached, _NEVER)
-    for phones, cost in enumerate(costs.T[: len(reached)]):
-        until = len(reached) - phones
-        found[phones:] = np.minimum(found[phones:], reached[:until] + cost[:until])
-    return found
+    phones = np.arange(costs.shape[1])
+    starts = np.subtract.outer(np.arange(len(reached)), phones) % len(reached)
+    # Before the first place stand the last ones, from which so many phones lead nowhere.
+    return (reached[starts] + costs[starts, phones]).min(axis=1)
 
 
 @dataclass(frozen=True)

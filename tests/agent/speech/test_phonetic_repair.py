@@ -90,7 +90,7 @@ def test_controls_of_the_arm_are_found(repair: SoundRepair, said: str, heard: st
 
 def test_what_is_understood_gets_no_other_words(repair: SoundRepair):
     """There is nothing to repair."""
-    assert repair.respelled("Pass me the knife", repair.costs("Pass me the knife"), 1) == []
+    assert repair.respelled("Pass me the knife", repair.costs("Pass me the knife")) == []
 
 
 def test_transcript_gets_the_form_of_what_was_said(repair: SoundRepair):
