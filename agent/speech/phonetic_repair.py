@@ -173,8 +173,7 @@ class SoundRepair:
         """Return the words within some spans that sound most like what is heard at each place."""
         edges, wide = [list[_Edge]() for _ in costs], costs.shape[2] - 1
         is_rare = np.arange(costs.shape[1]) >= len(self._words)
-        extra = UNPAIRED + REPLACING + RARE * is_rare
-        near = costs[:, :, 1:] + extra.astype(np.float32)[:, None]
+        near = costs[:, :, 1:] + (UNPAIRED + REPLACING + RARE * is_rare).astype(np.float32)[:, None]
         ends = np.add.outer(np.arange(len(costs)), np.arange(1, wide + 1))
         is_within = np.zeros(ends.shape, bool)
         for start, end in spans:

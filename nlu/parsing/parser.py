@@ -138,18 +138,19 @@ class SentenceParser:
         is_denied_wish = form.name == "want" and form.arguments[-1].name == "not"
         if tokens.asks and (act == "INSTRUCT" or (act == "STATEMENT" and is_denied_wish)):
             raise UninterpretableError("as_question", asks=True)
+        if tokens.asks and form.name == "okay":  # "got it?"
+            act, form = "QUESTION", PredicateForm("repeated")
         if (act == "QUESTION" or (tokens.asks and act == "STATEMENT")) and form.name in _STATED:
             act, form = "QUESTION", PredicateForm("isTrue", (form,))
         people = PredicateForm(context.speaker), PredicateForm(context.addressee)
         speech_act = PredicateForm(act, (*people, form))
-        intention = self._intention(speech_act, context.recognition)
+        meant = self._intention(speech_act, context.recognition)
         interpreter = self.interpreter.with_words(words)
-        meaning = meaning_of(intention.form, interpreter, context.discourse)
+        meaning = meaning_of(meant.form, interpreter, context.discourse)
         if isinstance(meaning, NormStatement) and is_for_now:
             raise UninterpretableError("not_a_rule")
         cost = derivation.cost + _WORD_COST * len(entries)
-        meant = (intention.form, intention.interval, meaning)
-        return Reading(speech_act, *meant, cost, derivation, words)
+        return Reading(speech_act, meant.form, meant.interval, meaning, cost, derivation, words)
 
     def _intention(self, speech_act: PredicateForm, recognition: Confidence) -> Intention:
         meant = self.pragmatics.meant(speech_act)
