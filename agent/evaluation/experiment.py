@@ -57,11 +57,9 @@ class TimedResult:
         return cls(CaseResult(**document["result"]), document["cpu_s"], document["attempts"])
 
 
-def to_json_line(document: object) -> str:
+def to_json_line(data: object) -> str:
     """Return a document, a case or a result as a line of JSON: equal bytes for equal content."""
-    return json.dumps(
-        document, default=vars, ensure_ascii=False, sort_keys=True, separators=(",", ":")
-    )
+    return json.dumps(data, default=vars, ensure_ascii=False, sort_keys=True, separators=(",", ":"))
 
 
 @dataclass(frozen=True)

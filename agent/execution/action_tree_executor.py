@@ -360,11 +360,9 @@ class TreeExecutor:
 
     # --- Choosing ----------------------------------------------------------------------------
 
-    def _find(
-        self, arguments: Arguments, percepts: Sequence[Percept], inference: Inference
-    ) -> Failure:
+    def _find(self, arguments: Arguments, seen: Sequence[Percept], inference: Inference) -> Failure:
         target = self._target(arguments)
-        inference, refusal = self._without_forbidden(target, percepts, inference)
+        inference, refusal = self._without_forbidden(target, seen, inference)
         patient, best = self._patient, inference.best
         part = self._part or (self._request.agreed.get(best.object) if best else None)
         if target != patient or self.decision is None:
@@ -379,7 +377,7 @@ class TreeExecutor:
             return outcome_answer.not_found(target, inference)
         if outcome_answer.is_guess(best):
             return outcome_answer.guessed(target, best)
-        percept = next(each for each in percepts if each.name == best.name)
+        percept = next(each for each in seen if each.name == best.name)
         self._found[target] = FoundObject(percept, best, inference)
         if self._primitives and target != patient:
             self._primitives.tool, self._primitives.patient = best.object, named(patient)

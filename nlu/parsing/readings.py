@@ -217,9 +217,10 @@ def features_of_names(
         elif "object" in new and "affordance" in new:
             yield "thing", frozenset({"new"})
         uses = (rule for rule in meaning.rules if isinstance(rule, meanings.FunctionalRule))
-        denied = "context" in new and any(rule.denies for rule in meaning.rules)
-        acts = reader.words["acts"]
-        if denied or any(rule.material and rule.affordance in acts for rule in uses):
+        acts, by = reader.words["acts"], reader.words["holding_words"]
+        is_tool = "part" in new and by.isdisjoint(_before(words, new["part"].said, 3))
+        is_unsure = "context" in new and (is_tool or any(rule.denies for rule in meaning.rules))
+        if is_unsure or any(rule.material and rule.affordance in acts for rule in uses):
             yield "use", frozenset({"act"})
     elif isinstance(meaning, NormStatement):
         if "place" in new and not new["place"].word.endswith(reader.endings["place"]):

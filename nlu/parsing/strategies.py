@@ -229,25 +229,23 @@ class _Attempt:
                 self._fronted.add(fronted)
                 yield fronted
 
-    def _segments(
-        self, segments: Sequence[Tokens], context: UtteranceContext
-    ) -> list[Understanding]:
-        if self._topic(segments[-1], context) is not None:
+    def _segments(self, parts: Sequence[Tokens], context: UtteranceContext) -> list[Understanding]:
+        if self._topic(parts[-1], context) is not None:
             # An object named at the end goes first: "You pass it by the blade, the knife."
-            segments = (segments[-1], *segments[:-1])
+            parts = (parts[-1], *parts[:-1])
         found: list[Understanding] = []
         topic: PredicateForm | None = None
-        for segment in segments:
-            each = self._sentence(segment, context)
+        for part in parts:
+            each = self._sentence(part, context)
             if each.reading is None:
-                topic = self._topic(segment, context) if topic is None else None
+                topic = self._topic(part, context) if topic is None else None
                 if topic is None:
                     return []
                 context = context.with_object(topic)
                 continue
-            # A topic is only said for a segment that refers to it.
+            # A topic is only said for a part that refers to it.
             alone = context.with_object(None)
-            if topic is not None and self._sentence(segment, alone).reading is not None:
+            if topic is not None and self._sentence(part, alone).reading is not None:
                 return []
             topic = None
             found.append(each)

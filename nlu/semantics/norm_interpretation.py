@@ -63,11 +63,16 @@ def _when_it_is(norm: Norm, thing: PredicateForm) -> Norm:
     return replace(norm, act=replace(act, target=replace(act.target, props=props)))
 
 
+def _given_to_person(norm: Norm, person: PredicateForm) -> Norm:
+    act = _command(norm.act)
+    if act.goal != "pass":
+        raise UninterpretableError("one_thing_at_a_time")
+    return replace(norm, act=replace(act, recipient=name_of(person)))
+
+
 _ADDITIONS: Mapping[str, Callable[[Norm, PredicateForm], Norm]] = {
     "atPlace": lambda norm, place: replace(norm, place=name_of(place)),
-    "givenTo": lambda norm, person: replace(
-        norm, act=replace(_command(norm.act), recipient=name_of(person))
-    ),
+    "givenTo": _given_to_person,
     "whenIs": _when_it_is,
 }
 """What is said of a norm besides its act."""
