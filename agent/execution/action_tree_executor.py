@@ -216,12 +216,10 @@ class TreeExecutor:
         known = (*self._found, *arguments.values())
         return next((each for each in reversed(known) if isinstance(each, Target)), Target())
 
-    def _search(
-        self, node: str, features: Sequence[Atom], arguments: Arguments
-    ) -> Sequence[Percept]:
-        if not features:
+    def _search(self, node: str, wanted: Sequence[Atom], arguments: Arguments) -> Sequence[Percept]:
+        if not wanted:
             return ()
-        percepts = self._context.search([str(feature) for feature in features])
+        percepts = self._context.search([str(feature) for feature in wanted])
         found = self._found.get(self._target(arguments))
         is_new = found is None or all(each.name != found.percept.name for each in percepts)
         if _action(node) == FIND and is_new:

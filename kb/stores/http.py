@@ -77,9 +77,7 @@ def parse_address(location: str, environment: Mapping[str, str] | None = None) -
         parts, is_valid = urlsplit(""), False
     if not is_valid:
         # Not shown: it may hold a password all the same.
-        raise StoreError(
-            "The address of the endpoint is not valid: expected http(s)://host:port/path."
-        )
+        raise StoreError("The endpoint's address is not valid: expected http(s)://host:port/path.")
     query = urlunsplit((parts.scheme, parts.netloc.rpartition("@")[2], parts.path, parts.query, ""))
     beside = query.removesuffix("query") + "update" if parts.path.endswith("/query") else query
     update, _, graphs = (one.strip() for one in fragment.partition(","))

@@ -81,9 +81,7 @@ class MeaningShape:
 
     def filled(self, values: Mapping[str, object]) -> Json:
         """The JSON object with the slots filled."""
-        return _changed(
-            self.template, lambda leaf, _, __: values.get(leaf) if _is_slot(leaf) else leaf
-        )
+        return _changed(self.template, lambda old, _, __: values.get(old) if _is_slot(old) else old)
 
 
 def shape_of(meaning: Json, mentions: Mentions, tool_acts: Mapping[str, str]) -> MeaningShape:

@@ -67,7 +67,8 @@ class ReadingFilter:
                 participle = self.known_words.origins(said.get("context", ""), "participle")
                 names_agent = "part" in said and participle
                 no_material = (self._may_be_no_material(rule, words, tokens) for rule in rules)
-                return not (are_too_many or names_agent or any(no_material))
+                is_agent = any(w.role == "object" and self._is_agent(w, tokens) for w in words)
+                return not (are_too_many or names_agent or is_agent or any(no_material))
             case meanings.KindStatement():
                 return self._may_introduce_kinds(reading)
             case meanings.TopicStatement() | meanings.PartNaming():
@@ -82,6 +83,12 @@ class ReadingFilter:
                 return len(words) <= MAX_NEW_NAMES and not are_people and all(may_be_asked)
             case _:
                 return False
+
+    def _is_agent(self, word: NewWord, tokens: Tokens) -> bool:
+        said = tokens.words
+        acts = word.said == said[0] and bool(self.known_words.origins(said[1], "third"))
+        bare = self.features.words["determiners"].isdisjoint(_before(said, word.said, 1))
+        return bare and (acts or word.said in tokens.proper)
 
     def _are_things(self, words: Sequence[NewWord], most: int = 1) -> bool:
         is_abstract = self.features.is_abstract
