@@ -234,14 +234,13 @@ def _entries(
             senses += builder.noun(role, name, role=role)
     if is_capital:
         senses += builder.noun("person", word, role="person", cost=_PERSON_COST)
-    bare_forms = [] if inflection.origins(word, "third") else [word]
+    bare_forms = [] if any(inflection.origins(word, form) for form in ("third", "ing")) else [word]
     for form in ("ing", "third", "participle"):
         bare_forms += inflection.origins(word, form)[:1]
     for bare in bare_forms:
-        cost = _SINGULAR_COST if bare == word and inflection.origins(word, "ing") else 0.0
         act, use = Verb(bare, ("new_act",), bare), Verb(bare, ("new_affordance",), None)
         if "context" in roles:
-            senses += builder.verb_forms(act, "context", _VERB_COST + cost)
+            senses += builder.verb_forms(act, "context", _VERB_COST)
         if "affordance" in roles:
-            senses += builder.verb_forms(use, "affordance", cost)
+            senses += builder.verb_forms(use, "affordance")
     return tuple(each.entry() for each in senses if each.says == word)

@@ -107,7 +107,7 @@ class FeatureReader:
 
     def is_abstract(self, *words: str) -> bool:
         """Whether one of some nouns names nothing that can be taken."""
-        return not self.nouns["abstract"].isdisjoint(words) or words[0].endswith(
+        return not self.nouns["abstract"].isdisjoint(words) or words[-1].endswith(
             self.endings["abstract"]
         )
 
