@@ -86,8 +86,9 @@ class ReadingFilter:
 
     def _is_agent(self, word: NewWord, tokens: Tokens) -> bool:
         said = tokens.words
-        acts = word.said == said[0] and bool(self.known_words.origins(said[1], "third"))
+        begins = word.said == said[0] and not self.known_words.origins(said[0], "plural")
         bare = self.features.words["determiners"].isdisjoint(_before(said, word.said, 1))
+        acts = begins and self.features.words["being"].isdisjoint(said)  # "Anna can cut bread"
         return bare and (acts or word.said in tokens.proper)
 
     def _are_things(self, words: Sequence[NewWord], most: int = 1) -> bool:

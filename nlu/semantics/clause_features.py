@@ -31,7 +31,8 @@ NAMED: Values = {
 }
 """The features of what is named: a person's `own` part, a recipient that is a `place`, ..."""
 
-_WORDS = ("part_words", "holding_words", "owners", "embedding", "determiners", "acts", "carrying")
+_BESIDE_NOUNS = ("part_words", "holding_words", "owners", "determiners")
+_WORDS = (*_BESIDE_NOUNS, "embedding", "acts", "carrying", "being")
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ EMPTY = (
     "categories: {condition: [], name: [], goal: []}\n"
     "nouns: {part: [], elsewhere: [], abstract: []}\n"
     "part_words: []\nholding_words: []\nowners: []\nembedding: []\n"
-    "determiners: []\nacts: []\nendings: {abstract: [], nameless: []}\ncarrying: []\n"
+    "determiners: []\nacts: []\nendings: {abstract: [], nameless: []}\ncarrying: []\nbeing: []\n"
 )
 
 
