@@ -181,7 +181,7 @@ class SoundRepair:
         likely = np.flatnonzero((near < UNPAIRED + MOST_CHANGE) & is_within[:, None])
         places, words, more = np.unravel_index(likely, near.shape)
         found, span = near[places, words, more], places * wide + more
-        order = np.argsort(span * 2 * MOST_CHANGE + found)
+        order = np.argsort(span * 2 * MOST_CHANGE + found)  # by span, then by cost
         span = np.append([-1] * _NEAREST, span[order])
         for at in order[span[_NEAREST:] != span[:-_NEAREST]].tolist():
             place, end = int(places[at]), int(ends[places[at], more[at]])

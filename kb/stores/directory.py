@@ -33,7 +33,7 @@ def is_base(folder: Path) -> bool:
     if folder.exists() and not folder.is_dir():
         raise StoreError(f'"{folder}" is a file. A knowledge base is a folder.')
     if folder.exists() and any(folder.iterdir()):
-        raise StoreError(f'"{folder}" holds other files, no knowledge base. Name another folder.')
+        raise StoreError(f'"{folder}" holds other files and no knowledge base. Name another one.')
     return False
 
 
