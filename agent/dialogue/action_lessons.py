@@ -64,10 +64,8 @@ class ActionLessons:
 
     def lacks_objects(self, request: Request) -> bool:
         """Whether a request names too few or too many objects for a taught action."""
-        tree = self.actions.trees.get(request.action)
-        return bool(
-            tree and tree.objects is not None and {*tree.parameters} != {*request.arguments}
-        )
+        act = self.actions.trees.get(request.action)
+        return bool(act and act.objects is not None and {*act.parameters} != {*request.arguments})
 
     def other_kind(self, request: Request, taxonomy: Taxonomy) -> Mapping[str, str] | None:
         """Return the slots of the question about an object of another kind than was told of."""

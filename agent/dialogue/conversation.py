@@ -176,9 +176,7 @@ class Conversation:
         self.trust(person, min(asked.lower, self.people.trust_in(speaker)), upper, by=speaker)
         return spoken("trusts_now" if lower else "trusts_no_more", done=True, speaker=person)
 
-    def trust(
-        self, person: str, lower: float = 1.0, upper: float | None = None, *, by: str
-    ) -> None:
+    def trust(self, person: str, lower: float = 1, upper: float | None = None, *, by: str) -> None:
         """Set the trust in a person, whose name can be said from now on."""
         self.base.set_trust(person, lower, upper=upper, by=by)
         self.language = self.language.with_words([translation.word_for_person(person)])

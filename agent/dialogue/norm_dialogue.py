@@ -173,10 +173,8 @@ class NormDialogue:
 def _is_ended_by(old: Rule, new: Rule) -> bool:
     """Whether a norm ends an earlier one: what may be used may also be touched."""
     is_wider = (old.context, new.context, new.functor) == (GRASP, "use", PERMITTED)
-    is_anywhere = old.contexts == new.contexts or (
-        is_wider and len(old.contexts | new.contexts) == 2
-    )
-    return is_anywhere and (old.features, old.argument) == (new.features, new.argument)
+    is_there = old.contexts == new.contexts or (is_wider and len(old.contexts | new.contexts) == 2)
+    return is_there and (old.features, old.argument) == (new.features, new.argument)
 
 
 def _is_contrary_argument(old: Rule, new: Rule) -> bool:

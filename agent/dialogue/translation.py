@@ -120,29 +120,27 @@ def rule_from_norm(said: meaning.Norm, speaker: str, heard: float = 1.0) -> Rule
     )
 
 
-def request_from_command(
-    command: meaning.Act, speaker: str, tool_acts: Names | None = None
-) -> Request:
-    """Return the request that a command makes.
+def request_from_command(act: meaning.Act, speaker: str, tool_acts: Names | None = None) -> Request:
+    """Return the request that a command, `act`, makes.
 
-    A language fills in the use of a tool that nobody named (`tool_acts`: act -> that use); such a
+    A language fills in the use of a tool that nobody named (`tool_acts`); such a
     tool counts as assumed.
     """
-    if isinstance(command, meaning.ToolCommand):
-        tool, patient = _target(command.tool), Target(object=command.patient)
-        is_assumed = tool == Target(used_for=(tool_acts or {}).get(command.goal, ""))
+    if isinstance(act, meaning.ToolCommand):
+        tool, patient = _target(act.tool), Target(object=act.patient)
+        is_assumed = tool == Target(used_for=(tool_acts or {}).get(act.goal, ""))
         if tool.object is None and tool.material is None:
-            tool = replace(tool, material=command.patient)
+            tool = replace(tool, material=act.patient)
         arguments: dict[str, Argument] = {"patient": patient, "tool": tool}
         assumed = frozenset({"tool"} if is_assumed else ())
-        return Request(command.goal, arguments, speaker, assumed=assumed)
-    if isinstance(command, meaning.ActionCommand):
-        targets = zip(PARAMETERS, map(_target, command.objects), strict=False)
-        return Request(command.goal, dict(targets), speaker)
-    arguments = {"object": _target(command.target)}
-    if command.recipient:
-        arguments["recipient"] = command.recipient
-    return Request(command.goal, arguments, speaker, part=command.part)
+        return Request(act.goal, arguments, speaker, assumed=assumed)
+    if isinstance(act, meaning.ActionCommand):
+        targets = zip(PARAMETERS, map(_target, act.objects), strict=False)
+        return Request(act.goal, dict(targets), speaker)
+    arguments = {"object": _target(act.target)}
+    if act.recipient:
+        arguments["recipient"] = act.recipient
+    return Request(act.goal, arguments, speaker, part=act.part)
 
 
 def chosen_by(said: meaning.SimpleCommand) -> meaning.ObjectReference:

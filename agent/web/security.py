@@ -184,15 +184,13 @@ Admin: TypeAlias = Annotated[Caller, Depends(needs("admin"))]
 class Doorkeeper:
     """The outermost middleware; counts into a registry of Prometheus."""
 
-    def __init__(
-        self, app: ASGIApp, settings: ServiceSettings, registry: CollectorRegistry
-    ) -> None:
+    def __init__(self, app: ASGIApp, settings: ServiceSettings, metrics: CollectorRegistry) -> None:
         self._settings = settings
         hosts = [*_OWN_HOSTS, settings.host, *settings.names]
         self._app = TrustedHostMiddleware(app, hosts, www_redirect=False)
         labels = ("method", "route", "status")
-        self._asked = Counter("hilt_requests", "Requests", labels, registry=registry)
-        self._took = Histogram("hilt_request_seconds", "Time of requests", registry=registry)
+        self._asked = Counter("hilt_requests", "Requests", labels, registry=metrics)
+        self._took = Histogram("hilt_request_seconds", "Time of requests", registry=metrics)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass a request on, or refuse it."""

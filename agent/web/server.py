@@ -124,7 +124,7 @@ def _add_doors(
         same_site="strict",
         https_only=settings.has_tls,
     )
-    app.add_middleware(Doorkeeper, settings=settings, registry=registry)
+    app.add_middleware(Doorkeeper, settings=settings, metrics=registry)
 
 
 def _base_endpoint(service: Service, gate: Gate) -> SparqlEndpoint | None:
@@ -169,7 +169,7 @@ def make_bare_app(store: OxigraphStore, settings: ServiceSettings) -> Starlette:
 
     sparql = SparqlEndpoint(store, QueryPool(store), admit, update)
     app = Starlette(routes=sparql.routes, lifespan=lifespan, exception_handlers=HANDLERS)
-    app.add_middleware(Doorkeeper, settings=settings, registry=CollectorRegistry())
+    app.add_middleware(Doorkeeper, settings=settings, metrics=CollectorRegistry())
     return app
 
 

@@ -81,10 +81,8 @@ def merge(
     ValidationError if the other base breaks a law; nothing has changed.
     """
     with other.writing():  # so that all of it is of one moment
-        groups = grouped(statements(other), BELIEFS)
-        return import_statements(
-            base, groups, source=source, dry_run=dry_run, check=check_invariants
-        )
+        read = grouped(statements(other), BELIEFS)
+        return import_statements(base, read, source=source, dry_run=dry_run, check=check_invariants)
 
 
 @dataclass

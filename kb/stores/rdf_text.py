@@ -242,9 +242,7 @@ def _checked_for_xml(quad: engine.Quad) -> engine.Quad:
 
 def _by_engine(found: QueryResult, name: str) -> str:
     if isinstance(found, BooleanResult) and name != "XML":
-        raise QueryError(
-            f"{name} is for rows; the result of an ASK query is a boolean. Use json or xml."
-        )
+        raise QueryError(f"{name} is for rows; the result of ASK is a boolean. Use json or xml.")
     formats = engine.QueryResultsFormat
     read = engine.parse_query_results(json.dumps(found.as_json()), formats.JSON)
     return cast(bytes, read.serialize(format=getattr(formats, name))).decode()

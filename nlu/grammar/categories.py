@@ -111,9 +111,7 @@ def check_type(
         try:
             for argument in arguments:
                 if not isinstance(found, FunctionType):
-                    raise TypeMismatchError(
-                        f"{_shown(head)} takes fewer arguments than it is given"
-                    )
+                    raise TypeMismatchError(f"{_shown(head)} takes fewer arguments than given")
                 check_type(argument, found.source, signature, context)
                 found = found.target
         except TypeMismatchError as error:

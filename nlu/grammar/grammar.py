@@ -51,12 +51,10 @@ class Grammar:
     #: the categories of the speaker as who is given something: "me", "to me"
     speaker: frozenset[Category]
 
-    def entry(
-        self, field: YamlNode, extra: Signature | None = None
-    ) -> tuple[Category, Term, float]:
-        """Read and check one line `category : term @cost`; `extra` types constants of this line."""
+    def entry(self, field: YamlNode, more: Signature | None = None) -> tuple[Category, Term, float]:
+        """Read and check one line `category : term @cost`; `more` types constants of this line."""
         category, term, cost = read_entry(field)
-        self.verify(category, term, field, extra)
+        self.verify(category, term, field, more)
         return category, term, cost
 
     def verify(

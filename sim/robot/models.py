@@ -54,9 +54,7 @@ class Gripper:
         return poses.translation(0.0, 0.0, self.grip)
 
 
-_GRIPPER_LENGTHS = [
-    each.name for each in fields(Gripper) if each.type is float and each.name != "force"
-]
+_LENGTHS = [each.name for each in fields(Gripper) if each.type is float and each.name != "force"]
 
 
 @dataclass(frozen=True)
@@ -175,7 +173,7 @@ def _find_urdf(field: YamlNode) -> Path:
 
 def _read_gripper(field: YamlNode) -> Gripper:
     entries = field.entries(
-        required=(*_GRIPPER_LENGTHS, "joints", "links", "force", "palm_size"), optional=()
+        required=(*_LENGTHS, "joints", "links", "force", "palm_size"), optional=()
     )
     along_x, along_y = entries["palm_size"].numbers(count=2, low=0.0, high=1.0)
     return Gripper(
@@ -183,5 +181,5 @@ def _read_gripper(field: YamlNode) -> Gripper:
         links=entries["links"].texts(count=2),
         force=entries["force"].number(low=0.0, high=1000.0),
         palm_size=(along_x, along_y),
-        **{key: entries[key].number(low=-1.0, high=1.0) for key in _GRIPPER_LENGTHS},
+        **{key: entries[key].number(low=-1.0, high=1.0) for key in _LENGTHS},
     )

@@ -92,9 +92,7 @@ def _find_spot(
             return spot
         if fixed and laid.placement.yaw is not None:
             name = laid.placement.name
-            raise SimulationError(
-                f'"{name}" stands less than {gap:g} m from another object. Move it.'
-            )
+            raise SimulationError(f'"{name}" is less than {gap:g} m from another object. Move it.')
     return None
 
 

@@ -151,7 +151,7 @@ def test_two_things_at_one_place_are_refused():
     """Fixed places that overlap are told, with the name of the second object."""
     places = [Placement(name, "mug", (0.5, 0.0), 0.0) for name in ("mug", "mug 2")]
 
-    with pytest.raises(SimulationError, match=r'"mug 2" stands less than 0.02 m'):
+    with pytest.raises(SimulationError, match=r'"mug 2" is less than 0.02 m'):
         arranged(Scene(tuple(places), 0))
 
 
