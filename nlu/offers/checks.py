@@ -117,11 +117,19 @@ class OfferChecks:
         own = [span for span in asides if self.is_clause_of_its_own(words[slice(*span)])]
         own += self._reasons(meaning, mentions)
         beside = {place for span in own for place in range(*span)} | self._idle(mentions)
-        if self.spoken("implied_negation", mentions):
+        is_taken_back = isinstance(meaning, meanings.Retraction) and meaning.rule is None
+        if not is_taken_back and self.spoken("implied_negation", mentions):
             return False
         if not beside.issuperset(self._places("weak_negation", words)):
             return False
-        count = len(set(self._places("negative", words)) - beside)
+        denied = set(self._places("negative", words)) - beside
+        if any(
+            {end, end + 1} & denied
+            for _, end, (_, upper) in mentions.degrees
+            if upper < meanings.LIKELY
+        ):
+            return False  # "never don't"
+        count = len(denied)
         signs = int(is_negative(meaning))
         return count == signs or (count == signs + 1 and meanings.only_revises(meaning))
 

@@ -142,9 +142,11 @@ class OfferFinder:
         self, candidate: CandidateMeaning, mentions: Mentions, context: UtteranceContext
     ) -> str:
         """Return why a candidate is not offered, empty if it is."""
-        left = left_over(candidate, mentions)
-        if not left.get("new", frozenset()).isdisjoint(_beside(candidate, mentions)):
-            return "new words"
+        left, beside = left_over(candidate, mentions), _beside(candidate, mentions)
+        if any(
+            not left.get(role, beside - beside).isdisjoint(beside) for role in ("new", "person")
+        ):
+            return "names"
         meaning, asides = meaning_from_json(candidate.meaning), candidate.asides(mentions)
         lost = self.checks.lost(meaning, mentions, asides)
         if lost:
@@ -211,7 +213,8 @@ def _holds_for_anything(meaning: Meaning, mentions: Mentions) -> bool:
 def _beside(candidate: CandidateMeaning, mentions: Mentions) -> set[int]:
     pauses = mentions.tokens.pauses
     used = [each for mentions in candidate.used.values() for each in mentions]
-    before = {each.start - 1 for each in used if each.start not in pauses}
+    acts = [each for each in mentions.names if each.role == "act" and not each.is_new]
+    before = {each.start - 1 for each in (*used, *acts) if each.start not in pauses}
     return before | {each.end for each in used if each.end not in pauses}
 
 

@@ -252,7 +252,7 @@ class ProcedureReader:
                 return ObjectReference(kind, props=props), ()
             except UninterpretableError:
                 return None
-        builder, (first, *names) = self.known.builder, tokens.words
+        builder, (first, *names) = self.known.builder, tokens.words or (BREAK,)
         is_named = may_be_new and builder.is_determiner(first) and 0 < len(names) < 3
         if not is_named or any(map(builder.is_of_grammar, names)):
             return None

@@ -224,11 +224,12 @@ def features_of_names(
             yield "thing", frozenset({"abstract"})
         elif "object" in new and "affordance" in new:
             yield "thing", frozenset({"new"})
-        uses = (rule for rule in meaning.rules if isinstance(rule, meanings.FunctionalRule))
+        uses = [rule for rule in meaning.rules if isinstance(rule, meanings.FunctionalRule)]
         acts, by = reader.words["acts"], reader.words["holding_words"]
         is_tool = "part" in new and by.isdisjoint(_before(words, new["part"].said, 3))
         is_unsure = "context" in new and (is_tool or any(rule.denies for rule in meaning.rules))
-        if is_unsure or any(rule.material and rule.affordance in acts for rule in uses):
+        is_content = any(_is_content(reader, words, rule.material) for rule in uses)
+        if is_unsure or is_content or any(r.material and r.affordance in acts for r in uses):
             yield "use", frozenset({"act"})
     elif isinstance(meaning, NormStatement):
         if "place" in new and not new["place"].word.endswith(reader.endings["place"]):
@@ -242,6 +243,13 @@ def features_of_names(
             yield "thing", frozenset({"own"})
         elif reader.words["determiners"].isdisjoint(before):
             yield "thing", frozenset({"bare"})
+
+
+def _is_content(reader: FeatureReader, words: Sequence[str], material: str | None) -> bool:
+    # "The box contains a hammer" says where the hammer is.
+    said = {words[0], *_before(words, material, 1)} if material else set()
+    contains = not reader.words["containing"].isdisjoint(words)
+    return contains and not said.isdisjoint(reader.words["definite"])
 
 
 def _part(

@@ -237,7 +237,8 @@ def _as_command(  # noqa: PLR0911 - a case per slot
         if target.object == meanings.ANY_OBJECT or is_described:
             props = target.props or command.target.props
             target = replace(command.target, props=props, other=target.other)
-        return replace(command, target=target, part=fragment.part, negated=False)
+        is_not = fragment.confidence is not None and fragment.confidence[1] < meanings.LIKELY
+        return replace(command, target=target, part=fragment.part, negated=is_not)
     if fragment.part and fragment.confidence:  # "not by the handle"
         name, props = _kind(command.target)
         return _offered(ActionRule(name, command.goal, fragment.part, fragment.confidence, props))

@@ -20,6 +20,7 @@ SENTENCES = st.sampled_from(
 
 @settings(max_examples=300, deadline=None)
 @example('NO"AAA')
+@example("bottle. to me. now pls.")
 @given(st.one_of(st.text(max_size=300), st.binary(max_size=100).map(lambda b: b.decode("latin-1"))))
 def test_any_text_is_answered(language: Language, text: str) -> None:
     """Nothing raises, and nothing is done but of known words; the benchmark measures the time."""
