@@ -26,7 +26,7 @@ OPERATORS = ("negative", "implied_negation", "weak_negation", "condition", "exce
 _DENYING = ("negative", "implied_negation", "weak_negation", "exception")
 _SIGNS = (*OPERATORS, "by", "before_part")
 _QUOTES = frozenset('"“”„«»')
-_HEARER = frozenset({"addressee"})
+_HEARER, _NOW = frozenset({"addressee"}), frozenset({"now"})
 _ASKED = 3  # words after the beginning of a phrase that asks for something
 
 
@@ -61,7 +61,7 @@ class OfferChecks:
     def _is_licensed(self, meaning: Meaning, mentions: Mentions, asides: Sequence[Span]) -> bool:
         features = self.clause_features(mentions, asides)
         if isinstance(meaning, SimpleCommand) and (
-            "tense" in features.main or self._is_done_by_others(meaning, mentions)
+            features.main.get("tense", _NOW) - _NOW or self._is_done_by_others(meaning, mentions)
         ):
             return False
         words = mentions.tokens.words
@@ -123,13 +123,10 @@ class OfferChecks:
         if not beside.issuperset(self._places("weak_negation", words)):
             return False
         denied = set(self._places("negative", words)) - beside
-        if any(
-            {end, end + 1} & denied
-            for _, end, (_, upper) in mentions.degrees
-            if upper < meanings.LIKELY
-        ):
+        never = [end for _, end, (_, upper) in mentions.degrees if upper < meanings.LIKELY]
+        if any({end, end + 1} & denied for end in never):
             return False  # "never don't"
-        count = len(denied)
+        count = len(denied) + bool(never and isinstance(meaning, Statement))
         signs = int(is_negative(meaning))
         return count == signs or (count == signs + 1 and meanings.only_revises(meaning))
 
