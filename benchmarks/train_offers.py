@@ -10,11 +10,11 @@ from __future__ import annotations
 
 import argparse
 import base64
+import bz2
 import contextlib
 import json
 import sys
 import time
-import zlib
 from array import array
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -426,7 +426,7 @@ def as_json(model: OfferModel, seed: int) -> str:
         feature: {trait: round(weight, 1) for trait, weight in each.items()}
         for feature, each in sorted(model.weights.items())
     }
-    packed = base64.b64encode(zlib.compress(_compact(weights).encode(), 9)).decode()
+    packed = base64.b64encode(bz2.compress(_compact(weights).encode())).decode()
     made_by = f"python benchmarks/train_offers.py --write --seed {seed}"
     lines = [
         f'{{"made_by":{json.dumps(made_by)},',

@@ -27,15 +27,13 @@ def _bounded(lower: float, upper: float) -> Interval:
     return Interval(*evidence_operators.clip(lower, upper))
 
 
-def _each_bound(
-    combine: Callable[[Iterable[float]], float], intervals: Sequence[Interval]
-) -> Interval:
-    return _bounded(combine(i.lower for i in intervals), combine(i.upper for i in intervals))
+def _bounds(fold: Callable[[Iterable[float]], float], intervals: Sequence[Interval]) -> Interval:
+    return _bounded(fold(i.lower for i in intervals), fold(i.upper for i in intervals))
 
 
 def conjunction(intervals: Sequence[Interval]) -> Interval:
     """AND of independent propositions: [a1·a2, b1·b2] (Sarathy & Scheutz 2016; product frame)."""
-    return _each_bound(evidence_operators.product, intervals)
+    return _bounds(evidence_operators.product, intervals)
 
 
 def conjunction_frechet(intervals: Sequence[Interval]) -> Interval:
@@ -99,7 +97,7 @@ def fuse_cautious(intervals: Sequence[Interval]) -> Interval:
 def fuse_mean(intervals: Sequence[Interval]) -> Interval:
     """Fuse by the average of the bounds; [0, 1] when there is nothing to average."""
     count = len(intervals)
-    return _each_bound(lambda bounds: sum(sorted(bounds)) / count, intervals) if count else VACUOUS
+    return _bounds(lambda bounds: sum(sorted(bounds)) / count, intervals) if count else VACUOUS
 
 
 def is_affirmed(interval: Interval, threshold: float) -> bool:
@@ -111,7 +109,7 @@ CONJUNCTIONS: Mapping[str, Combination] = {
     "product": conjunction,
     "frechet": conjunction_frechet,
     # When one proposition implies the other: [min a, min b].
-    "min": partial(_each_bound, partial(min, default=1.0)),
+    "min": partial(_bounds, partial(min, default=1.0)),
 }
 MODUS_PONENS: Mapping[str, Callable[[Interval, Interval], Interval]] = {
     "conditional": modus_ponens,

@@ -141,20 +141,18 @@ class Invariants:
                     yield _finding(quad, "does not assert it." if is_source else "is not there.")
 
 
-def written(
-    store: ReadableStore, node: Iri, graph: Iri, properties: Properties
-) -> dict[Quad, Quad]:
+def written(store: ReadableStore, node: Iri, graph: Iri, said: Properties) -> dict[Quad, Quad]:
     """What Hilt would have written of a node with these properties, in its graph.
 
     A ValidationError says that they make no value. Each statement stands under itself, because
     literals are equal by value and may differ in their datatype.
     """
-    refuse_blank_nodes((node, *(value for _, value in properties)))
+    refuse_blank_nodes((node, *(value for _, value in said)))
     read = _READERS.get((graph, split(node)[0]))
-    if read is None or not properties:
+    if read is None or not said:
         return {}
     try:
-        return {quad: quad for quad in read(store, node, properties)}
+        return {quad: quad for quad in read(store, node, said)}
     except ValidationError:
         raise
     except (KeyError, IndexError, TypeError, ValueError, AttributeError, ArithmeticError) as error:

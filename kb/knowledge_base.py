@@ -96,9 +96,7 @@ class KnowledgeBase(RuleWriter, AbstractContextManager["KnowledgeBase"]):
             found = base_format(store)
             if found is None:
                 if any(store.quads()):
-                    raise StoreError(
-                        f'"{store.location}" holds other data, not a knowledge base of Hilt.'
-                    )
+                    raise StoreError(f'"{store.location}" holds other data, not a base of Hilt.')
                 is_base = Quad(BASE_NODE, TYPE, term("Base"), BASE_GRAPH)
                 trust = trust_quads(DEFAULT_SPEAKER, CERTAIN)
                 store.apply(insert=[is_base, version_quad(FORMAT), MARK, *trust])
@@ -239,24 +237,22 @@ def base_format(store: ReadableStore) -> Term | None:
     return next((quad.object for quad in found), None)
 
 
-def migrate(
-    store: Store, found: Term, *, steps: Mapping[int, str] = STEPS, to: int = FORMAT
-) -> None:
-    """Bring a base from the format found to a later one; the caller holds the write lock.
+def migrate(store: Store, old: Term, *, steps: Mapping[int, str] = STEPS, to: int = FORMAT) -> None:
+    """Bring a base from its `old` format to a later one; the caller holds the write lock.
 
     A StoreError says that there is no step, or that the store is read-only.
     """
-    if not isinstance(found, int) or found > to or any(n not in steps for n in range(found, to)):
+    if not isinstance(old, int) or old > to or any(n not in steps for n in range(old, to)):
         raise StoreError(
-            f'The knowledge base "{store.location}" has format {found}; this Hilt reads format '
+            f'The knowledge base "{store.location}" has format {old}; this Hilt reads format '
             f"{to}. Use the Hilt that wrote it to export it."
         )
-    if found < to and store.read_only:
+    if old < to and store.read_only:
         raise StoreError(
-            f'The knowledge base "{store.location}" has format {found}; open it once for writing '
+            f'The knowledge base "{store.location}" has format {old}; open it once for writing '
             f"to bring it to format {to}."
         )
-    for number in range(found, to):
+    for number in range(old, to):
         renumber = query_text.delete_insert([version_quad(number)], [version_quad(number + 1)])
         store.update(f"{steps[number]} ;\n{renumber}")
 

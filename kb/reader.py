@@ -79,9 +79,7 @@ class RuleReader:
         wanted += [(rule_mapping.STATUS, term(status))] if status else []
         return sorted(self.read_rules(self._with_properties(wanted)), key=_last_said)
 
-    def count_and_some_rules(
-        self, most: int, *, speaker: str | None = None
-    ) -> tuple[int, list[Rule]]:
+    def count_and_rules(self, most: int, *, speaker: str | None = None) -> tuple[int, list[Rule]]:
         """The number of active rules (of a speaker), and at most `most`; only these are read."""
         by = [(rule_mapping.ATTRIBUTED_TO, iri("speaker", speaker))] if speaker else []
         nodes = self.nodes_with([*by, rule_mapping.ACTIVE])

@@ -226,9 +226,8 @@ def find_rule(base: RuleReader, name: str) -> Rule:
         raise ValidationError([f'"{name}" is too short for a rule: expected 4 digits of its id.'])
     rule_id, found = f"rule/{digits[1]}", list[str]()
     if len(digits[1]) < len("0123456789abcdef"):
-        found = [
-            one for one in map(rule_mapping.rule_id, base.nodes_with([])) if one.startswith(rule_id)
-        ]
+        ids = map(rule_mapping.rule_id, base.nodes_with([]))
+        found = [one for one in ids if one.startswith(rule_id)]
     if len(found) > 1:
         raise ValidationError([f'"{name}" names several rules: {", ".join(sorted(found))}.'])
     return base.rule(found[0] if found else rule_id)

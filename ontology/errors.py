@@ -58,9 +58,7 @@ class IntervalError(HiltError, ValueError):
 
     def __init__(self, lower: object, upper: object) -> None:
         self.lower, self.upper = lower, upper
-        super().__init__(
-            f"[{lower}, {upper}] is not an interval: expected 0 <= lower <= upper <= 1."
-        )
+        super().__init__(f"[{lower}, {upper}] is not an interval: needs 0 <= lower <= upper <= 1.")
 
 
 class ConflictError(HiltError, ValueError):
@@ -89,9 +87,7 @@ class PluginError(HiltError, RuntimeError):
 
     def __init__(self, group: str, name: str, distribution: str, problem: str) -> None:
         self.group, self.name, self.distribution = group, name, distribution
-        super().__init__(
-            f'The plug-in "{name}" ({group}) of {distribution} cannot be used: {problem}.'
-        )
+        super().__init__(f'The plug-in "{name}" ({group}) of {distribution} failed: {problem}.')
 
 
 class StoreError(HiltError, OSError):

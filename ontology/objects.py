@@ -157,9 +157,8 @@ def read_household(spec: YamlNode, *, added_to: Household | None = None) -> Hous
     household = replace(declared, objects={**known.objects, **objects})
     above = {**household.classes, **{name: k.is_a for name, k in household.objects.items()}}
     _check_acyclic(above, {**given["classes"], **fields})
-    _check_acyclic(
-        {**dict.fromkeys(household.people.values()), **household.people}, given["people"]
-    )
+    people = household.people
+    _check_acyclic({**dict.fromkeys(people.values()), **people}, given["people"])
     return household
 
 

@@ -3,8 +3,9 @@
 The parts of the dialogue manager share one `Conversation`, and change its state between turns.
 """
 
+import re
 from collections import defaultdict
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
@@ -13,7 +14,7 @@ from ...kb.interval import CERTAIN, Interval
 from ...kb.knowledge_base import KnowledgeBase
 from ...kb.learned import LearnedPhrase
 from ...kb.rule import Atom, Rule
-from ...nlu.language import Language
+from ...nlu.language import Language, Session
 from ...nlu.lexicon.vocabulary import NewWord
 from ...nlu.offers.meaning_shapes import MeaningShape
 from ...nlu.offers.phrase_memory import PhrasePattern
@@ -26,6 +27,8 @@ from ..execution.outcome import AnswerContent, Decision, Ending, Slot
 from . import translation
 from .acquaintances import Acquaintances
 from .reply import OpenQuestion, Reply
+
+_SENTENCE_END = re.compile(r"(?<=[.!?])\s+")
 
 Answered = tuple[AnswerContent, tuple[Rule, ...]]  # an answer, and the rules that it rests on
 
@@ -116,6 +119,15 @@ class Conversation:
             return self.language.understand(
                 text, speaker=speaker, discourse=self.discourse, accepted=accepted, heard=heard
             )
+
+    def sentences(self, text: str, speaker: str) -> Sequence[str]:
+        """Return the sentences of an utterance where each of several is understood, else none."""
+        session, said = Session(self.language, self.discourse), _SENTENCE_END.split(text.strip())
+        for each in said:
+            found, session = session.hear(each, speaker=speaker)
+            if not _stands_alone(found.meaning):
+                return ()
+        return said if said[1:] else ()
 
     @property
     def decision(self) -> Decision | None:
@@ -272,3 +284,15 @@ def spoken(key: str, *, done: bool = False, **slots: Slot | None) -> AnswerConte
     """Return an answer by its key, with those of its slots that are filled."""
     given = {name: value for name, value in slots.items() if value is not None}
     return AnswerContent(key, given, "done" if done else "failed")
+
+
+def _stands_alone(said: meaning.Meaning) -> bool:
+    match said:
+        case meaning.Question():  # not "is that true?"
+            return bool(said.object or said.affordance)
+        case meaning.Acknowledgement():
+            return said.ack in {"thanks", "praise", "greeting", "okay", "farewell"}
+        case meaning.Command() | meaning.ToolCommand():
+            return not said.negated
+        case _:
+            return isinstance(said, (*meaning.TEACHING, meaning.Plan))

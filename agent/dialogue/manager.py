@@ -31,7 +31,7 @@ from .conversation import Conversation, UnderstoodTurn
 from .hearing import Alternative, SoundsLike, SpokenUtterance, meanings_heard, weigh
 from .norm_dialogue import NormDialogue
 from .questions import answer
-from .reply import OpenQuestion, Reply
+from .reply import OpenQuestion, Reply, joined
 from .showing import Eyes, Showing
 from .translation import chosen_by, declined, request_from_command, use_of
 
@@ -40,6 +40,7 @@ KINDS = {  # what a command of the CLI listens to -> kinds of meaning
     "do": ("command", "control"),
     "ask": ("question",),
 }
+_OPEN = ("error", "ask_back")
 
 
 class DialogueManager:
@@ -87,8 +88,8 @@ class DialogueManager:
             meaning.NormStatement: (self._norms.lay_down, "not_trusted"),
             meaning.Retraction: (self._forget, ""),
             meaning.ActionDefinition: (self.lessons.learn, "not_trusted"),
-            meaning.ActionCommand: (self._carry_out_plan, "not_obeyed"),
-            meaning.Plan: (self._carry_out_plan, "not_obeyed"),
+            meaning.ActionCommand: (self._do_plan, "not_obeyed"),
+            meaning.Plan: (self._do_plan, "not_obeyed"),
             meaning.TopicStatement: (self.showing.open_topic, "not_trusted"),
             meaning.PartNaming: (self.showing.name_part, "not_trusted"),
             meaning.TrustStatement: (self._vouch, "not_trusted"),
@@ -125,9 +126,9 @@ class DialogueManager:
             scores = weigh(text, heard, alternatives)
             pending = self.conversation.open_question
             pending = pending if pending and pending.asked == speaker else None
-            found = meanings_heard(text, scores, self.conversation, pending)
+            meant = meanings_heard(text, scores, self.conversation, pending)
             hear = partial(self.hear, speaker=speaker, only=only, keep=keep)
-            parts = (found, self.conversation, pending, hear, self._sounds_like, keep)
+            parts = (meant, self.conversation, pending, hear, self._sounds_like, keep)
             return SpokenUtterance(*parts).reply()
         reply = self._clarification.short_answer(text, speaker, heard=heard, keep=keep)
         if reply:
@@ -141,13 +142,15 @@ class DialogueManager:
             reply = said(speaker=speaker, accepted=accepted)
             return replace(reply, said=f"{self.conversation.say(hello)} {reply.said}")
         self._accepted |= {*accepted}
-        understood = self.conversation.understand(
-            text, speaker, heard=heard, accepted=self._accepted
-        )
-        turn = UnderstoodTurn(understood, heard, keep)
-        if only and understood.kind not in (*KINDS[only], "error", "ask_back", "acknowledgement"):
+        found = self.conversation.understand(text, speaker, heard=heard, accepted=self._accepted)
+        several = self.conversation.sentences(text, speaker) if found.kind in _OPEN else ()
+        if several:
+            hear = partial(self.hear, speaker=speaker, only=only, heard=heard, keep=keep)
+            return joined(text, [hear(each) for each in several])
+        turn = UnderstoodTurn(found, heard, keep)
+        if only and found.kind not in (*KINDS[only], *_OPEN, "acknowledgement"):
             return self.conversation.answered(turn, f"only_{only}", "not_understood")
-        if understood.kind not in {"acknowledgement", "control"}:
+        if found.kind not in {"acknowledgement", "control"}:
             self.conversation.open_question = None
         return self._respond(turn)
 
@@ -201,9 +204,7 @@ class DialogueManager:
         self._excluded = self._excluded | before if chosen_by(said).other else frozenset()
         return self._start(turn, [replace(request, excluded=self._excluded)])
 
-    def _carry_out_plan(
-        self, turn: UnderstoodTurn, said: meaning.Plan | meaning.ActionCommand
-    ) -> Reply:
+    def _do_plan(self, turn: UnderstoodTurn, said: meaning.Plan | meaning.ActionCommand) -> Reply:
         steps = said.steps if isinstance(said, meaning.Plan) else (said,)
         unknown = next(filter(None, (self.lessons.ask_how(turn, each) for each in steps)), None)
         acts = self.conversation.language.tool_acts

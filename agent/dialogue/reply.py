@@ -3,7 +3,7 @@
 Its JSON documents are those of `hilt tell`, `do` and `ask`; other programs rely on their keys.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from ...inference.types import Candidate
@@ -85,6 +85,13 @@ class Reply:
             **(self.result.as_json() if self.result else nothing),
             "seed": self.seed,
         }
+
+
+def joined(text: str, replies: Sequence[Reply]) -> Reply:
+    """The reply to several sentences, with all that was said and learned; it ends as the worst."""
+    reply = next((each for each in replies if not each.is_done), replies[-1])
+    rules = tuple(rule for each in replies for rule in each.rules)
+    return replace(reply, text=text, said=" ".join(each.said for each in replies), rules=rules)
 
 
 @dataclass(frozen=True)

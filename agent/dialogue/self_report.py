@@ -71,7 +71,7 @@ def _repeated(_: Question, known: Conversation) -> Answered:
 def _told(question: Question, known: Conversation) -> Answered:
     speaker = known.base.match_speaker(question.speaker) if question.speaker else None
     key, slots = ("told", {"speaker": speaker}) if speaker else ("known", {})
-    count, rules = known.base.count_and_some_rules(MOST_READ, speaker=speaker)
+    count, rules = known.base.count_and_rules(MOST_READ, speaker=speaker)
     if not rules:
         return spoken("told_nothing" if speaker else "nothing_known", done=True, **slots), ()
     if count <= MOST_LISTED:

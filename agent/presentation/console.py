@@ -388,9 +388,8 @@ def import_summary(found: "ImportSummary", source: str, *, dry_run: bool) -> Ren
     read = f"{'Would read' if dry_run else 'Read'} {counted(found.new + found.known, 'rule')}"
     known = f"{found.known} already known, {found.conflicting} conflicting"
     lines = [f"{read} from {source}: {found.new} new, {known}."]
-    lines += [
-        f"  {each.new} contradicts {each.believed}: {each.weight:.4f}" for each in found.conflicts
-    ]
+    for each in found.conflicts:
+        lines.append(f"  {each.new} contradicts {each.believed}: {each.weight:.4f}")
     if found.conflicting > len(found.conflicts):
         lines.append(f"  ... and {found.conflicting - len(found.conflicts)} more")
     kept = (f"{rule_text(rule)}: {rule.status} in {source}" for rule in found.kept)

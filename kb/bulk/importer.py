@@ -72,16 +72,14 @@ def import_rules(
     return one.run(rules, dry_run=dry_run)
 
 
-def merge(
-    base: KnowledgeBase, other: Store, *, source: str, dry_run: bool = False
-) -> ImportSummary:
+def merge(base: KnowledgeBase, new: Store, *, source: str, dry_run: bool = False) -> ImportSummary:
     """Add to a base what another one knows, as one unit, by an import of its export.
 
     The source names the other base in the history; a dry run only finds out what would change.
     ValidationError if the other base breaks a law; nothing has changed.
     """
-    with other.writing():  # so that all of it is of one moment
-        read = grouped(statements(other), BELIEFS)
+    with new.writing():  # so that all of it is of one moment
+        read = grouped(statements(new), BELIEFS)
         return import_statements(base, read, source=source, dry_run=dry_run, check=check_invariants)
 
 

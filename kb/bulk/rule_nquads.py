@@ -59,16 +59,14 @@ class NQuadsWriter:
         self._edges: set[object] = set()  # features, with lines of edges
         self._labelled: set[object] = set()  # lines
         self._name = lru_cache(_MAX_KNOWN)(as_sparql)
-        self._shared_lines = lru_cache(_MAX_KNOWN)(_shared_lines)
+        self._shared = lru_cache(_MAX_KNOWN)(_shared)
         self._feature_lines = lru_cache(_MAX_KNOWN)(_feature_lines)
         self._held: list[str] = []
         self._size = 0
 
     def write_rule(self, rule: Rule) -> None:
         """Write all statements of a rule but for its source."""
-        shared = self._shared_lines(
-            rule.contexts, rule.functor, rule.argument, rule.speaker, rule.status
-        )
+        shared = self._shared(rule.contexts, rule.functor, rule.argument, rule.speaker, rule.status)
         features, node = self._feature_lines(rule.features), f"<{_RULES}{rule.id[5:]}>"
         lines = node.join(
             (
@@ -125,7 +123,7 @@ class NQuadsWriter:
         self._size += len(text)
 
 
-def _shared_lines(
+def _shared(
     contexts: frozenset[Atom], functor: str, argument: Atom | None, speaker: str, status: Status
 ) -> SharedLines:
     one = Rule(frozenset([ANY]), contexts, functor, argument, _TRUE, speaker, status=status)

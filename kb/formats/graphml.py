@@ -34,7 +34,7 @@ ANY_CONTEXT = "any context"
 _OPTIONAL = frozenset({"speaker", "status", "time"})
 _LETTER, _ROW, _GAP, _MARGIN, _CURVE = 5.6, 20, 10, 12, 130  # [pt]; of a 9 pt font
 _SWEEPS = 8  # how often the columns are ordered; more changes nothing
-_PIXELS_PER_INCH = 160  # of a PNG
+_DPI = 160  # of a PNG
 
 # Colours that people who see few colours can tell apart (Okabe and Ito 2008).
 _COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#7a5c00")
@@ -152,9 +152,7 @@ def draw_graph(graph: "MultiDiGraph[str]", form: str) -> bytes:
             _draw_legend(axes, colours, sorted({_kind(node) for node in graph}))
         stream = io.BytesIO()
         metadata = {"Date": None} if form == "svg" else None
-        figure.savefig(
-            stream, format=form, dpi=_PIXELS_PER_INCH, metadata=metadata, bbox_inches="tight"
-        )
+        figure.savefig(stream, format=form, dpi=_DPI, metadata=metadata, bbox_inches="tight")
     return stream.getvalue()
 
 

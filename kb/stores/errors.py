@@ -46,9 +46,7 @@ def open_error(folder: Path, error: Exception) -> StoreError:
     refused = next((each for each in _REFUSALS if each in str(error)), None)
     if refused:
         advice = "It can be read, exported and backed up." if is_there else "Name another folder."
-        return StoreError(
-            f'The knowledge base "{folder}" may not be written: {refused.lower()}. {advice}'
-        )
+        return StoreError(f'The base "{folder}" may not be written: {refused.lower()}. {advice}')
     if _LOCK.search(str(error).replace(str(folder), "")):
         return InUseError(str(folder))
     if is_there:

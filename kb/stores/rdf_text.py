@@ -102,15 +102,13 @@ def quad_to_engine(quad: Quad) -> engine.Quad:
     )
 
 
-def read_groups(
-    stream: BinaryIO, *, format: str, source: str, default: Iri
-) -> Iterator[Statements]:
+def read_groups(file: BinaryIO, *, format: str, source: str, default: Iri) -> Iterator[Statements]:
     """Iterate over the statements of an RDF text, those about one subject together.
 
     The text is UTF-8 in one of `RDF_FORMATS`; statements without a graph are of `default`.
     DataError if the text is malformed; says where.
     """
-    text = _RecentLines(stream)
+    text = _RecentLines(file)
     try:
         found = engine.parse(cast(BinaryIO, text), format=RDF_FORMATS[format])
         yield from grouped(found, default)

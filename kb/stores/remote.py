@@ -227,14 +227,12 @@ class RemoteStore(ReadableStore):
         for update in updates if self._server.startswith(VIRTUOSO) else [" ;\n".join(updates)]:
             self._write(query_text.with_prefixes(update), limits=LONG_CALL)
 
-    def _write_large(
-        self, parts: Mapping[str, Iterable[Quad]], replaced: Sequence[Iri] = ()
-    ) -> None:
+    def _write_large(self, parts: Mapping[str, Iterable[Quad]], old: Sequence[Iri] = ()) -> None:
         """Prepare statements by their kind, then decide that they count and make them visible."""
         try:
-            marks = [(each, graph) for graph in replaced for each in (CHANGES, REPLACES)]
+            marks = [(each, graph) for graph in old for each in (CHANGES, REPLACES)]
             self._lease.mark(*marks)
-            self._prepare(parts, {*replaced})
+            self._prepare(parts, {*old})
             self._lease.mark((IS_DECIDED, True))
             self._write_all(self._lease.confirmed().updates())
             self._is_sure = True  # whoever completes it

@@ -92,34 +92,32 @@ class TypeMismatchError(TypeError):
     """A term does not have the type that is expected of it; the message is one clause."""
 
 
-def check_type(
-    term: Term, expected: Type, signature: Signature, context: tuple[Type, ...] = ()
-) -> None:
+def check_type(term: Term, wanted: Type, names: Signature, context: tuple[Type, ...] = ()) -> None:
     """Check that a term has a type; `context` has those of its free variables, innermost first.
 
     It raises `TypeMismatchError`, also for a constant that the signature does not know.
     """
     if isinstance(term, Lambda):
-        if not isinstance(expected, FunctionType):
-            raise TypeMismatchError(f"expected {expected}, found the function {show(term)}")
-        check_type(term.body, expected.target, signature, (expected.source, *context))
+        if not isinstance(wanted, FunctionType):
+            raise TypeMismatchError(f"expected {wanted}, found the function {show(term)}")
+        check_type(term.body, wanted.target, names, (wanted.source, *context))
         return
     head, arguments = spine(term)
     failures: list[TypeMismatchError] = []
-    for candidate in _types_of(head, signature, context):
+    for candidate in _types_of(head, names, context):
         found = candidate
         try:
             for argument in arguments:
                 if not isinstance(found, FunctionType):
                     raise TypeMismatchError(f"{_shown(head)} takes fewer arguments than given")
-                check_type(argument, found.source, signature, context)
+                check_type(argument, found.source, names, context)
                 found = found.target
         except TypeMismatchError as error:
             failures.append(error)
             continue
-        if found == expected:
+        if found == wanted:
             return
-        problem = f"expected {expected}, but {_shown(head)} gives {found}"
+        problem = f"expected {wanted}, but {_shown(head)} gives {found}"
         failures.append(TypeMismatchError(problem))
     raise failures[0]
 

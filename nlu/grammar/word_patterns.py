@@ -220,9 +220,7 @@ class WordLists:
         self.phrases = cache(self._phrases)  #: returns the single words and phrases of a key
         self._by_first_word = cache(self._steps_by_first_word)
 
-    def of_group(
-        self, key: str, words: Sequence[str], start: int = 0
-    ) -> Iterator[tuple[str, int, Slots]]:
+    def of_group(self, key: str, words: Phrase, start: int = 0) -> Iterator[tuple[str, int, Slots]]:
         """Yield what the patterns of a key stand for that begin at a place, with end and slots."""
         known = self._by_first_word(key)
         first = words[start] if start < len(words) else ""
@@ -230,16 +228,16 @@ class WordLists:
             for end, slots in match_pattern((step,), words, start):
                 yield name, end, slots
 
-    def wholes(self, key: str, words: Sequence[str], start: int = 0) -> Iterator[tuple[str, Slots]]:
+    def wholes(self, key: str, words: Phrase, start: int = 0) -> Iterator[tuple[str, Slots]]:
         """Yield what the patterns of a key stand for that are all words from a place on."""
         found = self.of_group(key, words, start)
         return ((name, slots) for name, end, slots in found if end == len(words))
 
-    def end(self, key: str, words: Sequence[str], start: int = 0) -> int:
+    def end(self, key: str, words: Phrase, start: int = 0) -> int:
         """The end of the longest pattern of a key that begins at a place; the place without one."""
         return max((end for _, end, _ in self.of_group(key, words, start)), default=start)
 
-    def is_all(self, key: str, words: Sequence[str], start: int = 0) -> bool:
+    def is_all(self, key: str, words: Phrase, start: int = 0) -> bool:
         """Whether a pattern of a key is all of some words from a place on."""
         return any(True for _ in self.wholes(key, words, start))
 

@@ -65,10 +65,8 @@ class Verb:
 class LexiconBuilder:
     """The words of a language, and the builder of entries for new ones."""
 
-    def __init__(
-        self, grammar: Grammar, inflection: Inflection, combinator: CombinationTable
-    ) -> None:
-        self._grammar, self.inflection, self.combinator = grammar, inflection, combinator
+    def __init__(self, grammar: Grammar, inflection: Inflection, table: CombinationTable) -> None:
+        self._grammar, self.inflection, self.combinator = grammar, inflection, table
         self._templates: dict[str, WordTemplate] = {}
         self._endings: dict[str, str] = {}
         #: short forms and the words that they stand for

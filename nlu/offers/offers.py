@@ -6,8 +6,8 @@ or acted on before its speaker has chosen it.
 """
 
 import base64
+import bz2
 import json
-import zlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
@@ -138,16 +138,12 @@ class OfferFinder:
                 found.append(checked)
         return tuple(found[:MAX_OFFERS])
 
-    def rejected(
-        self, candidate: CandidateMeaning, mentions: Mentions, context: UtteranceContext
-    ) -> str:
+    def rejected(self, one: CandidateMeaning, mentions: Mentions, context: UtteranceContext) -> str:
         """Return why a candidate is not offered, empty if it is."""
-        left, beside = left_over(candidate, mentions), _beside(candidate, mentions)
-        if any(
-            not left.get(role, beside - beside).isdisjoint(beside) for role in ("new", "person")
-        ):
+        left, beside = left_over(one, mentions), _beside(one, mentions)
+        if beside & {*left.get("new", ()), *left.get("person", ())}:
             return "names"
-        meaning, asides = meaning_from_json(candidate.meaning), candidate.asides(mentions)
+        meaning, asides = meaning_from_json(one.meaning), one.asides(mentions)
         lost = self.checks.lost(meaning, mentions, asides)
         if lost:
             return lost
@@ -226,7 +222,7 @@ _uncorrecting = partial(meanings.with_rules, revises=False)
 def load_model(path: Path) -> OfferModel:
     """Return the model in a file, which `benchmarks/train_offers.py` writes."""
     data = json.loads(path.read_text(encoding="utf-8"))
-    weights = json.loads(zlib.decompress(base64.b64decode(data["weights"])))
+    weights = json.loads(bz2.decompress(base64.b64decode(data["weights"])))
     return OfferModel(tuple(map(shape_from, data["shapes"])), weights)
 
 

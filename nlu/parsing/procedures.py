@@ -264,11 +264,9 @@ class ProcedureReader:
 class _Clauses:
     """The clauses of one utterance; what is tried again is read once."""
 
-    def __init__(
-        self, reader: ProcedureReader, context: UtteranceContext, sentence: Sentence
-    ) -> None:
+    def __init__(self, reader: ProcedureReader, context: UtteranceContext, parse: Sentence) -> None:
         self._reader, self._words = reader, reader.words
-        self._context, self._sentence = context, sentence
+        self._context, self._sentence = context, parse
         self.read = cache(self._read)
         self._new_words: dict[Act, tuple[NewWord, ...]] = {}
 

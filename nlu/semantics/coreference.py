@@ -181,7 +181,11 @@ def resolve_rules(form: PredicateForm, discourse: Discourse) -> PredicateForm:
         case "holding", (PredicateForm(arguments=(_, held, *_)) as act, place):
             return PredicateForm("holding", (act, place.replacing(IT, held)))
         case "how", (act, held):
-            return PredicateForm("how", (act.replacing(IT, held),))
+            act = act.replacing(IT, held)
+            is_tool = is_tool_act(act) and len(act.arguments) == 2 and act.arguments[1] != held
+            return PredicateForm(
+                "how", (PredicateForm(act.name, (*act.arguments, held)) if is_tool else act,)
+            )
         case "first", (thing, act):
             # "Take the mug and pass it to me": the second act must be on the first one's object.
             if IT not in act:

@@ -16,7 +16,8 @@ class Discourse:
 
     object: PredicateForm | None = None  # the object mentioned last
     rule: meanings.Rule | None = None  # the rule taught, corrected or applied last
-    last: meanings.Rule | Question | meanings.SimpleCommand | None = None  # fragments complete it
+    #: what fragments complete
+    last: meanings.Rule | Question | meanings.SimpleCommand | meanings.Norm | None = None
     command: meanings.SimpleCommand | None = None  # the last command, which "do it again" repeats
     named: tuple[PredicateForm, ...] = ()  # all objects that the last turn with any named, in order
     pair: tuple[PredicateForm, ...] = ()  # the last turn's objects, or two in a row
@@ -53,7 +54,11 @@ def update_discourse(meaning: Meaning, content: PredicateForm, discourse: Discou
     match meaning:
         case meanings.Acknowledgement() | meanings.AskBack() | meanings.Misunderstanding():
             return discourse
-        case Command(recipient=str(name)) | Statement(source=str(name)):
+        case (
+            Command(recipient=str(name))
+            | Statement(source=str(name))
+            | meanings.NormStatement(norms=(meanings.Norm(act=Command(recipient=str(name))),))
+        ):
             person = PredicateForm.named(name)
         case Question(ask="why", part=part, object=thing):
             asks_why = part is not None or thing is None
@@ -73,6 +78,8 @@ def update_discourse(meaning: Meaning, content: PredicateForm, discourse: Discou
             return replace(discourse, rule=last, last=last)
         case Question() if meaning.object or meaning.affordance:
             return replace(discourse, last=meaning)
+        case meanings.NormStatement(norms=(norm,)):
+            return replace(discourse, last=norm)
         case Command() | meanings.ToolCommand():
             return replace(discourse, last=meaning, command=meaning)
         case _:  # also a question about Hilt or about what was just said

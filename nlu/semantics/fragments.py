@@ -40,7 +40,7 @@ class FragmentValues:
         return self.mode in {"also", "same", "too"}
 
 
-def complete(fragment: FragmentValues, discourse: Discourse) -> meanings.Meaning:  # noqa: PLR0912
+def complete(fragment: FragmentValues, discourse: Discourse) -> meanings.Meaning:  # noqa: PLR0911, PLR0912
     """Return the meaning of a fragment; `UninterpretableError` if no turn is completed by it."""
     discourse = discourse.accessible
     if fragment.mode == "keep":
@@ -64,6 +64,8 @@ def complete(fragment: FragmentValues, discourse: Discourse) -> meanings.Meaning
             return _as_rule(fragment, rule)
         case Question() as question:
             return _as_question(fragment, question)
+        case meanings.Norm(act=meanings.Command() as act) as norm if fragment.adds:
+            return _as_norm(fragment, norm, act)
         case meanings.Command() as command if fragment.target or not fragment.asks:
             return _as_command(fragment, command, discourse)
         case meanings.ToolCommand() as command if not fragment.asks and (
@@ -73,7 +75,7 @@ def complete(fragment: FragmentValues, discourse: Discourse) -> meanings.Meaning
             return replace(command, patient=patient, tool=fragment.tool or command.tool)
         case meanings.Command() | meanings.ToolCommand():
             raise UninterpretableError("as_question", asks=True)
-        case None:
+        case _:
             raise _nothing()
 
 
@@ -90,7 +92,7 @@ def _other_of_pair(discourse: Discourse) -> str | None:
 
 def _completed(
     fragment: FragmentValues, discourse: Discourse
-) -> meanings.Rule | Question | meanings.SimpleCommand | None:
+) -> meanings.Rule | Question | meanings.SimpleCommand | meanings.Norm | None:
     rule, last = discourse.rule, discourse.last
     is_why = isinstance(last, Question) and last.ask == "why" and fragment.asks
     if isinstance(last, Question) and discourse.command and (_is_other(fragment) or is_why):
@@ -98,7 +100,8 @@ def _completed(
     if fragment.context and fragment.part:  # how the object of the last rule is held
         return rule if rule == last and isinstance(rule, ActionRule) else None
     if fragment.mode == "same" and not fragment.asks:
-        return last if isinstance(last, meanings.SimpleCommand) or rule is None else rule
+        is_rule = rule and not isinstance(last, (meanings.SimpleCommand, meanings.Norm))
+        return rule if is_rule else last
     if rule is None or fragment.adds or fragment.asks:
         return last if last is not None else rule
     if fragment.confidence and not (fragment.target or fragment.use or fragment.part):
@@ -230,6 +233,9 @@ def _as_command(  # noqa: PLR0911 - a case per slot
         and command.target.object in {each.said for each in discourse.pair}
     ):
         return meanings.AskBack(choices=(replace(anew, target=ObjectReference(other)),))
+    if fragment.context and command.part:  # "when you pick it up, I mean"
+        name, props = _kind(command.target)
+        return _offered(ActionRule(name, fragment.context, command.part, fragment.default, props))
     if fragment.context:
         command = replace(command, goal=fragment.context, recipient=None)
     if target:
@@ -250,6 +256,18 @@ def _as_command(  # noqa: PLR0911 - a case per slot
         target = replace(command.target, used_for=fragment.use, material=fragment.material)
         return replace(command, target=replace(target, other=False))
     raise _nothing()
+
+
+def _as_norm(
+    fragment: FragmentValues, norm: meanings.Norm, act: meanings.Command
+) -> Question | meanings.NormStatement:
+    if fragment.confidence or not (fragment.target or fragment.recipient):
+        raise _nothing()
+    target, recipient = fragment.target or act.target, fragment.recipient or act.recipient
+    norm = replace(norm, act=replace(act, target=target, recipient=recipient))
+    if fragment.asks:
+        return Question("may", norm=replace(norm, norm="permitted"))
+    return meanings.NormStatement((norm,))
 
 
 def _kind(target: ObjectReference) -> tuple[str, tuple[str, ...]]:

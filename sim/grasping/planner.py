@@ -139,11 +139,9 @@ def plan_grasps(
     return RankedGrasps(_as_grasps(best), rejected, _as_grasps(examples))
 
 
-def _spread_out(
-    world_from_grip: Array, centre: Array, rng: np.random.Generator, count: int
-) -> np.ndarray:
-    positions = world_from_grip[:, :3, 3]
-    cost = np.linalg.norm(positions - centre, axis=1) + TILT_COST * (1 + world_from_grip[:, 2, 2])
+def _spread_out(grips: Array, centre: Array, rng: np.random.Generator, count: int) -> np.ndarray:
+    positions = grips[:, :3, 3]
+    cost = np.linalg.norm(positions - centre, axis=1) + TILT_COST * (1 + grips[:, 2, 2])
     order = np.argsort(cost + rng.uniform(0.0, SHUFFLE, len(cost)))
     places = np.unique(np.floor(positions / PLACE).astype(int), axis=0, return_inverse=True)[1]
     rank = np.zeros(len(order), dtype=int)

@@ -287,16 +287,14 @@ def _is_swept(x: Array, y: Array, z: Array, half_open: Array, gripper: Gripper) 
     return (in_width & (finger | root)) | palm
 
 
-def hits_table(
-    world_from_grip: Array, opening: Array, table: float, gripper: Gripper
-) -> np.ndarray:
+def hits_table(grips: Array, opening: Array, table: float, gripper: Gripper) -> np.ndarray:
     """Whether each hand (c,), open by `opening` [m], would hit the table."""
     half_x, tip = gripper.finger_width / 2, gripper.tip
     outer = opening / 2 + gripper.finger_thickness
     root = opening / 2 + gripper.root_thickness
     palm_x, palm_y = (size / 2 for size in gripper.palm_size)
     boxes = (half_x, outer, tip), (half_x, root, gripper.root), (palm_x, palm_y, gripper.palm)
-    up_x, up_y, up_z, height = np.moveaxis(world_from_grip[:, 2], -1, 0)
+    up_x, up_y, up_z, height = np.moveaxis(grips[:, 2], -1, 0)
     # Of each box the lowest of the corners (+-x, +-y, z).
     corners = [height + z * up_z - x * np.abs(up_x) - y * np.abs(up_y) for x, y, z in boxes]
     return np.minimum.reduce(corners) < table + TABLE_CLEARANCE

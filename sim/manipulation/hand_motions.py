@@ -123,17 +123,15 @@ class HandMotion:
         self.robot.follow(path.approach, pace=APPROACH_PACE)
         self.robot.close(force)
 
-    def held_object(
-        self, context: GraspContext, planner: PathPlanner, path: GraspPath
-    ) -> HeldObject:
+    def held_object(self, grasp: GraspContext, planner: PathPlanner, path: GraspPath) -> HeldObject:
         """Describe an object on which the gripper has closed."""
         at = poses.inverse(self.robot.world_from_hand)
-        held = HeldObject(context, planner, path, self.robot.hand_from_grip, at, at)
+        held = HeldObject(grasp, planner, path, self.robot.hand_from_grip, at, at)
         if abs(self.robot.opening - path.grasp.width) > ALIGNED:  # the fingers have turned it
             held = self.seen(held)
         touched = self.touched(held)
-        context = replace(context, part=touched[0] if len(touched) == 1 else context.part)
-        return replace(held, context=context, hand_from_closed=held.hand_from_seen)
+        grasp = replace(grasp, part=touched[0] if len(touched) == 1 else grasp.part)
+        return replace(held, context=grasp, hand_from_closed=held.hand_from_seen)
 
     def seen(self, held: HeldObject) -> HeldObject:
         """The held object where it is seen in the hand now; where it was if it is not seen."""

@@ -252,12 +252,9 @@ class Joints:
         most. A ratio of -1 makes two fingers that face each other move alike. The stiffness is the
         share of the difference that is corrected in one step, in [0, 1].
         """
-        number, (index, other_index) = self._bodies.joint_ids(body, [joint, other])
+        number, (index, turned) = self._bodies.joint_ids(body, [joint, other])
         axis = self._client.call("getJointInfo", number, index)[13]
-        links, options = (
-            (number, index, number, other_index),
-            {"gearRatio": ratio, "erp": stiffness},
-        )
+        links, options = (number, index, number, turned), {"gearRatio": ratio, "erp": stiffness}
         self._join("GEAR", links, axis, np.eye(4), np.eye(4), maxForce=force, **options)
 
     def fix_bodies(self, body: str, other: str, *, force: float) -> None:

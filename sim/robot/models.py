@@ -172,14 +172,12 @@ def _find_urdf(field: YamlNode) -> Path:
 
 
 def _read_gripper(field: YamlNode) -> Gripper:
-    entries = field.entries(
-        required=(*_LENGTHS, "joints", "links", "force", "palm_size"), optional=()
-    )
-    along_x, along_y = entries["palm_size"].numbers(count=2, low=0.0, high=1.0)
+    keys = field.entries(required=(*_LENGTHS, "joints", "links", "force", "palm_size"), optional=())
+    along_x, along_y = keys["palm_size"].numbers(count=2, low=0.0, high=1.0)
     return Gripper(
-        joints=entries["joints"].texts(count=2),
-        links=entries["links"].texts(count=2),
-        force=entries["force"].number(low=0.0, high=1000.0),
+        joints=keys["joints"].texts(count=2),
+        links=keys["links"].texts(count=2),
+        force=keys["force"].number(low=0.0, high=1000.0),
         palm_size=(along_x, along_y),
-        **{key: entries[key].number(low=-1.0, high=1.0) for key in _LENGTHS},
+        **{key: keys[key].number(low=-1.0, high=1.0) for key in _LENGTHS},
     )

@@ -203,14 +203,12 @@ def numbered(names: Iterable[str], *, taken: Iterable[str] = ()) -> Iterator[str
         yield name if times[name] == 1 else f"{name} {times[name]}"
 
 
-def _mounted(
-    placements: Sequence[Placement], objects: Mapping[str, ObjectType]
-) -> tuple[Placement, ...]:
+def _mounted(given: Sequence[Placement], kinds: Mapping[str, ObjectType]) -> tuple[Placement, ...]:
     """Return the placements with names of their own, and with what they stand in."""
-    names = numbered((placement.name for placement in placements), taken=RESERVED)
-    result = [replace(each, name=name) for each, name in zip(placements, names, strict=True)]
+    names = numbered((placement.name for placement in given), taken=RESERVED)
+    result = [replace(each, name=name) for each, name in zip(given, names, strict=True)]
     for index, placement in enumerate(result.copy()):
-        mount = objects[placement.object].mount
+        mount = kinds[placement.object].mount
         if mount is None or placement.rest is not None:
             continue
         taken = {each.within for each in result}

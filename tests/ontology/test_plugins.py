@@ -73,7 +73,7 @@ def test_broken_plugin_is_one_line_with_its_distribution(name: str, problem: str
         call_plugin("hilt.vision", name, "wide")
 
     assert str(raised.value) == (
-        f'The plug-in "{name}" (hilt.vision) of strange-camera 2.1 cannot be used: {problem}.'
+        f'The plug-in "{name}" (hilt.vision) of strange-camera 2.1 failed: {problem}.'
     )
 
 

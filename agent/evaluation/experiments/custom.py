@@ -130,20 +130,18 @@ class _ScenarioReader:
             raise spec.fail("expected at least one level.")
         return spec.texts()
 
-    def _uses(
-        self, affordance: str, spec: YamlNode, levels: Sequence[str]
-    ) -> Mapping[str, Sequence[str]]:
+    def _uses(self, use: str, spec: YamlNode, levels: Sequence[str]) -> Mapping[str, Sequence[str]]:
         found = spec.entries(optional=levels)
         seen: set[str] = set()
         for level, names in found.items():
             for item in names.items():
                 name = item.text(choices=graspable(self.kinds.objects))
                 if name in seen:
-                    raise item.fail(f'"{name}" has two levels of {affordance}.')
+                    raise item.fail(f'"{name}" has two levels of {use}.')
                 seen.add(name)
-                rule = self._taught_rule(item, rule_sentence(name, affordance, "", level))
-                if not isinstance(rule, meaning.FunctionalRule) or rule.affordance != affordance:
-                    raise item.fail(f'"{affordance}" is not understood as an affordance.')
+                rule = self._taught_rule(item, rule_sentence(name, use, "", level))
+                if not isinstance(rule, meaning.FunctionalRule) or rule.affordance != use:
+                    raise item.fail(f'"{use}" is not understood as an use.')
         return {level: names.texts() for level, names in found.items()}
 
     def _parts(self, name: str, spec: YamlNode, levels: Sequence[str]) -> dict[str, str]:

@@ -674,3 +674,32 @@ def test_a_part_may_become_an_object(agent: Agent):
     assert [rule.object for rule in agent.hear("yes").rules] == ["handle"]
     assert agent.hear("A handle is used for lifting").ending == "done"
     assert agent.hear("To pass a mug, grab it by the handle").rules[0].part == "handle"
+
+
+def test_several_sentences_are_heard_one_after_the_other(agent: Agent):
+    """A lesson and a command in one utterance; the reply has what all of them led to."""
+    reply = agent.hear(
+        "A knife is used for cutting bread. Now pass me something to cut bread with."
+    )
+
+    assert reply.is_done
+    assert reply.said == "I learned: a knife is used for cutting bread. I would pass the knife."
+    assert [rule.id for rule in reply.rules] == [rule.id for rule in agent.base.rules()]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "Pass me the mug. Not now.",
+        "A shoe is used for pounding. Just kidding!",
+        "A shoe is used for pounding. Not really.",
+        "Is that right? A shoe is used for pounding.",
+        "Hold the hammer by the head. No, wait. Leave it.",
+    ],
+)
+def test_sentences_that_do_not_stand_alone_teach_and_do_nothing(agent: Agent, text: str):
+    """What follows may take back what was said, so all is done or nothing."""
+    reply = agent.hear(text)
+
+    assert not reply.is_done
+    assert agent.base.rules() == []
