@@ -117,8 +117,7 @@ class OfferChecks:
         own = [span for span in asides if self.is_clause_of_its_own(words[slice(*span)])]
         own += self._reasons(meaning, mentions)
         beside = {place for span in own for place in range(*span)} | self._idle(mentions)
-        is_taken_back = isinstance(meaning, meanings.Retraction) and meaning.rule is None
-        if not is_taken_back and self.spoken("implied_negation", mentions):
+        if meaning != meanings.Retraction() and self.spoken("implied_negation", mentions):
             return False
         if not beside.issuperset(self._places("weak_negation", words)):
             return False

@@ -398,7 +398,8 @@ class PeripheryReader:
             is_told = self.table.announces(each) and "pointing" in each.signs
             placed.append((each, Pause.TOLD if is_told else Pause.AFTER))
         placed += [(each, Pause.WITHIN) for each in within]
-        kinds = _KINDS.intersection(*(self.table.permitted(*each) for each in placed))
+        asked = {QUESTION} if tokens.asks and end < len(tokens.items) else _KINDS
+        kinds = _KINDS.intersection(asked, *(self.table.permitted(*each) for each in placed))
         if not placed or not kinds:
             return None
         said = [(each, pause) for each, pause in placed if each.form != MARKER]

@@ -12,11 +12,10 @@ SOMETHING = frozenset({"something", "anything"})
 
 @dataclass(frozen=True)
 class Discourse:
-    """The discourse state."""
+    """The discourse state; fragments complete `last`."""
 
     object: PredicateForm | None = None  # the object mentioned last
     rule: meanings.Rule | None = None  # the rule taught, corrected or applied last
-    #: what fragments complete
     last: meanings.Rule | Question | meanings.SimpleCommand | meanings.Norm | None = None
     command: meanings.SimpleCommand | None = None  # the last command, which "do it again" repeats
     named: tuple[PredicateForm, ...] = ()  # all objects that the last turn with any named, in order

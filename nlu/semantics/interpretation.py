@@ -109,7 +109,8 @@ class Interpreter:
                 yield replace(rule, source=name_of(person))
         elif form.name in KIND_FORMS:
             thing, kind, degree = form.arguments
-            for each in thing.arguments if thing.name == "both" else (thing,):
+            named = [part for part in thing if part.name == "having" or not part.arguments]
+            for each in named if thing.name == "both" else (thing,):
                 (name, props), above = kind_and_properties(each), _kind(kind)
                 if props or ANY_OBJECT in {name, above} or name == above:
                     raise UninterpretableError("of_which_object", asks=True)
