@@ -34,8 +34,7 @@ class Settings:
     #: a detection with confidence d is [d, 1] ("open", default) or [d, d] ("point")
     detection: str = "open"
     threshold: float = 0.005  #: Λ in [0, 1], which lambda must exceed before the robot acts
-    #: the mass in [0, 1] above which experience contradicts what was told so much that the robot
-    #: asks
+    #: the mass in [0, 1] above which experience contradicts what was told so much that Hilt asks
     contradiction: float = 0.25
     #: Λ by context: that of an action ("pass") replaces the general one; that of a place or role
     #: ("place:hospital") can only raise it

@@ -77,8 +77,7 @@ class Candidate:
 
     name: str
     object: str
-    #: the affordance, or the part to act on; None if the command names the object and no rule is
-    #: needed
+    #: the affordance, or the part to act on; None if an object is named and no rule is needed
     argument: Atom | None
     proof: Proof
     certainty: float  #: lambda of the interval, in [0, 1]

@@ -241,10 +241,8 @@ class RuleWriter(RuleReader):
         ended = [self.rule(one) for one in rule_ids]
         gone = {rule.id for rule in ended}
         for rule in ended:
-            change.replace(
-                rule_mapping.property_quads(rule),
-                rule_mapping.property_quads(replace(rule, status=status)),
-            )
+            both = (rule, replace(rule, status=status))
+            change.replace(*map(rule_mapping.property_quads, both))
             change.delete.append(rule_mapping.node_edge(rule))
             gone_edges = {*rule_mapping.edges(rule)} - self._asserted(rule, gone, new)
             change.delete += sorted(gone_edges, key=str)

@@ -56,16 +56,8 @@ from .semantics.predicates import Pragmatics, load_pragmatics
 
 LANGUAGES_FOLDER = Path(__file__).parents[1] / "ontology"
 
-_WORD_FILES = (
-    "lexicon.yaml",
-    "clauses.yaml",
-    "attitudes.yaml",
-    "constructions.yaml",
-    "requests.yaml",
-    "conversation.yaml",
-    "fragments.yaml",
-    "norms.yaml",
-)
+_KINDS = "lexicon clauses attitudes constructions requests conversation fragments norms"
+_WORD_FILES = tuple(f"{kind}.yaml" for kind in _KINDS.split())
 
 MAX_CONTROL_WORDS = 12
 
@@ -221,17 +213,20 @@ class Language:
     def _without_courtesies(
         self, failed: Understanding, context: UtteranceContext
     ) -> Understanding | None:
-        courtesy = self._courtesies.find(self._tokens(failed.text))
-        if courtesy is None or courtesy.rest == failed.text.strip():
+        tokens, text = self._tokens(failed.text), failed.text.strip()
+        courtesy = self._courtesies.find(tokens)
+        ends = courtesy and text.rstrip(" .!?").endswith(courtesy.rest.rstrip(" .!?"))
+        if not courtesy or courtesy.rest == text or not (courtesy.kind or ends):
             return None
+        begins = self._courtesies.words.end("chatter", tokens.words)
+        if failed.kind == "error" and begins and not (courtesy.kind or courtesy.rest):
+            chatter = meanings.Misunderstanding(self.answers.say("only_chatter"))
+            return replace(failed, meaning=chatter)
         if not courtesy.rest:
             choices = failed.meaning.choices if isinstance(failed.meaning, AskBack) else ()
             is_other = courtesy.kind and choices and not isinstance(choices[0], str)
             said = replace(failed, meaning=Acknowledgement(courtesy.kind), reading=None)
             return replace(said, new_words=(), discourse=context.discourse) if is_other else None
-        is_last = failed.text.rstrip(" .!?").endswith(courtesy.rest.rstrip(" .!?"))
-        if not courtesy.kind and not is_last:
-            return None
         rest = self._understand(courtesy.rest, context, ())
         control = self.control(courtesy.rest)
         if control:

@@ -121,7 +121,7 @@ def converse(
     only: Literal["tell", "do", "ask"],
     *,
     heard: float = 1.0,
-    alternatives: Sequence[tuple[str, float]] = (),
+    others: Sequence[tuple[str, float]] = (),
     as_json: bool,
 ) -> None:
     """Say each utterance and print its reply at once; exit with code 1 unless all were done."""
@@ -129,10 +129,10 @@ def converse(
     for said in utterances(text):
         with spinner(said):
             hear = partial(agent.hear, speaker=speaker, only=only)
-            reply = hear(said, heard=heard, alternatives=alternatives)
+            reply = hear(said, heard=heard, alternatives=others)
         done = done and reply.is_done
         if as_json or text == STDIN:
-            certainty = {"heard": round(reply.heard, 6)} if alternatives else {}
+            certainty = {"heard": round(reply.heard, 6)} if others else {}
             print_json(getattr(reply, f"as_{only}_json")() | certainty)
         elif reply.ending == "not_understood":
             report_error(reply.said)

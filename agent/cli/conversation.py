@@ -53,9 +53,7 @@ def tell(
 
     said = common.read_alternatives(alternatives, text)
     with Agent.open(kb, config) as agent:
-        common.converse(
-            agent, text, speaker, "tell", heard=heard, alternatives=said, as_json=as_json
-        )
+        common.converse(agent, text, speaker, "tell", heard=heard, others=said, as_json=as_json)
 
 
 @app.command(epilog=example('do "pass me something used for cutting" --no-sim'))
@@ -81,7 +79,7 @@ def do(
         if record:
             filming.callback(typer.echo, f"Film written to {record}.", err=True)  # also if it fails
             filming.enter_context(agent.filmed(record))
-        common.converse(agent, text, speaker, "do", heard=heard, alternatives=said, as_json=as_json)
+        common.converse(agent, text, speaker, "do", heard=heard, others=said, as_json=as_json)
 
 
 @app.command(epilog=example('ask "how do you pass a knife?"'))

@@ -48,8 +48,7 @@ class GoalManager:
     vision: Vision
     motion: Motion | None  #: the motion of the robot; None decides but does not act
     norms: NormChecker  #: what is forbidden, and what must come first
-    #: object -> the part that is made for holding it; a tool is grasped by it when no rule says
-    #: otherwise
+    #: object -> the part made for holding it; a tool is grasped by it if no rule says otherwise
     grips: Mapping[str, str] = field(default_factory=dict[str, str])
     #: object -> its known parts; the robot does not look for others
     parts: Mapping[str, Collection[str]] = field(default_factory=dict[str, Collection[str]])

@@ -7,7 +7,7 @@ trusted is found here too, by phrases: no grammar knows the names of strangers.
 """
 
 from dataclasses import dataclass
-from itertools import takewhile
+from itertools import pairwise, takewhile
 
 from ..grammar.word_patterns import Phrase, WordLists
 from ..lexicon.tokenizer import Token, Tokens
@@ -134,7 +134,8 @@ class CourtesyPhrases:
         unknown = self.known.unknown(part)
         is_limiting = lists.has("limiting", words[0])
         is_address = len(words) <= _LONGEST_ADDRESS and unknown and not is_limiting
-        is_denied |= any(token.word.endswith("ing") for token in unknown)  # it may be a new use
+        uses = {two for one, two in pairwise(("", *words)) if one not in {"am", "are"}}  # new ones
+        is_denied |= any(token.word.endswith("ing") and token.word in uses for token in unknown)
         return "" if not is_denied and (is_address or lists.end("chatter", words) > 0) else None
 
     def _is_all(self, kind: str, words: Phrase, start: int) -> bool:

@@ -20,7 +20,15 @@ from ..grammar.word_patterns import Phrase, WordLists
 from ..lexicon.tokenizer import BREAK, Tokens
 from ..lexicon.unknown_words import KnownWords
 from ..semantics.clause_features import MAIN, FeatureReader
-from ..semantics.meaning import ActionRule, Command, Meaning, Question, Statement, ToolCommand
+from ..semantics.meaning import (
+    ActionRule,
+    Command,
+    Meaning,
+    NormStatement,
+    Question,
+    Statement,
+    ToolCommand,
+)
 
 PERIPHERY_FILE = Path(__file__).parents[2] / "ontology" / "periphery.yaml"
 
@@ -453,7 +461,8 @@ class PeripheryReader:
         }
         things = named.difference(words[slice(*span)])
         is_known = all(known.lexicon.is_name(word, _THINGS) for word in things)
-        is_other = any(each.signs & {"tense=past", "agent=addressee"} for each in pieces)
+        is_open = not {"something", "anything"}.isdisjoint(words)
+        is_other = is_open or any(each.signs & {"tense=past", "agent=addressee"} for each in pieces)
         return things.pop() if is_known and len(things) == 1 and not is_other else None
 
 
@@ -464,6 +473,8 @@ def kinds_of_core(meaning: Meaning) -> frozenset[str]:
             return frozenset({REQUEST})
         case Question():
             return frozenset({QUESTION})
+        case NormStatement():
+            return frozenset({HOLDING})
         case Statement(rules):
             return frozenset(HOLDING if isinstance(rule, ActionRule) else USE for rule in rules)
         case _:

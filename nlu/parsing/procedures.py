@@ -20,6 +20,7 @@ from ..lexicon.tokenizer import BREAK, Token, Tokens
 from ..lexicon.unknown_words import NOUNS, KnownWords, is_word
 from ..lexicon.vocabulary import NewWord
 from ..semantics import meaning as meanings
+from ..semantics.coreference import noun_of
 from ..semantics.discourse import Discourse
 from ..semantics.interpretation import GOALS, kind_and_properties
 from ..semantics.meaning import Act, ActionCondition, Command, FailureReaction, ObjectReference
@@ -87,7 +88,7 @@ class ProcedureReader:
         self, tokens: Tokens, context: UtteranceContext, sentence: Sentence
     ) -> Understanding | None:
         """Return the action that an utterance teaches, or None; `sentence` understands a clause."""
-        for head, body in self._heads(replace(tokens, asks=False)):
+        for head, body in () if tokens.asks else self._heads(tokens):
             clauses = _Clauses(self, context, sentence)
             meaning = self._definition(head, body, clauses)
             if meaning:
@@ -292,14 +293,14 @@ class _Clauses:
         return None
 
     def _clause(self, tokens: Tokens, state: ClauseState) -> tuple[Clause, ClauseState] | None:
-        if not tokens.items or len(tokens.items) > MAX_CLAUSE_WORDS:
+        count = len(tokens.items)
+        if not 0 < count <= MAX_CLAUSE_WORDS or self._words.end("corrected", tokens.words):
             return None
         aside = self._condition(tokens, state) or self._reaction(tokens, state)
         if aside:
             return aside, state
-        words, ends = tokens.words, range(1, len(tokens.items))
-        # Without words of order: "pick it up first".
-        ended = (tokens.part(0, n) for n in ends if self._words.is_all("behind", words, n))
+        is_all = self._words.is_all  # also without words of order: "pick it up first"
+        ended = (tokens.part(0, n) for n in range(1, count) if is_all("behind", tokens.words, n))
         variants = [(each, self._reader.bare(each)) for each in (tokens, *ended)]
         for each, bare in variants:
             found = self._act(each, state) or (self._act(bare, state) if bare else None)
@@ -345,7 +346,8 @@ class _Clauses:
         return Command(control, target), ClauseState(discourse)
 
     def _last(self, state: ClauseState) -> ObjectReference:
-        kind, props = kind_and_properties(state.discourse.object or PredicateForm("something"))
+        last = state.discourse.object or PredicateForm("something")
+        kind, props = kind_and_properties(noun_of(last) if last.name.endswith("For") else last)
         return ObjectReference(meanings.ANY_OBJECT if kind == _ANYTHING else kind, props=props)
 
     def _taught(self, tokens: Tokens) -> meanings.ActionCommand | None:

@@ -208,7 +208,7 @@ class _Attempt:
             return None
         if found is not None:
             return found if referring.meaning == found.meaning else None
-        thing = PredicateForm(core.referent) if is_command and core.referent else None
+        thing = PredicateForm(core.referent) if core.referent else None
         return self._with_reading(core.tokens, context.with_object(thing)) if thing else None
 
     def _with_reading(self, tokens: Tokens, context: UtteranceContext) -> Understanding | None:

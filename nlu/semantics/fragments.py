@@ -258,14 +258,12 @@ def _as_command(  # noqa: PLR0911 - a case per slot
     raise _nothing()
 
 
-def _as_norm(
-    fragment: FragmentValues, norm: meanings.Norm, act: meanings.Command
-) -> Question | meanings.NormStatement:
-    if fragment.confidence or not (fragment.target or fragment.recipient):
+def _as_norm(said: FragmentValues, norm: meanings.Norm, act: meanings.Command) -> meanings.Meaning:
+    if said.confidence or not (said.target or said.recipient):
         raise _nothing()
-    target, recipient = fragment.target or act.target, fragment.recipient or act.recipient
+    target, recipient = said.target or act.target, said.recipient or act.recipient
     norm = replace(norm, act=replace(act, target=target, recipient=recipient))
-    if fragment.asks:
+    if said.asks:
         return Question("may", norm=replace(norm, norm="permitted"))
     return meanings.NormStatement((norm,))
 
