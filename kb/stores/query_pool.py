@@ -26,6 +26,7 @@ LONG_S = 1.0  # from here on a query counts as one that takes long
 PAUSE_S = 0.1  # between a write and the next snapshot, which has what else was written until then
 MOST_AGE_S = 1.0  # after which a query waits for the next snapshot
 _NICE = 19  # priority of a query that takes long
+_PIPES: dict[str, Any] = {"stdin": PIPE, "stdout": PIPE, "stderr": DEVNULL}
 Gone: TypeAlias = "Callable[[], Coroutine[Any, Any, None]]"
 
 
@@ -75,9 +76,7 @@ class QueryPool:
         asking: asyncio.Future[Any] = asyncio.get_running_loop().create_future()
         try:
             if worker is None:
-                worker = await create_subprocess_exec(
-                    *COMMAND, stdin=PIPE, stdout=PIPE, stderr=DEVNULL
-                )
+                worker = await create_subprocess_exec(*COMMAND, **_PIPES)
                 await _answer(worker, {**request, "query": "ASK {}"})  # its time does not count
             kept, asking = None, asyncio.ensure_future(_answer(worker, request))
             await asyncio.wait({asking}, timeout=min(LONG_S, limits.seconds))

@@ -22,7 +22,7 @@ from ..semantics.coreference import PRONOUNS, resolve
 from ..semantics.discourse import SOMETHING, Discourse
 from ..semantics.interpretation import KIND_FORMS, Interpreter, short_answer
 from ..semantics.licence_table import LicenceTable
-from ..semantics.meaning import Answer, Confidence, Meaning, NormStatement
+from ..semantics.meaning import Answer, AskBack, Confidence, Meaning, NormStatement
 from ..semantics.norm_interpretation import meaning_of
 from ..semantics.predicates import CERTAIN, Intention, PredicateForm, UninterpretableError, form_of
 from .chart import Chart, Derivation, lexical_entries, subderivations
@@ -148,7 +148,9 @@ class SentenceParser:
         interpreter = self.interpreter.with_words(words)
         meaning = meaning_of(meant.form, interpreter, context.discourse)
         if isinstance(meaning, NormStatement) and is_for_now:
-            raise UninterpretableError("not_a_rule")
+            if meaning.norms[1:] or meaning.norms[0].norm != "permitted":
+                raise UninterpretableError("not_a_rule")
+            meaning = AskBack(choices=(meaning.norms[0].act,))  # "you may pass me the knife"
         cost = derivation.cost + _WORD_COST * len(entries)
         return Reading(speech_act, meant.form, meant.interval, meaning, cost, derivation, words)
 
