@@ -58,7 +58,9 @@ class IntervalError(HiltError, ValueError):
 
     def __init__(self, lower: object, upper: object) -> None:
         self.lower, self.upper = lower, upper
-        super().__init__(f"[{lower}, {upper}] is not an interval: needs 0 <= lower <= upper <= 1.")
+        super().__init__(
+            f"[{lower}, {upper}] is not an interval: expected 0 <= lower <= upper <= 1."
+        )
 
 
 class ConflictError(HiltError, ValueError):

@@ -5,7 +5,7 @@ The parts of the dialogue manager share one `Conversation`, and change its state
 
 import re
 from collections import defaultdict
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
@@ -28,6 +28,7 @@ from . import translation
 from .acquaintances import Acquaintances
 from .reply import OpenQuestion, Reply
 
+OPEN = ("error", "ask_back")  # the kinds of what is not understood
 _SENTENCE_END = re.compile(r"(?<=[.!?])\s+")
 
 Answered = tuple[AnswerContent, tuple[Rule, ...]]  # an answer, and the rules that it rests on
@@ -120,14 +121,15 @@ class Conversation:
                 text, speaker=speaker, discourse=self.discourse, accepted=accepted, heard=heard
             )
 
-    def sentences(self, text: str, speaker: str) -> Sequence[str]:
-        """Return the sentences of an utterance where each of several is understood, else none."""
-        session, said = Session(self.language, self.discourse), _SENTENCE_END.split(text.strip())
-        for each in said:
-            found, session = session.hear(each, speaker=speaker)
-            if not _stands_alone(found.meaning):
-                return ()
-        return said if said[1:] else ()
+    def sentences(self, found: Understanding, kinds: Collection[str] = ()) -> list[Understanding]:
+        """Return the sentences of what is not understood, if each stands alone; else just that."""
+        session, said = Session(self.language, self.discourse), list[Understanding]()
+        for text in _SENTENCE_END.split(found.text.strip()) if found.kind in OPEN else ():
+            each, session = session.hear(text, speaker=found.speaker)
+            if not _stands_alone(each.meaning) or each.kind not in (kinds or {each.kind}):
+                return [found]
+            said.append(each)
+        return said or [found]
 
     @property
     def decision(self) -> Decision | None:
@@ -287,12 +289,8 @@ def spoken(key: str, *, done: bool = False, **slots: Slot | None) -> AnswerConte
 
 
 def _stands_alone(said: meaning.Meaning) -> bool:
-    match said:
-        case meaning.Question():  # not "is that true?"
-            return bool(said.object or said.affordance)
-        case meaning.Acknowledgement():
-            return said.ack in {"thanks", "praise", "greeting", "okay", "farewell"}
-        case meaning.Command() | meaning.ToolCommand():
-            return not said.negated
-        case _:
-            return isinstance(said, (*meaning.TEACHING, meaning.Plan))
+    if isinstance(said, meaning.Question):  # not "is that true?"
+        return bool(said.object or said.affordance)
+    kinds = (*meaning.TEACHING, meaning.Plan, meaning.Command, meaning.ToolCommand)
+    is_polite = getattr(said, "ack", "") in {"thanks", "praise", "greeting", "okay", "farewell"}
+    return is_polite or (isinstance(said, kinds) and not getattr(said, "negated", False))

@@ -27,7 +27,7 @@ from ..execution.request import Request
 from .action_lessons import ActionLessons
 from .belief_revision import BeliefRevision
 from .clarification import ClarificationDialogue, PartAgreements
-from .conversation import Conversation, UnderstoodTurn
+from .conversation import OPEN, Conversation, UnderstoodTurn
 from .hearing import Alternative, SoundsLike, SpokenUtterance, meanings_heard, weigh
 from .norm_dialogue import NormDialogue
 from .questions import answer
@@ -40,7 +40,6 @@ KINDS = {  # what a command of the CLI listens to -> kinds of meaning
     "do": ("command", "control"),
     "ask": ("question",),
 }
-_OPEN = ("error", "ask_back")
 
 
 class DialogueManager:
@@ -143,12 +142,13 @@ class DialogueManager:
             return replace(reply, said=f"{self.conversation.say(hello)} {reply.said}")
         self._accepted |= {*accepted}
         found = self.conversation.understand(text, speaker, heard=heard, accepted=self._accepted)
-        several = self.conversation.sentences(text, speaker) if found.kind in _OPEN else ()
-        if several:
+        kinds = (*KINDS[only], "acknowledgement") if only else ()
+        several = self.conversation.sentences(found, kinds)
+        if several[1:]:
             hear = partial(self.hear, speaker=speaker, only=only, heard=heard, keep=keep)
-            return joined(text, [hear(each) for each in several])
+            return joined(text, [hear(each.text) for each in several])
         turn = UnderstoodTurn(found, heard, keep)
-        if only and found.kind not in (*KINDS[only], *_OPEN, "acknowledgement"):
+        if only and found.kind not in (*kinds, *OPEN):
             return self.conversation.answered(turn, f"only_{only}", "not_understood")
         if found.kind not in {"acknowledgement", "control"}:
             self.conversation.open_question = None

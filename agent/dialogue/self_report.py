@@ -5,7 +5,7 @@ from collections.abc import Callable, Collection, Mapping
 from functools import partial
 
 from ...kb.rule import Rule
-from ...nlu.semantics.meaning import Plan, Question, SimpleCommand
+from ...nlu.semantics.meaning import Question, SimpleCommand
 from .conversation import Answered, Conversation, spoken
 
 MOST_LISTED = 5
@@ -59,7 +59,7 @@ def _last_done(_: Question, known: Conversation) -> Answered:
     if decision.patient:
         key, names = "done_with_tool", {"tool": last.chosen.object, "patient": decision.patient}
     meant = last.understanding.meaning
-    meant = meant.steps[-1] if isinstance(meant, Plan) else meant
+    meant = getattr(meant, "steps", (meant,))[-1]  # of a plan the last step
     goal = meant.goal if isinstance(meant, SimpleCommand) else "use"
     return spoken(key, done=True, goal=goal, **names), decision.rules
 

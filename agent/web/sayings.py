@@ -99,9 +99,10 @@ def check_words(job: Job, text: str, conversation: Conversation) -> bool:
         raise forbidden(f"This token speaks for {speaker}.", needs="admin")
     if isinstance(said.meaning, meaning.TrustStatement):
         check_role(caller, "admin")
-    if said.kind in STATEMENTS:
+    kinds = {each.kind for each in conversation.sentences(said)}
+    if not kinds.isdisjoint(STATEMENTS):
         check_role(caller, "teacher")
-    moves = said.kind in COMMANDS and job.listens in {None, "do"}
+    moves = not kinds.isdisjoint(COMMANDS) and job.listens in {None, "do"}
     if moves:
         check_role(caller, "operator")
     return moves

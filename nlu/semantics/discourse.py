@@ -53,11 +53,7 @@ def update_discourse(meaning: Meaning, content: PredicateForm, discourse: Discou
     match meaning:
         case meanings.Acknowledgement() | meanings.AskBack() | meanings.Misunderstanding():
             return discourse
-        case (
-            Command(recipient=str(name))
-            | Statement(source=str(name))
-            | meanings.NormStatement(norms=(meanings.Norm(act=Command(recipient=str(name))),))
-        ):
+        case Command(recipient=str(name)) | Statement(source=str(name)):
             person = PredicateForm.named(name)
         case Question(ask="why", part=part, object=thing):
             asks_why = part is not None or thing is None
@@ -78,7 +74,8 @@ def update_discourse(meaning: Meaning, content: PredicateForm, discourse: Discou
         case Question() if meaning.object or meaning.affordance:
             return replace(discourse, last=meaning)
         case meanings.NormStatement(norms=(norm,)):
-            return replace(discourse, last=norm)
+            name = getattr(norm.act, "recipient", None)
+            return replace(discourse.with_person(name) if name else discourse, last=norm)
         case Command() | meanings.ToolCommand():
             return replace(discourse, last=meaning, command=meaning)
         case _:  # also a question about Hilt or about what was just said

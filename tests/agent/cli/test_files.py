@@ -185,7 +185,7 @@ def test_every_mistake_of_a_table_is_told(validate: Run):
     assert (code, [one["line"] for one in json.loads(out)]) == (2, [2, 4, 5])
     messages = [one["message"] for one in json.loads(error)["errors"]]
     assert [message.partition("rules.csv:")[2] for message in messages] == [
-        "2: [2.0, 1.0] is not an interval: needs 0 <= lower <= upper <= 1.",
+        "2: [2.0, 1.0] is not an interval: expected 0 <= lower <= upper <= 1.",
         "4: expected 4 cells, one for each column, found 3.",
         '5: expected a number as lower, found "high".',
     ]

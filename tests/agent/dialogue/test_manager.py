@@ -703,3 +703,11 @@ def test_sentences_that_do_not_stand_alone_teach_and_do_nothing(agent: Agent, te
 
     assert not reply.is_done
     assert agent.base.rules() == []
+
+
+def test_sentences_of_which_one_is_not_listened_for_are_not_heard_by_half(agent: Agent):
+    """`hilt tell` learns nothing from an utterance that also commands something."""
+    reply = agent.hear("A knife is used for cutting bread. Bring me one.", only="tell")
+
+    assert not reply.is_done
+    assert agent.base.rules() == []

@@ -168,6 +168,9 @@ def test_reader_changes_nothing(
         (("teacher",), "pass me the knife", "operator"),
         (("operator",), LESSON, "teacher"),
         (("operator",), "forget that", "teacher"),
+        (("reader",), "A saw is used for cutting bread. Bring me one.", "teacher"),
+        (("teacher",), "A saw is used for cutting bread. Bring me one.", "operator"),
+        (("operator",), "A saw is used for cutting bread. Bring me one.", "teacher"),
     ],
 )
 def test_hear_needs_what_the_words_need(
