@@ -22,7 +22,7 @@ from ..semantics.coreference import PRONOUNS, resolve
 from ..semantics.discourse import SOMETHING, Discourse
 from ..semantics.interpretation import KIND_FORMS, Interpreter, short_answer
 from ..semantics.licence_table import LicenceTable
-from ..semantics.meaning import Answer, AskBack, Confidence, Meaning, NormStatement
+from ..semantics.meaning import Answer, AskBack, Confidence, Meaning, NormStatement, Question
 from ..semantics.norm_interpretation import meaning_of
 from ..semantics.predicates import CERTAIN, Intention, PredicateForm, UninterpretableError, form_of
 from .chart import Chart, Derivation, lexical_entries, subderivations
@@ -147,7 +147,9 @@ class SentenceParser:
         meant = self._intention(speech_act, context.recognition)
         interpreter = self.interpreter.with_words(words)
         meaning = meaning_of(meant.form, interpreter, context.discourse)
-        if isinstance(meaning, NormStatement) and is_for_now:
+        if isinstance(meaning, NormStatement) and tokens.asks:
+            meaning = Question("may", norm=replace(meaning.norms[0], norm="permitted"))
+        elif isinstance(meaning, NormStatement) and is_for_now:
             if meaning.norms[1:] or meaning.norms[0].norm != "permitted":
                 raise UninterpretableError("not_a_rule")
             meaning = AskBack(choices=(meaning.norms[0].act,))  # "you may pass me the knife"
