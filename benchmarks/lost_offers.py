@@ -92,24 +92,13 @@ def loss_of(
     if any(each in right for each in said):
         return Loss(text, "offered", "")
     mentions = offers.mentions(tokens, context.discourse)
-    at, detail = _before_ranking(offers, mentions, context) if said else ("", "")
+    is_slip = bool(said) and bool(offers.of_corrected(mentions.tokens, context))
+    at, detail = ("another: typing slips" if is_slip else ""), ""
     if not at and not offers.is_text(tokens):
         at = "too long, or no words"
     if not at:
         at, detail = _in_ranking(offers, mentions, context, right)
     return Loss(text, at, f"{detail} wanted {right[0]} offered {said}")
-
-
-def _before_ranking(
-    offers: OfferFinder, mentions: Mentions, context: UtteranceContext
-) -> tuple[str, str]:
-    """Which other source of offers came first, if one did."""
-    sources = {
-        "a segment": offers.of_segments(mentions, context),
-        "typing slips": offers.of_corrected(mentions.tokens, context),
-    }
-    name = next((name for name, found in sources.items() if found), "")
-    return (f"another: {name}" if name else ""), ""
 
 
 def _in_ranking(

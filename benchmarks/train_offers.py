@@ -38,7 +38,12 @@ from hilt.nlu.offers.candidates import (
     filling_features,
     utterance_features,
 )
-from hilt.nlu.offers.meaning_shapes import MeaningShape, meaning_from_json, shape_of
+from hilt.nlu.offers.meaning_shapes import (
+    MeaningShape,
+    composed_shapes,
+    meaning_from_json,
+    shape_of,
+)
 from hilt.nlu.offers.mentions import Mentions
 from hilt.nlu.offers.offers import LEAST
 from hilt.nlu.parsing.understanding import UtteranceContext
@@ -61,6 +66,9 @@ LEAST_WEIGHT = 0.25
 
 PENALTY = 0.5
 """The weight of the squared weights in the loss."""
+
+UNDERSTOOD = 0.2
+"""How much an utterance counts that is understood, for which nothing is ever offered."""
 
 
 _PEOPLE = ("recipient", "speaker")
@@ -150,18 +158,20 @@ def right_meanings(wanted: dict[str, object] | None) -> Iterator[Json]:
         yield from right_meanings(each)
     if wanted and not wanted.keys() & {"any_of", "error", "ask_back", "ack"}:
         with contextlib.suppress(ValueError, KeyError, TypeError):  # the check of a part of it
+            wanted = {"confidence": [0.95, 1.0], **wanted} if "norm" in wanted else wanted
             right = json.loads(json.dumps(meaning_from_json(wanted).as_json()))
             yield {key: v.lower() if key in _PEOPLE else v for key, v in right.items()}
 
 
 def shapes_of(examples: Iterable[Example], acts: Mapping[str, str]) -> tuple[MeaningShape, ...]:
-    """The shapes of the meanings of at least `LEAST_SHAPES` examples, the commonest first."""
+    """The composed shapes, and those of the meanings of at least `LEAST_SHAPES` examples."""
     count = Counter(
         shape
         for each in examples
         for shape in {shape_of(m, each.mentions, acts) for m in each.right}
     )
-    return tuple(shape for shape, n in count.most_common() if n >= LEAST_SHAPES)
+    common = (shape for shape, n in count.most_common() if n >= LEAST_SHAPES)
+    return tuple(dict.fromkeys((*composed_shapes(), *common)))
 
 
 @dataclass
@@ -318,6 +328,7 @@ def _fit(data: Sequence[Choices], made: Design, steps: int) -> np.ndarray:
     sizes = [len(choice.right) for choice in data]
     firsts = np.concatenate([[0], np.cumsum(sizes)[:-1]])
     owners = np.repeat(np.arange(len(sizes)), sizes)
+    counts = np.array([1.0 if each.example.is_refused else UNDERSTOOD for each in data])
 
     def loss(weights: np.ndarray) -> tuple[float, np.ndarray]:
         scores = made.scores(weights)
@@ -325,8 +336,9 @@ def _fit(data: Sequence[Choices], made: Design, steps: int) -> np.ndarray:
         powers = np.exp(scores)
         total = np.add.reduceat(powers, firsts)
         good = np.maximum(np.add.reduceat(powers * right, firsts), 1e-300)
-        value = np.sum(np.log(total) - np.log(good)) + PENALTY / 2 * weights @ weights
-        gradient = made.gradient(powers / total[owners] - powers * right / good[owners])
+        value = counts @ (np.log(total) - np.log(good)) + PENALTY / 2 * weights @ weights
+        errors = powers / total[owners] - powers * right / good[owners]
+        gradient = made.gradient(counts[owners] * errors)
         return value, gradient + PENALTY * weights
 
     start = np.zeros(len(made.names))
@@ -427,10 +439,11 @@ def as_json(model: OfferModel, seed: int) -> str:
         for feature, each in sorted(model.weights.items())
     }
     packed = base64.b64encode(bz2.compress(_compact(weights).encode())).decode()
+    others = [each.text for each in model.shapes if each not in composed_shapes()]
     made_by = f"python benchmarks/train_offers.py --write --seed {seed}"
     lines = [
         f'{{"made_by":{json.dumps(made_by)},',
-        '"shapes":[\n' + ",\n".join(shape.text for shape in model.shapes) + "],",
+        '"shapes":[\n' + ",\n".join(others) + "],",
         f'"weights":"{packed}"}}\n',
     ]
     return "\n".join(lines)

@@ -38,7 +38,6 @@ from .offers.courtesies import Courtesy, CourtesyPhrases, answer_to
 from .offers.meaning_shapes import meaning_from_json
 from .offers.offers import OfferFinder, choice_of, is_misspelled, load_model
 from .offers.phrase_memory import Key, PhrasePattern, meaning_by_phrase, phrase_from
-from .offers.utterance_segments import SegmentReader, parts
 from .parsing.clarification import Clarifier
 from .parsing.parser import SentenceParser
 from .parsing.periphery import PeripheryReader, PieceReader, load_table
@@ -287,7 +286,6 @@ class Language:
             self.tool_acts,
             self.realizer,
             lambda text, at: self.utterance_parser.understand(text, at, ()).meaning,
-            SegmentReader(self.utterance_parser.periphery, words),
         )
 
     def chosen(self, text: str, count: int) -> int | None:
@@ -318,7 +316,7 @@ class Language:
 
     def _halt_within(self, text: str) -> Control | None:
         tokens = self._tokens(text)
-        found = [tokens.part(*span) for span in parts(tokens)]
+        found = [tokens.part(*span) for span in tokens.parts]
         halts = {c.control for each in found if (c := self.control(each.span(0, len(each.items))))}
         if "stop" in halts:
             return Control("stop")

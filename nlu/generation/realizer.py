@@ -45,6 +45,10 @@ class Realizer:
                 things = self.answers.act_on(said.action, *said.parameters, links=said.all_links)
                 steps = self.realize(meaning.Plan(said.steps))
                 return self._say("rules", "way", action=things, steps=steps)
+            case meaning.NormStatement(norms):
+                who = self._say("rules", "hearer")
+                texts = (self.answers.norm_phrase(each, who) for each in norms)
+                return self._say("rules", "several").join(texts)
             case meaning.Question():
                 return self._question(said)
             case meaning.Retraction():

@@ -35,7 +35,7 @@ PHRASES = (
     *("functional", "negative", "seldom", "possible"),  # rules on uses
     *("action", "holding", "forbidden", "seldom_by"),  # rules on holding
     *("kind", "no_kind"),  # relations of kinds
-    *("must_not", "may", "only_by", "must_first", "may_without"),  # norms
+    *("robot", "must_not", "may", "only_by", "must_first", "may_without"),  # norms
     *("by_part", "in_place", "to_whom", "with_tool"),  # what is added to an act
     *("for_material", "noted", "source", "any_object", "any_with", "joined"),
     *("be", "be_many", "it", "it_many"),
@@ -91,11 +91,12 @@ class AnswerTemplates:
         kinds: dict[str, Slot] = {"object": relation.object, "kind": relation.kind_of}
         return self.fill(self.phrases["no_kind" if relation.denies else "kind"], kinds)
 
-    def norm_phrase(self, norm: meaning.Norm) -> str:
+    def norm_phrase(self, norm: meaning.Norm, who: str = "") -> str:
         """Return a norm in words: "I must not pass a knife to a child in the kitchen"."""
         said, act = self.phrases, self._act_phrase(norm.act)
         key = {"forbidden": "must_not", "permitted": "may"}.get(norm.norm, "only_by")
-        slots = {"act": act, "part": getattr(norm.act, "part", None) or ""}
+        who = who or said["robot"]
+        slots = {"who": who, "act": act, "part": getattr(norm.act, "part", None) or ""}
         if norm.before:
             key = "may_without" if norm.norm == "permitted" else "must_first"
             slots["first"] = self._act_phrase(norm.before)

@@ -12,6 +12,7 @@ from bisect import bisect_left
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 
 MAX_CHARACTERS = 2000
 MAX_TOKENS = 40
@@ -65,6 +66,12 @@ class Tokens:
         """The places where a piece may begin: the first, after a pause, after a break."""
         breaks = (place for place, word in enumerate(self.words, start=1) if word == BREAK)
         return tuple(sorted({0, *self.pauses, *breaks} - {len(self.items)}))
+
+    @property
+    def parts(self) -> list[tuple[int, int]]:
+        """The spans from one pause or break to the next that have words."""
+        spans = pairwise((*self.beginnings, len(self.items)))
+        return [span for span in spans if set(self.words[slice(*span)]) - {BREAK}]
 
     @cached_property
     def edges(self) -> frozenset[int]:

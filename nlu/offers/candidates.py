@@ -66,9 +66,10 @@ def _given(shape: MeaningShape, mentions: Mentions) -> dict[str, object] | None:
     for slot in shape.slots:
         if slot == "?it":
             values[slot] = mentions.it
-        elif slot == "?degree":
-            intervals = {interval for _, _, interval in mentions.degrees}
-            values[slot] = list(*intervals) if len(intervals) == 1 else None
+        elif slot in _DEGREES:
+            said = list(dict.fromkeys(interval for _, _, interval in mentions.degrees))
+            is_all = len(said) == sum(each in shape.slots for each in _DEGREES)
+            values[slot] = list(said[_DEGREES.index(slot)]) if is_all else None
         elif slot.startswith("?last."):
             retracted = shape.template.get("retract")
             said = retracted if isinstance(retracted, dict) else shape.template
@@ -90,6 +91,8 @@ def _fillings(shape: MeaningShape, mentions: Mentions) -> Iterator[dict[str, str
     for chosen in product(*by_role):
         yield {slot: name for names in chosen for slot, name in names.items()}
 
+
+_DEGREES = ("?degree", "?degree2")
 
 NONE = "none"  # the trait of the choice that no candidate was meant
 
@@ -169,6 +172,9 @@ def filling_features(candidate: CandidateMeaning, mentions: Mentions) -> Iterato
             yield "new", slot
             yield labels[first.start], kind + slot
     yield " ".join(slot for _, slot in sorted(order)), kind
+    places = [place for place, _ in order]
+    if places and BREAK in mentions.tokens.words[min(places) : max(places)]:
+        yield "across", kind
     asides = candidate.asides(mentions)
     for role, places in left_over(candidate, mentions).items():
         yield f"left {role}", kind

@@ -18,6 +18,7 @@ from ..semantics import meaning as meanings
 from ..semantics.clause_features import CONDITION, HIDING, MAIN, FeatureReader, UtteranceFeatures
 from ..semantics.licence_table import ACCEPT, LicenceTable
 from ..semantics.meaning import ActionRule, Command, Meaning, Question, SimpleCommand, Statement
+from .meaning_shapes import leaves_of
 from .mentions import Mentions, Span
 
 OPERATORS = ("negative", "implied_negation", "weak_negation", "condition", "exception", "doubtful")
@@ -26,7 +27,9 @@ OPERATORS = ("negative", "implied_negation", "weak_negation", "condition", "exce
 _DENYING = ("negative", "implied_negation", "weak_negation", "exception")
 _SIGNS = (*OPERATORS, "by", "before_part")
 _QUOTES = frozenset('"“”„«»')
+_ANYBODY = frozenset({"generic", "people"})
 _HEARER, _NOW = frozenset({"addressee"}), frozenset({"now"})
+_UNSAID = frozenset({(0.95, 1.0), (0.0, 0.05)})  # the degrees of rules that no word gives
 _ASKED = 3  # words after the beginning of a phrase that asks for something
 
 
@@ -64,14 +67,16 @@ class OfferChecks:
             features.main.get("tense", _NOW) - _NOW or self._is_done_by_others(meaning, mentions)
         ):
             return False
-        words = mentions.tokens.words
+        words, said = mentions.tokens.words, set(leaves_of(meaning.as_json()))
         new = [
             NewWord(each.name, each.role, " ".join(words[each.start : each.end]))
             for each in mentions.names
-            if each.is_new and each.role != "act"
+            if each.is_new and each.role != "act" and each.name in said
         ]
         named = dict(features_of_names(self.reader, words, meaning, new))
-        features = replace(features, main={**features.main, **named})
+        # Whether what people do is meant for the robot, too, is what the offer asks.
+        agents = {"agent": features.main.get("agent", frozenset()) - _ANYBODY}
+        features = replace(features, main={**features.main, **agents, **named})
         return self.licence.outcome(meaning, features) == ACCEPT
 
     def _is_done_by_others(self, meaning: SimpleCommand, mentions: Mentions) -> bool:
@@ -79,12 +84,6 @@ class OfferChecks:
         acts = [m for m in mentions.names if m.role == "act" and m.name == meaning.goal]
         subjects = [self.reader.of_words(words[m.start - 1 : m.start]) for m in acts if m.start]
         return any(each.get("agent", _HEARER) != _HEARER for each in subjects)
-
-    def is_licensed_beside(self, meaning: Meaning, around: Sequence[Phrase]) -> bool:
-        """Whether a meaning stays what it is beside some words that are said by the way."""
-        if not isinstance(meaning, (Statement, Command, meanings.ToolCommand, Question)):
-            return False
-        return self.licence.outcome(meaning, self.reader.features((), around)) == ACCEPT
 
     def denies(self, words: Sequence[str]) -> bool:
         """Whether words deny something, limit it by an exception, or say what comes close."""
@@ -104,18 +103,25 @@ class OfferChecks:
         for clause in (MAIN, CONDITION):
             for feature, values in features.of(clause).items():
                 found |= {f"{clause} {feature}={value}" for value in values}
-        return frozenset(found | ({"cut"} if self.words.has("unfinished", *words[-1:]) else set()))
+        return frozenset(found | ({"cut"} if self._is_cut(words) else set()))
 
     def _is_complete(self, meaning: Meaning, mentions: Mentions) -> bool:
         words, pauses = mentions.tokens.words, mentions.tokens.pauses
-        is_cut = not isinstance(meaning, Question) and self.words.has("unfinished", words[-1])
+        is_cut = not isinstance(meaning, Question) and self._is_cut(words)
         doubled = (n for n, (one, two) in enumerate(pairwise(words), start=1) if one == two)
         return not is_cut and all(place in pauses for place in doubled)
+
+    def _is_cut(self, words: Phrase) -> bool:
+        last = words[-1:]
+        # "The blade is what you hold it by" is whole.
+        is_stranded = self.words.has("by", *last) and self._has("relative", words)
+        return self.words.has("unfinished", *last) and not is_stranded
 
     def _keeps_sign(self, meaning: Meaning, mentions: Mentions, asides: Sequence[Span]) -> bool:
         words = mentions.tokens.words
         own = [span for span in asides if self.is_clause_of_its_own(words[slice(*span)])]
         own += self._reasons(meaning, mentions)
+        own += [span for span in mentions.pieces if self._concedes(words[slice(*span)])]
         beside = {place for span in own for place in range(*span)} | self._idle(mentions)
         if meaning != meanings.Retraction() and self.spoken("implied_negation", mentions):
             return False
@@ -128,6 +134,9 @@ class OfferChecks:
         count = len(denied) + bool(never and isinstance(meaning, Statement))
         signs = int(is_negative(meaning))
         return count == signs or (count == signs + 1 and meanings.only_revises(meaning))
+
+    def _concedes(self, words: Phrase) -> bool:
+        return self.words.end("concession", words) > 0
 
     def _reasons(self, meaning: Meaning, mentions: Mentions) -> Iterator[Span]:
         if not isinstance(meaning, Command):
@@ -186,11 +195,12 @@ class OfferChecks:
         said = {interval for _, _, interval in mentions.degrees}
         if isinstance(meaning, Statement):
             told = {rule.confidence for rule in meaning.rules}
-            return not said or (len(said) == 1 and told == said)
+            return not said or (said <= told and (len(told) == 1 or told - said <= _UNSAID))
         return all(is_negative(meaning) and upper < meanings.LIKELY for _, upper in said)
 
     def _keeps_condition(self, meaning: Meaning, mentions: Mentions) -> bool:
-        if self.spoken("exception", mentions) or self.spoken("doubtful", mentions):
+        is_doubted = not isinstance(meaning, Question) and self.spoken("doubtful", mentions)
+        if is_doubted or self.spoken("exception", mentions):
             return False
         is_lasting = isinstance(meaning, Statement) or getattr(meaning, "negated", False)
         if is_lasting and self.spoken("placed", mentions):
@@ -254,6 +264,8 @@ def is_negative(meaning: Meaning) -> bool:
         case Command() | meanings.ToolCommand():
             target = meaning.target if isinstance(meaning, Command) else meaning.tool
             return meaning.negated or target.not_used_for is not None
+        case meanings.NormStatement(norms):
+            return any(norm.norm == "forbidden" for norm in norms)
         case Question():
             return meaning.ask == "why_not"
         case _:

@@ -16,7 +16,6 @@ from ..semantics.discourse import Discourse
 from ..semantics.interpretation import GOALS
 from ..semantics.meaning import TrustStatement
 from .mentions import find_mentions
-from .utterance_segments import parts
 
 _JUDGING = frozenset({"praise", "blame"})
 _VALUED = _JUDGING | {"thanks"}
@@ -61,7 +60,7 @@ class CourtesyPhrases:
         found: set[str] = set()
         kept: list[tuple[int, int]] = []
         name, introduced = "", (0, 0)
-        for start, end in parts(tokens):
+        for start, end in tokens.parts:
             part = tokens.part(start, end)
             has_content = part.asks or self.has_content(part)
             kind = None if has_content else self._kind(part)
@@ -85,7 +84,7 @@ class CourtesyPhrases:
         """Return the courtesy in which a speaker introduces himself or herself, None without."""
         if not any(token.capital for token in tokens.items[2:]):
             return None
-        if not any(self._introduced(tokens.part(*span)) for span in parts(tokens)):
+        if not any(self._introduced(tokens.part(*span)) for span in tokens.parts):
             return None
         found = self.find(tokens)
         return found if found and found.name else None

@@ -1,14 +1,16 @@
 """Shapes of meanings: the meaning schema with slots in place of the names.
 
 The shape of "a knife is often used for cutting" is a functional rule with the slots `?object`,
-`?affordance` and `?degree`. Shapes are taken from the meanings of utterances, and filled with what
-another utterance names. A slot of a role that a shape has twice is numbered: `?object2`.
+`?affordance` and `?degree`. Shapes are composed of the parts of the schema, or taken from the
+meanings of utterances, and filled with what another utterance names. A slot of a role that a shape
+has twice is numbered: `?object2`.
 """
 
 import json
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
+from itertools import product
 from typing import Any, cast
 
 from ..semantics import meaning as meanings
@@ -115,9 +117,88 @@ def shape_from(template: Json) -> MeaningShape:
     return MeaningShape(json.dumps(template, separators=(",", ":")))
 
 
+_GENERALLY, _NEVER = [0.95, 1.0], [0.0, 0.05]
+_DEGREES = ("?degree", _GENERALLY, _NEVER, [0.75, 1.0], [0.5, 1.0], [0.0, 0.25])
+_OF_TWO = (*product((_GENERALLY, _NEVER, "?degree"), repeat=2), ("?degree", "?degree2"))
+_USE: Json = {"rule": "functional", "object": "?object", "affordance": "?affordance"}
+_HOLDING: Json = {"rule": "action", "object": "?object", "context": "?act", "part": "?part"}
+_TWO_RULES = (
+    (_USE, _USE | {"affordance": "?affordance2"}),
+    (_USE, _USE | {"object": "?object2"}),
+    (_USE, _USE | {"object": "?object2", "affordance": "?affordance2"}),
+    (_USE, _HOLDING),
+    (_HOLDING, _HOLDING | {"part": "?part2"}),
+    (_HOLDING, _HOLDING | {"context": "?act2", "part": "?part2"}),
+)
+_TARGETS: tuple[Json, ...] = (
+    {"object": "?object"},
+    {"object": "?object", "props": ["?property"]},
+    {"object": "*", "props": ["?property"]},
+    {"usedFor": "?affordance"},
+    {"usedFor": "?affordance", "material": "?material"},
+    {"notUsedFor": "?affordance"},
+)
+_ADDED: tuple[Json, ...] = ({}, {"part": "?part"}, {"recipient": "?person"}, {"negated": True})
+_TOOLS = ({"object": "?object2"}, {"usedFor": "?affordance"}, {"usedFor": "?tool"})
+_SLOTS = {k: f"?{k}" for k in ("object", "affordance", "part", "material")} | {"context": "?act"}
+_ASKED: Mapping[str, Sequence[str]] = {
+    "uses_of about see why why_not confidence source": ("object",),
+    "how why why_not confidence source": ("object context",),
+    "is_used_for why why_not": ("object affordance", "object affordance material"),
+    "confidence source": ("object affordance",),
+    "best_for objects_for": ("affordance", "affordance material"),
+    "why why_not": ("", "object part", "object context part"),
+}
+
+
+@cache
+def composed_shapes() -> tuple[MeaningShape, ...]:
+    """Return the shapes that the parts of the schema allow: rules, commands and questions."""
+    return tuple(
+        dict.fromkeys(map(shape_from, (*_rules(), *_commands(), *_norms(), *_questions())))
+    )
+
+
+def _rules() -> Iterator[Json]:
+    for degree in _DEGREES:
+        said: Json = {"confidence": degree}
+        yield _USE | said
+        yield _USE | said | {"material": "?material"}
+        yield from (_HOLDING | {"context": context} | said for context in ("?act", "grasp"))
+    for (one, other), degrees in product(_TWO_RULES, _OF_TWO):
+        yield {"all": [one | {"confidence": degrees[0]}, other | {"confidence": degrees[1]}]}
+
+
+def _commands() -> Iterator[Json]:
+    for goal, target, added in product(("?act", "pass", "pointTo", "use"), _TARGETS, _ADDED):
+        yield {"goal": goal, "target": target, **added}
+    for tool, added in product(_TOOLS, ({}, {"negated": True})):
+        yield {"goal": "?act", "patient": "?object", "tool": tool, **added}
+
+
+def _norms() -> Iterator[Json]:
+    plain, part, recipient, _ = _ADDED
+    kinds = {"forbidden": (plain, recipient), "permitted": (plain, part, recipient)}
+    for norm, added in {**kinds, "obliged": (part,)}.items():
+        for each in added:
+            act = {"goal": "?act", "target": {"object": "?object"}, **each}
+            yield {"norm": norm, **act, "confidence": _GENERALLY}
+
+
+def _questions() -> Iterator[Json]:
+    for kinds, said in _ASKED.items():
+        for kind, names in product(kinds.split(), said):
+            yield {"ask": kind, **{name: _SLOTS[name] for name in names.split()}}
+
+
 def role_of(slot: str) -> str:
     """The role of a slot without its number: `object` of `?object2`."""
     return slot[1:].rstrip("23456789")
+
+
+def leaves_of(meaning: Json) -> Iterator[str]:
+    """Yield the names in a meaning, and the keywords of the schema."""
+    return (str(value) for _, value in _leaves(meaning))
 
 
 def _is_slot(value: object) -> bool:
@@ -162,6 +243,8 @@ def meaning_from_json(json_object: Json) -> meanings.Meaning:
             return meanings.Retraction(about=about)
         case {"retract": rule}:
             return meanings.Retraction(_record(rule) if isinstance(rule, dict) else None)
+        case {"norm": str(norm), "confidence": confidence, **act}:
+            return meanings.NormStatement((meanings.Norm(norm, _record(act), _value(confidence)),))
         case {"parameters": _} | {"goal": _} | {"ask": _} | {"ack": _}:
             return _record(json_object)
         case _:

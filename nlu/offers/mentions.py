@@ -27,7 +27,10 @@ _ROLES = {
 }
 """The role of a name whose category has this result."""
 
-_BEFORE_VERBS = frozenset({"to", "can", "you", "we", "i", "and"})
+_BEFORE_VERBS = frozenset(
+    {"to", "can", "could", "should", "must", "you", "we", "i", "they", "one", "people", "and"}
+)
+_BEFORE_PARTICIPLES = frozenset({"be", "been", "being", "get", "gets", "is", "are"})
 
 _LABELS = ("degree", "object", "part", "property", "material", "person", "act", "affordance", "new")
 """Of the roles of one word the first of these is its label."""
@@ -36,10 +39,15 @@ _NEW_ROLES = {**{r: r for r in ("object", "part", "affordance", "person")}, "con
 
 LEAST_ASIDE = 4  # the least length of what is said aside, from pause to pause [words]
 
+_USING = frozenset({"use", "uses", "using", "used"})
+_FOR = frozenset({"for", "to", "as"})
+_OWNERS = frozenset({"your", "my", "his", "her", "their", "the", "a", "one", "other", "our"})
 _ON = frozenset({"on", "off", "onto", "under"})
+_AT = _ON | {"at", "in", "from", "near", "behind", "beside"}
+_THINGS = frozenset({"object", "new"})
+_JOINING = frozenset({"and", "or", "not", "nor"})
 _BEFORE_PLACES = frozenset({"by", "of", "at", "with", "on", "in", "from"})
 _BEFORE_PEOPLE = frozenset({"the", "my", "our", "your", "his", "her"})
-_DOMAIN = frozenset({"object", "part", "affordance", "act"})
 _SPOKEN_OF = frozenset({"object", "part", "affordance", "material", "property"})
 
 Span = tuple[int, int]
@@ -95,15 +103,29 @@ class Mentions:
         return {
             span: frozenset(name for role, name in names.items() if role != "new")
             for span, names in self._roles.items()
-            if _is_required(names)
+            if _is_required(names) and not (names.keys() <= _THINGS and self._is_place(span))
         }
 
+    def _is_place(self, span: Span) -> bool:
+        return not _AT.isdisjoint(self.tokens.words[max(0, span[0] - 2) : span[0]])
+
     def required_beside(self, used: Iterable[Sequence[Mention]]) -> Iterator[frozenset[str]]:
-        """Yield what a meaning must use that is no part of the longer names it uses."""
-        longer = [m for some in used for m in some if m.end - m.start > 1]
+        """Yield what a meaning must use that is no part of the longer names it uses.
+
+        Beside one part another one need not be used that is not joined to it: "hold the blade, so
+        that he can take the handle".
+        """
+        given = [m for some in used for m in some]
+        parts = {m.name for m in given if m.role == "part"}
+        longer = [m for m in given if m.end - m.start > 1]
         for (start, end), names in self.required.items():
-            if not any(m.start <= start and end <= m.end for m in longer):
+            is_beside = parts and not self.joined(start) and "part" in self._roles[start, end]
+            if not is_beside and not any(m.start <= start and end <= m.end for m in longer):
                 yield names
+
+    def joined(self, place: int) -> bool:
+        """Whether "and", "or" or "not" stands shortly before a place."""
+        return not _JOINING.isdisjoint(self.tokens.words[max(0, place - 3) : place])
 
     @cached_property
     def pieces(self) -> tuple[Span, ...]:
@@ -121,12 +143,6 @@ class Mentions:
     def known(self) -> tuple[Mention, ...]:
         """The names that are known, without acts."""
         return tuple(each for each in self.names if not each.is_new and each.role in _SPOKEN_OF)
-
-    def names_something(self, span: Span) -> bool:
-        """Whether a span has a name that a rule or a command may be about, or a degree."""
-        named = [(m.start, m.end) for m in self.names if not m.is_new and m.role in _DOMAIN]
-        named += [(start, end) for start, end, _ in self.degrees]
-        return any(span[0] < end and start < span[1] for start, end in named)
 
     @cached_property
     def labels(self) -> tuple[str, ...]:
@@ -153,7 +169,7 @@ def find_mentions(
     # Of what stands within a longer known name, and of objects behind "on" and the like, none.
     known_places = {range(each.start, each.end) for each in found if not each.is_new}
     whole = [m for m in found if not any({*range(m.start, m.end)} < {*p} for p in known_places)]
-    things = {each for each in whole if each.role == "object"}
+    things = {each for each in whole if each.role == "object" and not each.is_new}
     places = {m for m in things if _ON.intersection(words[max(0, m.start - 2) : m.start])}
     names = (each for each in whole if places == things or each not in places)
     ordered = tuple(sorted(names, key=lambda each: (each.start, each.end)))
@@ -188,9 +204,12 @@ def _known(words: tuple[str, ...], lexicon: Lexicon) -> Iterator[Mention]:
     for start in range(len(words)):
         for end, node in lexicon.nodes(words, start):
             roles = ((_ROLES.get(each.category.atom.name), each.name) for each in node.entries)
+            is_noun = start > 0 and words[start - 1] in _OWNERS  # "your hand"
             for role, name in dict.fromkeys(roles):
-                if role and name:
+                if role and name and not (is_noun and role in {"act", "affordance"}):
                     yield Mention(role, name, start, end)
+        if words[start] in _USING and _FOR.isdisjoint(words[start + 1 : start + 2]):
+            yield Mention("act", "use", start, start + 1)
 
 
 def _new(tokens: Tokens, known: KnownWords) -> Iterator[Mention]:
@@ -199,7 +218,8 @@ def _new(tokens: Tokens, known: KnownWords) -> Iterator[Mention]:
     for start, entries in guesses.items():
         for entry in entries:
             role = _NEW_ROLES.get(entry.role)
-            if role and _fits(role, entry, tokens.words, start):
+            is_named = role == "person" and tokens.items[start].capital and start > 0
+            if role and (is_named or _fits(role, entry, tokens.words, start)):
                 end = start + 1 + entry.says.count(" ")
                 is_unknown = tokens.items[start] in unknown
                 yield Mention(role, entry.name, start, end, is_new=True, is_unknown=is_unknown)
@@ -213,7 +233,9 @@ def _new(tokens: Tokens, known: KnownWords) -> Iterator[Mention]:
 
 def _fits(role: str, entry: Entry, words: tuple[str, ...], start: int) -> bool:
     is_gerund = entry.says.endswith("ing")
-    is_verb = is_gerund or (start > 0 and words[start - 1] in _BEFORE_VERBS)
+    before = words[start - 1] if start else ""
+    is_participle = entry.says.endswith("ed") and before in _BEFORE_PARTICIPLES
+    is_verb = is_gerund or is_participle or before in _BEFORE_VERBS
     if role not in {"affordance", "act"}:
         return not is_verb
     # "Mixing" is a form of "mix", and no verb of its own.

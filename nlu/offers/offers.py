@@ -23,27 +23,23 @@ from ..lexicon.unknown_words import MAX_NEW_WORDS, KnownWords
 from ..parsing.understanding import UtteranceContext
 from ..semantics import meaning as meanings
 from ..semantics.discourse import Discourse
-from ..semantics.interpretation import GOALS
-from ..semantics.meaning import AskBack, Meaning, Rule, Statement
-from ..semantics.predicates import PredicateForm
+from ..semantics.meaning import AskBack, Meaning, SimpleCommand, Statement
 from .candidates import CandidateMeaning, OfferModel, candidates, left_over
 from .checks import OfferChecks
-from .meaning_shapes import meaning_from_json, shape_from
+from .meaning_shapes import composed_shapes, meaning_from_json, shape_from
 from .mentions import Mention, Mentions, find_mentions
-from .utterance_segments import SegmentReader
 
 MAX_OFFERS = 3
 
-LEAST = 0.4  # the least probability of the first offer
+LEAST = 0.25  # the least probability of the first offer
 
 LEAST_OF_ONE = 0.6
 """The least probability of the first offer when it has one name: "so is a spoon" asks nothing."""
 
-LEAST_NAMELESS = 0.9  # the least probability of a meaning that names nothing
+LEAST_NAMELESS = 0.6  # the least probability of a meaning that names nothing
 LEAST_OTHER = 0.03  # the least probability of a further offer
 MAX_TRIED = 6  # how many of the likeliest candidates are checked
 MAX_UNKNOWN = 5  # how many unknown words an utterance may have
-MAX_SEGMENTS = 30  # how many segments are parsed
 
 
 @dataclass(frozen=True, repr=False)
@@ -60,7 +56,6 @@ class OfferFinder:
     realizer: Realizer
     #: returns the meaning of a text that somebody says at some point
     meaning_of: Callable[[str, UtteranceContext], Meaning]
-    segments: SegmentReader
 
     def question(self, tokens: Tokens, context: UtteranceContext) -> AskBack | None:
         """Return the question which of some meanings was meant, None when none is to be offered."""
@@ -79,11 +74,14 @@ class OfferFinder:
 
     def meanings(self, tokens: Tokens, context: UtteranceContext) -> tuple[Meaning, ...]:
         """Return at most `MAX_OFFERS` meanings that an utterance may have, the likeliest first."""
+        if not self.is_text(tokens):
+            return ()
         mentions = self.mentions(tokens, context.discourse)
-        said = self.of_segments(mentions, context)
-        if said or not self.is_text(tokens):
-            return said
-        return self.of_corrected(tokens, context) or self.of_mentions(mentions, context)
+        return (
+            self.of_corrected(tokens, context)
+            or self.of_mentions(mentions, context)
+            or self.of_end(mentions, context)
+        )
 
     def mentions(self, tokens: Tokens, discourse: Discourse) -> Mentions:
         """Return what an utterance names, with its features."""
@@ -107,21 +105,6 @@ class OfferFinder:
         found = (each for each in said if self._is_understood(each, context))
         return tuple(islice(found, MAX_OFFERS))
 
-    def of_segments(self, mentions: Mentions, context: UtteranceContext) -> tuple[Meaning, ...]:
-        """Return the meaning of the first segment beside which nothing else is meant."""
-        tokens = mentions.tokens
-        if len(tokens.items) > MAX_TOKENS:
-            return ()
-        for start, end in islice(self.segments.found(mentions), MAX_SEGMENTS):
-            beside = _with_object(start, mentions, context)
-            meaning = _revising(self.meaning_of(tokens.span(start, end), beside), context)
-            if start and _holds_for_anything(meaning, mentions):
-                continue
-            is_licensed = self.checks.is_licensed_beside(meaning, [tokens.words[end:]])
-            if is_licensed and self._is_understood(meaning, context):
-                return (meaning,)
-        return ()
-
     def of_mentions(self, mentions: Mentions, context: UtteranceContext) -> tuple[Meaning, ...]:
         """Return the meanings to offer for an utterance that names this."""
         found: list[Meaning] = []
@@ -138,6 +121,19 @@ class OfferFinder:
                 found.append(checked)
         return tuple(found[:MAX_OFFERS])
 
+    def of_end(self, mentions: Mentions, context: UtteranceContext) -> tuple[Meaning, ...]:
+        """Return what an utterance means from some pause on, if what precedes it names nothing."""
+        tokens, limits = mentions.tokens, self.checks.words.end("limiting", mentions.tokens.words)
+        for start in tokens.beginnings[1:] if not limits else ():
+            meaning = self.meaning_of(tokens.span(start, len(tokens.items)), context)
+            is_free = not any(each.start < start for each in mentions.known)
+            is_told = is_free and isinstance(meaning, (Statement, SimpleCommand))
+            if isinstance(meaning, meanings.Question) or (
+                is_told and not self.checks.lost(meaning, mentions, [(0, start)])
+            ):
+                return (meaning,) if self._is_understood(meaning, context) else ()
+        return ()
+
     def rejected(self, one: CandidateMeaning, mentions: Mentions, context: UtteranceContext) -> str:
         """Return why a candidate is not offered, empty if it is."""
         left, beside = left_over(one, mentions), _beside(one, mentions)
@@ -153,8 +149,11 @@ class OfferFinder:
     def ranked(self, mentions: Mentions) -> Sequence[tuple[float, CandidateMeaning]]:
         """Return the likeliest candidates with their probabilities, the likeliest first."""
         some = tuple(candidates(mentions, self.model.shapes, self.tool_acts))
-        chances = self.model.probabilities(mentions, some)
-        return sorted(zip(chances, some, strict=True), key=lambda each: -each[0])[:MAX_TRIED]
+        found: dict[str, tuple[float, CandidateMeaning]] = {}  # by meaning, which shapes may share
+        for chance, each in zip(self.model.probabilities(mentions, some), some, strict=True):
+            before, first = found.get(str(each.meaning), (0.0, each))
+            found[str(each.meaning)] = (before + chance, first)
+        return sorted(found.values(), key=lambda each: -each[0])[:MAX_TRIED]
 
     def is_text(self, tokens: Tokens) -> bool:
         """Whether an utterance consists of words, not of too many, and most of them known."""
@@ -171,39 +170,6 @@ class OfferFinder:
         except UnknownNameError:
             return False
         return found == meaning or (isinstance(found, AskBack) and found.choices == (meaning,))
-
-
-def _with_object(place: int, mentions: Mentions, context: UtteranceContext) -> UtteranceContext:
-    before = {m.name: m for m in mentions.names if m.role == "object" and m.end <= place}
-    if not before:
-        return context
-    (name, first), *others = before.items()
-    return context.with_object(None if others or first.is_new else PredicateForm(name))
-
-
-def _revising(meaning: Meaning, context: UtteranceContext) -> Meaning:
-    if not isinstance(meaning, Statement):
-        return meaning
-    last = context.discourse.rule
-    return Statement(tuple(replace(rule, revises=_corrects(rule, last)) for rule in meaning.rules))
-
-
-def _corrects(rule: Rule, last: Rule | None) -> bool:
-    if last is None or _topic(rule) != _topic(last):
-        return False
-    return replace(rule, revises=last.revises) != last
-
-
-def _topic(rule: Rule) -> tuple[str, str, str]:
-    use = rule.context if isinstance(rule, meanings.ActionRule) else rule.affordance
-    return rule.rule, rule.object, use
-
-
-def _holds_for_anything(meaning: Meaning, mentions: Mentions) -> bool:
-    acts = {m.name for m in mentions.names if m.role == "act"} - {"grasp"}
-    rules = meaning.rules if isinstance(meaning, Statement) else ()
-    contexts = {rule.context for rule in rules if isinstance(rule, meanings.ActionRule)}
-    return "grasp" in contexts and not acts.isdisjoint(GOALS)
 
 
 def _beside(candidate: CandidateMeaning, mentions: Mentions) -> set[int]:
@@ -223,7 +189,8 @@ def load_model(path: Path) -> OfferModel:
     """Return the model in a file, which `benchmarks/train_offers.py` writes."""
     data = json.loads(path.read_text(encoding="utf-8"))
     weights = json.loads(bz2.decompress(base64.b64decode(data["weights"])))
-    return OfferModel(tuple(map(shape_from, data["shapes"])), weights)
+    shapes = dict.fromkeys((*composed_shapes(), *map(shape_from, data["shapes"])))
+    return OfferModel(tuple(shapes), weights)
 
 
 def choice_of(words: Phrase, count: int, lists: WordLists) -> int | None:

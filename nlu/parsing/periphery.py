@@ -50,7 +50,6 @@ A phrase has no verb of its own, so it belongs to the core: "by the handle", "wi
 class Pause(IntEnum):
     """How a piece is set off: the strongest pause between it and the core, or its other place."""
 
-    INSIDE = -1  # none: within a clause
     WEAK = auto()
     ASKING = auto()  # a weak one before a question, which begins as clearly as after a strong one
     COLON = auto()
@@ -379,21 +378,6 @@ class PeripheryReader:
             core = self._core(tokens, (start, end), pieces) if end - start >= LEAST_WORDS else None
             if core is not None:
                 yield core
-
-    def around(
-        self, expanded: Tokens, span: tuple[int, int]
-    ) -> tuple[list[UtterancePiece], list[UtterancePiece], Pause]:
-        """Return the pieces before and after a span, and its pause, `INSIDE` within a clause.
-
-        In `expanded` no word is a short form.
-        """
-        start, end = span
-        sides = (expanded.part(0, start), expanded.part(end, len(expanded.items)))
-        before, after = map(self.reader.pieces, sides)
-        pauses = [each.pause for each in self.reader.pieces(expanded) if each.start == start]
-        beginning = [each.joined for each in before[-1:] if each.form == MARKER]
-        joined = self.reader.joined(expanded.words[start:])
-        return before, after, max((*pauses, *beginning, *joined), default=Pause.INSIDE)
 
     def _core(
         self, tokens: Tokens, span: tuple[int, int], pieces: Sequence[UtterancePiece]

@@ -53,7 +53,7 @@ def test_the_word_of_others_is_not_offered(language: Language, text: str) -> Non
 def test_what_is_told_behind_a_strong_pause_is_offered(
     language: Language, text: str, core: str
 ) -> None:
-    """A preamble that names something, or in which others say it too, does not forbid the offer."""
+    """A preamble that names nothing and limits nothing does not forbid the offer."""
     rule = language.understand(core).meaning
 
     found = language.understand(text).meaning
