@@ -245,6 +245,9 @@ class Language:
             return found
         at_point = replace(context, discourse=context.discourse.accessible)
         question = self.offers.question(tokens, at_point)
+        if isinstance(question, meanings.Question):
+            asked = after_offer((question,), context.discourse)
+            return replace(found, meaning=question, discourse=asked)
         return replace(found, meaning=question) if question else found
 
     def _by_phrase(self, text: str, context: UtteranceContext) -> Understanding | None:

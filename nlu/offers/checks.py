@@ -121,7 +121,7 @@ class OfferChecks:
         words = mentions.tokens.words
         own = [span for span in asides if self.is_clause_of_its_own(words[slice(*span)])]
         own += self._reasons(meaning, mentions)
-        own += [span for span in mentions.pieces if self._concedes(words[slice(*span)])]
+        own += [s for s in mentions.pieces if self.words.end("concession", words[slice(*s)])]
         beside = {place for span in own for place in range(*span)} | self._idle(mentions)
         if meaning != meanings.Retraction() and self.spoken("implied_negation", mentions):
             return False
@@ -134,9 +134,6 @@ class OfferChecks:
         count = len(denied) + bool(never and isinstance(meaning, Statement))
         signs = int(is_negative(meaning))
         return count == signs or (count == signs + 1 and meanings.only_revises(meaning))
-
-    def _concedes(self, words: Phrase) -> bool:
-        return self.words.end("concession", words) > 0
 
     def _reasons(self, meaning: Meaning, mentions: Mentions) -> Iterator[Span]:
         if not isinstance(meaning, Command):

@@ -160,11 +160,8 @@ def composed_shapes() -> tuple[MeaningShape, ...]:
 
 
 def _rules() -> Iterator[Json]:
-    for degree in _DEGREES:
-        said: Json = {"confidence": degree}
-        yield _USE | said
-        yield _USE | said | {"material": "?material"}
-        yield from (_HOLDING | {"context": context} | said for context in ("?act", "grasp"))
+    rules = (_USE, _USE | {"material": "?material"}, _HOLDING, _HOLDING | {"context": "grasp"})
+    yield from (rule | {"confidence": degree} for rule, degree in product(rules, _DEGREES))
     for (one, other), degrees in product(_TWO_RULES, _OF_TWO):
         yield {"all": [one | {"confidence": degrees[0]}, other | {"confidence": degrees[1]}]}
 

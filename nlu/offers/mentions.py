@@ -40,11 +40,9 @@ _NEW_ROLES = {**{r: r for r in ("object", "part", "affordance", "person")}, "con
 LEAST_ASIDE = 4  # the least length of what is said aside, from pause to pause [words]
 
 _USING = frozenset({"use", "uses", "using", "used"})
-_FOR = frozenset({"for", "to", "as"})
 _OWNERS = frozenset({"your", "my", "his", "her", "their", "the", "a", "one", "other", "our"})
 _ON = frozenset({"on", "off", "onto", "under"})
 _AT = _ON | {"at", "in", "from", "near", "behind", "beside"}
-_THINGS = frozenset({"object", "new"})
 _JOINING = frozenset({"and", "or", "not", "nor"})
 _BEFORE_PLACES = frozenset({"by", "of", "at", "with", "on", "in", "from"})
 _BEFORE_PEOPLE = frozenset({"the", "my", "our", "your", "his", "her"})
@@ -103,7 +101,8 @@ class Mentions:
         return {
             span: frozenset(name for role, name in names.items() if role != "new")
             for span, names in self._roles.items()
-            if _is_required(names) and not (names.keys() <= _THINGS and self._is_place(span))
+            if _is_required(names)
+            and not (names.keys() <= {"object", "new"} and self._is_place(span))
         }
 
     def _is_place(self, span: Span) -> bool:
@@ -119,13 +118,10 @@ class Mentions:
         parts = {m.name for m in given if m.role == "part"}
         longer = [m for m in given if m.end - m.start > 1]
         for (start, end), names in self.required.items():
-            is_beside = parts and not self.joined(start) and "part" in self._roles[start, end]
+            is_joined = not _JOINING.isdisjoint(self.tokens.words[max(0, start - 3) : start])
+            is_beside = parts and not is_joined and "part" in self._roles[start, end]
             if not is_beside and not any(m.start <= start and end <= m.end for m in longer):
                 yield names
-
-    def joined(self, place: int) -> bool:
-        """Whether "and", "or" or "not" stands shortly before a place."""
-        return not _JOINING.isdisjoint(self.tokens.words[max(0, place - 3) : place])
 
     @cached_property
     def pieces(self) -> tuple[Span, ...]:
@@ -208,7 +204,7 @@ def _known(words: tuple[str, ...], lexicon: Lexicon) -> Iterator[Mention]:
             for role, name in dict.fromkeys(roles):
                 if role and name and not (is_noun and role in {"act", "affordance"}):
                     yield Mention(role, name, start, end)
-        if words[start] in _USING and _FOR.isdisjoint(words[start + 1 : start + 2]):
+        if words[start] in _USING and {"for", "to", "as"}.isdisjoint(words[start + 1 : start + 2]):
             yield Mention("act", "use", start, start + 1)
 
 

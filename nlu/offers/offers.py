@@ -8,6 +8,7 @@ or acted on before its speaker has chosen it.
 import base64
 import bz2
 import json
+import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
@@ -23,7 +24,7 @@ from ..lexicon.unknown_words import MAX_NEW_WORDS, KnownWords
 from ..parsing.understanding import UtteranceContext
 from ..semantics import meaning as meanings
 from ..semantics.discourse import Discourse
-from ..semantics.meaning import AskBack, Meaning, SimpleCommand, Statement
+from ..semantics.meaning import AskBack, Meaning, Question, SimpleCommand, Statement
 from .candidates import CandidateMeaning, OfferModel, candidates, left_over
 from .checks import OfferChecks
 from .meaning_shapes import composed_shapes, meaning_from_json, shape_from
@@ -32,11 +33,8 @@ from .mentions import Mention, Mentions, find_mentions
 MAX_OFFERS = 3
 
 LEAST = 0.25  # the least probability of the first offer
-
-LEAST_OF_ONE = 0.6
-"""The least probability of the first offer when it has one name: "so is a spoon" asks nothing."""
-
-LEAST_NAMELESS = 0.6  # the least probability of a meaning that names nothing
+LEAST_OF_ONE = 0.6  # the same with one name ("so is a spoon"), and of any offer without a name
+LEAST_ASKED = 0.8  # the least probability of a question that is answered at once
 LEAST_OTHER = 0.03  # the least probability of a further offer
 MAX_TRIED = 6  # how many of the likeliest candidates are checked
 MAX_UNKNOWN = 5  # how many unknown words an utterance may have
@@ -57,11 +55,16 @@ class OfferFinder:
     #: returns the meaning of a text that somebody says at some point
     meaning_of: Callable[[str, UtteranceContext], Meaning]
 
-    def question(self, tokens: Tokens, context: UtteranceContext) -> AskBack | None:
-        """Return the question which of some meanings was meant, None when none is to be offered."""
+    def question(self, tokens: Tokens, context: UtteranceContext) -> AskBack | Question | None:
+        """Return the question which of some meanings was meant, None when none is to be offered.
+
+        A likely question of the speaker is returned itself: its answer believes and does nothing.
+        """
         choices = self.meanings(tokens, context)
         if not choices:
             return None
+        if isinstance(choices[0], Question) and self._is_sure(tokens, context):
+            return choices[0]
         said: list[str] = []
         for meaning in choices:
             first, *rest = self.realizer.realize(meaning).rstrip("?").split(" ")
@@ -71,6 +74,15 @@ class OfferFinder:
             return AskBack(self.realizer.answers.say("offer", choice=said[0]), choices)
         numbered = " ".join(f"{number}. {each}." for number, each in enumerate(said, start=1))
         return AskBack(self.realizer.answers.say("offers", choices=numbered), choices)
+
+    def _is_sure(self, tokens: Tokens, context: UtteranceContext) -> bool:
+        mentions = self.mentions(tokens, context.discourse)
+        probability, best = next(iter(self.ranked(mentions)), (0.0, None))
+        if best is None or probability < LEAST_ASKED or left_over(best, mentions):
+            return False
+        last = tokens.beginnings[-1]
+        is_asked = not self.checks.words.words("interrogative").isdisjoint(tokens.words[last:])
+        return any(m.end > last or is_asked for used in best.used.values() for m in used)
 
     def meanings(self, tokens: Tokens, context: UtteranceContext) -> tuple[Meaning, ...]:
         """Return at most `MAX_OFFERS` meanings that an utterance may have, the likeliest first."""
@@ -113,7 +125,7 @@ class OfferFinder:
             first = LEAST if len(candidate.used) > 1 else LEAST_OF_ONE
             if probability < (LEAST_OTHER if found else first):
                 break
-            is_vague = not candidate.used and probability < LEAST_NAMELESS
+            is_vague = not candidate.used and probability < LEAST_OF_ONE
             if is_vague or self.rejected(candidate, mentions, context):
                 continue
             checked = self.checks.weakened(meaning, mentions, candidate.asides(mentions))
@@ -128,7 +140,7 @@ class OfferFinder:
             meaning = self.meaning_of(tokens.span(start, len(tokens.items)), context)
             is_free = not any(each.start < start for each in mentions.known)
             is_told = is_free and isinstance(meaning, (Statement, SimpleCommand))
-            if isinstance(meaning, meanings.Question) or (
+            if isinstance(meaning, Question) or (
                 is_told and not self.checks.lost(meaning, mentions, [(0, start)])
             ):
                 return (meaning,) if self._is_understood(meaning, context) else ()
@@ -222,12 +234,7 @@ def corrected_texts(tokens: Tokens, known: KnownWords) -> Iterator[str]:
     for chosen in ranked[:MAX_TEXTS]:
         meant = dict(zip(words, (word for _, word in chosen), strict=True))
         if any(word != other for word, other in meant.items()):
-            corrected = text
-            for token in reversed(tokens.items):
-                if token.word in meant:
-                    before, after = corrected[: token.start], corrected[token.end :]
-                    corrected = before + meant[token.word] + after
-            yield corrected
+            yield re.sub(r"[^\W\d_]+", lambda said: meant.get(said[0].lower(), said[0]), text)  # noqa: B023
 
 
 def is_misspelled(tokens: Tokens, known: KnownWords) -> bool:

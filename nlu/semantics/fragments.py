@@ -132,6 +132,9 @@ def _as_rule(fragment: FragmentValues, rule: meanings.Rule) -> meanings.Meaning:
         return Question("how", object=_kind(fragment.target)[0], context=fragment.context)
     if fragment.mode == "fill" and fragment.use:
         raise _nothing()  # it may add to the rule or correct it
+    is_contrast = fragment.mode == "instead" and fragment.target and fragment.confidence
+    if is_contrast and not rule.denies:  # "no, a knife is" is as sure as what it corrects
+        fragment = replace(fragment, confidence=None)
     changed = _changed(fragment, rule)
     if fragment.asks:
         return question_on(changed)
@@ -140,7 +143,8 @@ def _as_rule(fragment: FragmentValues, rule: meanings.Rule) -> meanings.Meaning:
         instead = replace(changed, confidence=fragment.default)
         return meanings.Statement((instead,)) if fragment.part_of else _offered(instead)
     is_same = replace(changed, confidence=rule.confidence) == rule
-    return meanings.Statement((replace(changed, revises=is_same or not fragment.adds),))
+    is_added = fragment.adds or (is_contrast and rule.denies)  # "a spoon is not, a hammer is"
+    return meanings.Statement((replace(changed, revises=is_same or not is_added),))
 
 
 def _changed(fragment: FragmentValues, rule: meanings.Rule) -> meanings.Rule:
