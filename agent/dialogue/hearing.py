@@ -21,9 +21,7 @@ from ...ontology.errors import ValidationError
 from .conversation import Conversation, UnderstoodTurn, spoken
 from .reply import OpenQuestion, Reply
 
-SURE = 0.9
-"""The least certainty of what is believed or done unasked."""
-
+SURE = 0.9  # the least certainty of what is believed or done unasked
 NOTABLE = 0.01  # the least score of an alternative that puts in doubt whether something is denied
 CLEAR = 2  # how many times surer than all else together a "yes" or a number must be
 MAX_CHOICES = 3

@@ -35,8 +35,7 @@ _PARTS = "SELECT ?part { GRAPH graph:domain { ?part hilt:partOf ?object } } ORDE
 
 _PROPERTIES = "SELECT ?of { GRAPH graph:domain { ?it hilt:partOf? ?object ; hilt:property ?of } }"
 
-SURE = (0.6, 0.9)
-"""From these certainties on Hilt says that it is fairly sure, and quite sure."""
+SURE = (0.6, 0.9)  # from these certainties on Hilt says that it is fairly sure, and quite sure
 
 
 def answer(question: Question, known: Conversation) -> Answered:

@@ -8,9 +8,7 @@ from ...kb.rule import Rule
 from ...nlu.semantics.meaning import Question, SimpleCommand
 from .conversation import Answered, Conversation, spoken
 
-MOST_LISTED = 5
-"""So many rules are told one by one; of more only some objects are named."""
-
+MOST_LISTED = 5  # so many rules are told one by one; of more only some objects are named
 MOST_NAMED, MOST_READ = 3, 20
 """So many objects are named, which so many of the rules are about."""
 

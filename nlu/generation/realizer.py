@@ -46,8 +46,7 @@ class Realizer:
                 steps = self.realize(meaning.Plan(said.steps))
                 return self._say("rules", "way", action=things, steps=steps)
             case meaning.NormStatement(norms):
-                who = self._say("rules", "hearer")
-                texts = (self.answers.norm_phrase(each, who) for each in norms)
+                texts = (self.answers.norm_phrase(n, self._say("rules", "hearer")) for n in norms)
                 return self._say("rules", "several").join(texts)
             case meaning.Question():
                 return self._question(said)

@@ -95,8 +95,8 @@ class AnswerTemplates:
         """Return a norm in words: "I must not pass a knife to a child in the kitchen"."""
         said, act = self.phrases, self._act_phrase(norm.act)
         key = {"forbidden": "must_not", "permitted": "may"}.get(norm.norm, "only_by")
-        who = who or said["robot"]
-        slots = {"who": who, "act": act, "part": getattr(norm.act, "part", None) or ""}
+        part = getattr(norm.act, "part", None) or ""
+        slots = {"who": who or said["robot"], "act": act, "part": part}
         if norm.before:
             key = "may_without" if norm.norm == "permitted" else "must_first"
             slots["first"] = self._act_phrase(norm.before)

@@ -18,7 +18,7 @@ from ..semantics import meaning as meanings
 from ..semantics.clause_features import CONDITION, HIDING, MAIN, FeatureReader, UtteranceFeatures
 from ..semantics.licence_table import ACCEPT, LicenceTable
 from ..semantics.meaning import ActionRule, Command, Meaning, Question, SimpleCommand, Statement
-from .meaning_shapes import leaves_of
+from .meaning_shapes import leaves
 from .mentions import Mentions, Span
 
 OPERATORS = ("negative", "implied_negation", "weak_negation", "condition", "exception", "doubtful")
@@ -67,11 +67,12 @@ class OfferChecks:
             features.main.get("tense", _NOW) - _NOW or self._is_done_by_others(meaning, mentions)
         ):
             return False
-        words, said = mentions.tokens.words, set(leaves_of(meaning.as_json()))
+        words, said = mentions.tokens.words, {str(leaf) for _, leaf in leaves(meaning.as_json())}
         new = [
             NewWord(each.name, each.role, " ".join(words[each.start : each.end]))
             for each in mentions.names
             if each.is_new and each.role != "act" and each.name in said
+            if each.role == "person" or each.name != getattr(meaning, "recipient", None)
         ]
         named = dict(features_of_names(self.reader, words, meaning, new))
         # Whether what people do is meant for the robot, too, is what the offer asks.
@@ -112,18 +113,20 @@ class OfferChecks:
         return not is_cut and all(place in pauses for place in doubled)
 
     def _is_cut(self, words: Phrase) -> bool:
-        last = words[-1:]
-        # "The blade is what you hold it by" is whole.
+        last = words[-1:]  # "what you hold it by" is whole
         is_stranded = self.words.has("by", *last) and self._has("relative", words)
         return self.words.has("unfinished", *last) and not is_stranded
 
     def _keeps_sign(self, meaning: Meaning, mentions: Mentions, asides: Sequence[Span]) -> bool:
-        words = mentions.tokens.words
+        words, is_why = mentions.tokens.words, getattr(meaning, "ask", "why") in {"why", "why_not"}
+        if not is_why:
+            return True
         own = [span for span in asides if self.is_clause_of_its_own(words[slice(*span)])]
         own += self._reasons(meaning, mentions)
         own += [s for s in mentions.pieces if self.words.end("concession", words[slice(*s)])]
         beside = {place for span in own for place in range(*span)} | self._idle(mentions)
-        if meaning != meanings.Retraction() and self.spoken("implied_negation", mentions):
+        implied = beside.issuperset(self.spoken("implied_negation", mentions))
+        if meaning != meanings.Retraction() and not implied:
             return False
         if not beside.issuperset(self._places("weak_negation", words)):
             return False
@@ -131,7 +134,8 @@ class OfferChecks:
         never = [end for _, end, (_, upper) in mentions.degrees if upper < meanings.LIKELY]
         if any({end, end + 1} & denied for end in never):
             return False  # "never don't"
-        count = len(denied) + bool(never and isinstance(meaning, Statement))
+        is_told = isinstance(meaning, (Statement, meanings.NormStatement)) or not denied
+        count = len(denied) + bool(never and is_told)
         signs = int(is_negative(meaning))
         return count == signs or (count == signs + 1 and meanings.only_revises(meaning))
 
@@ -141,8 +145,9 @@ class OfferChecks:
         words = mentions.tokens.words
         asked = {m.start for m in mentions.names if m.role == "act" and m.name == meaning.goal}
         for start, end in self._clause_spans(mentions) if asked else ():
-            is_reason = asked.isdisjoint(range(start, end))
-            if is_reason and self.is_clause_of_its_own(words[start:end]):
+            is_own = self.is_clause_of_its_own(words[start:end])
+            is_reason = is_own or self.words.has("turning", *words[end : end + 1])
+            if is_reason and asked.isdisjoint(range(start, end)):
                 yield start, end
 
     def _clause_spans(self, mentions: Mentions) -> Iterator[Span]:
@@ -169,8 +174,9 @@ class OfferChecks:
         )
 
     def is_clause_of_its_own(self, words: Sequence[str]) -> bool:
-        """Whether a clause has a doer, and is not about what somebody says or thinks."""
-        return self._has("doer", words) and self.reader.words["embedding"].isdisjoint(words)
+        """Whether a clause has a doer or gives a reason, and is no speech or thought."""
+        is_clause = self._has("doer", words) or self.words.end("because", tuple(words)) > 0
+        return is_clause and self.reader.words["embedding"].isdisjoint(words)
 
     def _idle(self, mentions: Mentions) -> set[int]:
         words = mentions.tokens.words
@@ -280,5 +286,7 @@ def _names_in(meaning: Meaning) -> Collection[str]:
             return held | {r.context if isinstance(r, ActionRule) else r.affordance for r in rules}
         case Question():
             return frozenset(filter(None, (meaning.affordance, meaning.context)))
+        case meanings.NormStatement(norms):
+            return frozenset(norm.act.goal for norm in norms)
         case _:
             return frozenset()

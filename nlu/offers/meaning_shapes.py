@@ -46,13 +46,13 @@ class MeaningShape:
     @cached_property
     def slots(self) -> tuple[str, ...]:
         """The slots, each once, in the order of the meaning."""
-        said = (str(value) for _, value in _leaves(self.template) if _is_slot(value))
+        said = (str(value) for _, value in leaves(self.template) if _is_slot(value))
         return tuple(dict.fromkeys(said))
 
     @cached_property
     def constants(self) -> frozenset[str]:
         """The names that are no slots, without those of acts."""
-        said = (str(v) for key, v in _leaves(self.template) if key in _NAMING and not _is_slot(v))
+        said = (str(v) for key, v in leaves(self.template) if key in _NAMING and not _is_slot(v))
         return frozenset(said)
 
     @cached_property
@@ -73,12 +73,12 @@ class MeaningShape:
         named = template.keys() & {"rule", "ask", "ack", "norm", "control"}
         kind = "kind=" + "+".join(sorted(kinds | {str(template[key]) for key in named}))
         size = f"size={len(rules) if isinstance(rules, list) else 1}"
-        leaves = sorted({f"{key}={json.dumps(value)}" for key, value in _leaves(template)})
-        return tuple(dict.fromkeys((self.text, kind, size, *leaves)))
+        said = sorted({f"{key}={json.dumps(value)}" for key, value in leaves(template)})
+        return tuple(dict.fromkeys((self.text, kind, size, *said)))
 
     def values_in(self, meaning: Json) -> dict[str, object]:
         """The values that the slots have in a meaning of this shape."""
-        pairs = zip(_leaves(self.template), _leaves(meaning), strict=True)
+        pairs = zip(leaves(self.template), leaves(meaning), strict=True)
         return {str(slot): value for (_, slot), (_, value) in pairs if _is_slot(slot)}
 
     def filled(self, values: Mapping[str, object]) -> Json:
@@ -193,11 +193,6 @@ def role_of(slot: str) -> str:
     return slot[1:].rstrip("23456789")
 
 
-def leaves_of(meaning: Json) -> Iterator[str]:
-    """Yield the names in a meaning, and the keywords of the schema."""
-    return (str(value) for _, value in _leaves(meaning))
-
-
 def _is_slot(value: object) -> bool:
     return isinstance(value, str) and value.startswith("?")
 
@@ -217,14 +212,15 @@ def _changed(
             return change(value, key, within or {})
 
 
-def _leaves(value: object, key: str = "") -> Iterator[tuple[str, object]]:
+def leaves(value: object, key: str = "") -> Iterator[tuple[str, object]]:
+    """Yield the values in a meaning that have no parts, each with its key."""
     match value:
         case dict():
             for name, each in value.items():
-                yield from _leaves(each, name)
+                yield from leaves(each, name)
         case list() if key != "confidence":
             for each in value:
-                yield from _leaves(each, key)
+                yield from leaves(each, key)
         case _:
             yield key, value
 

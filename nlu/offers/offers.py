@@ -32,7 +32,7 @@ from .mentions import Mention, Mentions, find_mentions
 
 MAX_OFFERS = 3
 
-LEAST = 0.25  # the least probability of the first offer
+LEAST = 0.2  # the least probability of the first offer
 LEAST_OF_ONE = 0.6  # the same with one name ("so is a spoon"), and of any offer without a name
 LEAST_ASKED = 0.8  # the least probability of a question that is answered at once
 LEAST_OTHER = 0.03  # the least probability of a further offer
@@ -78,11 +78,12 @@ class OfferFinder:
     def _is_sure(self, tokens: Tokens, context: UtteranceContext) -> bool:
         mentions = self.mentions(tokens, context.discourse)
         probability, best = next(iter(self.ranked(mentions)), (0.0, None))
-        if best is None or probability < LEAST_ASKED or left_over(best, mentions):
+        is_denied, last = "negative" in mentions.features, tokens.beginnings[-1]
+        if best is None or probability < LEAST_ASKED or is_denied or left_over(best, mentions):
             return False
-        last = tokens.beginnings[-1]
         is_asked = not self.checks.words.words("interrogative").isdisjoint(tokens.words[last:])
-        return any(m.end > last or is_asked for used in best.used.values() for m in used)
+        is_about = any(m.end > last for used in best.used.values() for m in used)
+        return bool(best.used) and (is_asked or is_about)
 
     def meanings(self, tokens: Tokens, context: UtteranceContext) -> tuple[Meaning, ...]:
         """Return at most `MAX_OFFERS` meanings that an utterance may have, the likeliest first."""
@@ -98,15 +99,15 @@ class OfferFinder:
     def mentions(self, tokens: Tokens, discourse: Discourse) -> Mentions:
         """Return what an utterance names, with its features."""
         found = find_mentions(tokens, self.known, self.degrees, discourse)
-        names: list[Mention] = []
-        for each in found.names:  # but those that only say to grip something
-            said = tokens.words[each.start : each.end]
-            is_act = each.role == "affordance" and each.name in self.checks.reader.words["acts"]
-            is_verb = each.role in {"affordance", "act"}
-            if not is_act and (is_verb or not self.checks.words.has("gripping", *said)):
-                names.append(each)
-        found = replace(found, names=tuple(names))
+        found = replace(found, names=tuple(m for m in found.names if self._is_name(m, tokens)))
         return replace(found, features=self.checks.signs(found))
+
+    def _is_name(self, one: Mention, tokens: Tokens) -> bool:
+        if one.role == "affordance":
+            return one.name not in self.checks.reader.words["acts"]
+        said = tokens.words[one.start : one.end]
+        is_vague = any(self.checks.words.has(key, *said) for key in ("gripping", "generic"))
+        return one.role == "act" or not is_vague
 
     def of_corrected(self, tokens: Tokens, context: UtteranceContext) -> tuple[Meaning, ...]:
         """Return the meanings that an utterance has with its misspelled words corrected."""

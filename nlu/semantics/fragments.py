@@ -143,8 +143,8 @@ def _as_rule(fragment: FragmentValues, rule: meanings.Rule) -> meanings.Meaning:
         instead = replace(changed, confidence=fragment.default)
         return meanings.Statement((instead,)) if fragment.part_of else _offered(instead)
     is_same = replace(changed, confidence=rule.confidence) == rule
-    is_added = fragment.adds or (is_contrast and rule.denies)  # "a spoon is not, a hammer is"
-    return meanings.Statement((replace(changed, revises=is_same or not is_added),))
+    adds = fragment.adds or (is_contrast and rule.denies)  # "a spoon is not, a hammer is"
+    return meanings.Statement((replace(changed, revises=is_same or not adds),))
 
 
 def _changed(fragment: FragmentValues, rule: meanings.Rule) -> meanings.Rule:
