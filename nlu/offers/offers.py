@@ -32,7 +32,7 @@ from .mentions import Mention, Mentions, find_mentions
 
 MAX_OFFERS = 3
 
-LEAST = 0.2  # the least probability of the first offer
+LEAST = 0.22  # the least probability of the first offer
 LEAST_OF_ONE = 0.6  # the same with one name ("so is a spoon"), and of any offer without a name
 LEAST_ASKED = 0.8  # the least probability of a question that is answered at once
 LEAST_OTHER = 0.03  # the least probability of a further offer

@@ -141,7 +141,7 @@ class PieceReader:
                 continue
             elif (
                 place
-                and self.words.end("so", (word,))
+                and (self.words.end("so", (word,)) or self.words.has("because", word))
                 and words[place - 1] != BREAK
                 and not self.words.has("speech", words[place - 1])
             ):
