@@ -172,8 +172,7 @@ def filling_features(candidate: CandidateMeaning, mentions: Mentions) -> Iterato
             yield "new", slot
             yield labels[first.start], kind + slot
     yield " ".join(slot for _, slot in sorted(order)), kind
-    places = [place for place, _ in order]
-    if places and BREAK in mentions.tokens.words[min(places) : max(places)]:
+    if order and BREAK in mentions.tokens.words[min(order)[0] : max(order)[0]]:
         yield "across", kind
     asides = candidate.asides(mentions)
     for role, places in left_over(candidate, mentions).items():

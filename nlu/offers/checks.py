@@ -27,7 +27,7 @@ OPERATORS = ("negative", "implied_negation", "weak_negation", "condition", "exce
 _DENYING = ("negative", "implied_negation", "weak_negation", "exception")
 _SIGNS = (*OPERATORS, "by", "before_part")
 _QUOTES = frozenset('"“”„«»')
-_ANYBODY = frozenset({"generic", "people"})
+_ANYBODY, _UNSURE = frozenset({"generic", "people"}), frozenset({"weak", "perhaps"})
 _HEARER, _NOW = frozenset({"addressee"}), frozenset({"now"})
 _UNSAID = frozenset({(0.95, 1.0), (0.0, 0.05)})  # the degrees of rules that no word gives
 _ASKED = 3  # words after the beginning of a phrase that asks for something
@@ -76,8 +76,11 @@ class OfferChecks:
         ]
         named = dict(features_of_names(self.reader, words, meaning, new))
         # Whether what people do is meant for the robot, too, is what the offer asks.
-        agents = {"agent": features.main.get("agent", frozenset()) - _ANYBODY}
-        features = replace(features, main={**features.main, **agents, **named})
+        rules = meaning.rules if isinstance(meaning, Statement) else ()
+        is_weak = any(rule.confidence[0] <= meanings.LIKELY for rule in rules)
+        asked = _ANYBODY | (_UNSURE if is_weak else set())
+        main = {name: values - asked for name, values in features.main.items()}
+        features = replace(features, main={**main, **named})
         return self.licence.outcome(meaning, features) == ACCEPT
 
     def _is_done_by_others(self, meaning: SimpleCommand, mentions: Mentions) -> bool:

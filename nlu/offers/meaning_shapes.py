@@ -154,9 +154,8 @@ _ASKED: Mapping[str, Sequence[str]] = {
 @cache
 def composed_shapes() -> tuple[MeaningShape, ...]:
     """Return the shapes that the parts of the schema allow: rules, commands and questions."""
-    return tuple(
-        dict.fromkeys(map(shape_from, (*_rules(), *_commands(), *_norms(), *_questions())))
-    )
+    found = (*_rules(), *_commands(), *_norms(), *_questions())
+    return tuple(dict.fromkeys(map(shape_from, found)))
 
 
 def _rules() -> Iterator[Json]:

@@ -230,8 +230,8 @@ def _new(tokens: Tokens, known: KnownWords) -> Iterator[Mention]:
 def _fits(role: str, entry: Entry, words: tuple[str, ...], start: int) -> bool:
     is_gerund = entry.says.endswith("ing")
     before = words[start - 1] if start else ""
-    is_participle = entry.says.endswith("ed") and before in _BEFORE_PARTICIPLES
-    is_verb = is_gerund or is_participle or before in _BEFORE_VERBS
+    verbs = _BEFORE_PARTICIPLES if entry.says.endswith("ed") else _BEFORE_VERBS
+    is_verb = is_gerund or before in verbs
     if role not in {"affordance", "act"}:
         return not is_verb
     # "Mixing" is a form of "mix", and no verb of its own.

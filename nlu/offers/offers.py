@@ -141,9 +141,8 @@ class OfferFinder:
             meaning = self.meaning_of(tokens.span(start, len(tokens.items)), context)
             is_free = not any(each.start < start for each in mentions.known)
             is_told = is_free and isinstance(meaning, (Statement, SimpleCommand))
-            if isinstance(meaning, Question) or (
-                is_told and not self.checks.lost(meaning, mentions, [(0, start)])
-            ):
+            is_kept = is_told and not self.checks.lost(meaning, mentions, [(0, start)])
+            if is_kept or isinstance(meaning, Question):
                 return (meaning,) if self._is_understood(meaning, context) else ()
         return ()
 

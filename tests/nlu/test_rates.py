@@ -18,7 +18,12 @@ from hilt.nlu import Language, Session
 
 DATA = Path(__file__).parent / "data"
 LEAST_UNDERSTOOD = 0.75
-LEAST_OF = {"far_voices.jsonl": 0.65, "far_people.jsonl": 0.1}
+LEAST_OF = {
+    "far_voices.jsonl": 0.65,
+    "far_people.jsonl": 0.1,
+    "far_holding.jsonl": 0.3,
+    "far_uses.jsonl": 0.3,
+}
 """What is asked of the sentences that were made hard on purpose."""
 
 # Where Hilt means something else than their authors do.
@@ -41,6 +46,8 @@ OTHERWISE = {
     "A mallet will do for pounding if there's no hammer about.": "only sometimes, then",
     "I don't know about you, but I think a shoe ought to be picked up by the upper.": "a belief",
     "I'd say a hammer is always the thing to pound with.": "a belief",
+    "Dear me, who taught you that? Shoes aren't picked up by the sole!": "a question",
+    "Hands off the wine glasses: picking them up is prohibited.": "a command not to",
     "Not every knife is used for cutting.": "only sometimes, then",
     "Not all spoons are used for stirring.": "only sometimes, then",
 }
@@ -64,7 +71,9 @@ UNDERSTOOD = (
     "blind_turns.jsonl",
     "far.yaml",
     "far_free.jsonl",
+    "far_holding.jsonl",
     "far_people.jsonl",
+    "far_uses.jsonl",
     "far_voices.jsonl",
     "wide.yaml",
 )
