@@ -214,8 +214,8 @@ def _new(tokens: Tokens, known: KnownWords) -> Iterator[Mention]:
     for start, entries in guesses.items():
         for entry in entries:
             role = _NEW_ROLES.get(entry.role)
-            is_named = role == "person" and tokens.items[start].capital and start > 0
-            if role and (is_named or _fits(role, entry, tokens.words, start)):
+            is_name = tokens.items[start].capital and start not in tokens.beginnings
+            if role and (role == "person" if is_name else _fits(role, entry, tokens.words, start)):
                 end = start + 1 + entry.says.count(" ")
                 is_unknown = tokens.items[start] in unknown
                 yield Mention(role, entry.name, start, end, is_new=True, is_unknown=is_unknown)

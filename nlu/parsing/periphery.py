@@ -395,7 +395,7 @@ class PeripheryReader:
         if not placed or not kinds:
             return None
         said = [(each, pause) for each, pause in placed if each.form != MARKER]
-        phrases = [tokens.words[each.start : each.end] for each, _ in said]
+        phrases = [tokens.words[each.start : each.end] for each, _ in said if each.start < end]
         limiting = (
             tokens.words[each.start : each.end]
             for each, pause in said
