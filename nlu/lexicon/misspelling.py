@@ -42,7 +42,7 @@ def intended_word(word: str, is_known: IsWord, spelled: Collection[str]) -> str 
 
 def slips(word: str) -> Iterator[str]:
     """The words that one slip turns into `word`, the likeliest slips first."""
-    return chain(_swapped(word), _doubled(word), _longer(word), _shorter(word), _changed(word))
+    return chain(_swapped(word), _doubled(word), _edited(word))
 
 
 def _slips_of_words(word: str) -> Iterator[str]:
@@ -53,8 +53,7 @@ def _slips_of_words(word: str) -> Iterator[str]:
     if letters >= _SWAPPED_OR_DOUBLED:
         yield from _swapped(word)
     if letters >= LONG:
-        within = chain(_longer(word), _shorter(word), _changed(word))
-        yield from (other for other in within if not _is_derived(word, other))
+        yield from (other for other in _edited(word) if not _is_derived(word, other))
     elif len(word) > MIN_LETTERS and letters == len(word):
         # "Hamer" is a slip of "hammer", but "taping" is of "tape" and "tapping" of "tap".
         yield from _doubled(word)
@@ -74,18 +73,12 @@ def _doubled(word: str) -> Iterator[str]:
             yield word[:place] + word[place] + word[place:]
 
 
-def _longer(word: str) -> Iterator[str]:
-    places = product(range(1, len(word) + 1), ascii_lowercase)
-    return (word[:n] + letter + word[n:] for n, letter in places)
-
-
-def _shorter(word: str) -> Iterator[str]:
-    return (word[:n] + word[n + 1 :] for n in range(1, len(word)))
-
-
-def _changed(word: str) -> Iterator[str]:
-    places = product(range(1, len(word)), ascii_lowercase)
-    return (word[:n] + letter + word[n + 1 :] for n, letter in places if letter != word[n])
+def _edited(word: str) -> Iterator[str]:
+    inner, ends = range(1, len(word)), range(1, len(word) + 1)
+    yield from (word[:n] + letter + word[n:] for n, letter in product(ends, ascii_lowercase))
+    yield from (word[:n] + word[n + 1 :] for n in inner)
+    places = product(inner, ascii_lowercase)
+    yield from (word[:n] + letter + word[n + 1 :] for n, letter in places if letter != word[n])
 
 
 def _is_derived(word: str, other: str) -> bool:

@@ -32,6 +32,7 @@ from .readings import ReadingFilter, features_of
 from .understanding import Understanding, UtteranceContext
 
 MAX_SEGMENTS = 4
+_TOPIC = 4  # the greatest length of a segment that only names something [words]
 
 _ANYTHING = PredicateForm("anythingNamed")  # stands for whatever a pronoun may refer to
 _ANSWERS = frozenset({"yes", "no"})  # they outweigh all politeness around them
@@ -149,7 +150,8 @@ class _Attempt:
 
     def _by_segments(self, tokens: Tokens, context: UtteranceContext) -> Understanding | None:
         for segments in _segmentations(tokens):
-            found = self._segments(segments, context)
+            is_topic = any(map(self._is_topic, segments, segments[1:]))
+            found = () if is_topic else self._segments(segments, context)
             combined = _combined([each.meaning for each in found]) if found else None
             if combined is None:
                 continue
@@ -168,6 +170,12 @@ class _Attempt:
             answer = self._tools.clarification.licensed(reading)
             return replace(whole, meaning=answer, reading=reading)
         return None
+
+    def _is_topic(self, one: Tokens, other: Tokens) -> bool:
+        """Whether a segment names what the next is about: "and a spoon, that is for stirring"."""
+        words, joining = self._tools.periphery.reader.words, self._tools.known_words.builder.joining
+        is_joined = len(one.items) <= _TOPIC and one.words[0] in joining
+        return is_joined and words.end("impersonal", other.words) > 0
 
     def _without_markers(self, tokens: Tokens, context: UtteranceContext) -> Understanding | None:
         tried = {tokens.words}
@@ -316,8 +324,7 @@ def _segmentations(tokens: Tokens) -> Iterator[tuple[Tokens, ...]]:
         return
     for count in range(1, len(places) + 1):
         for chosen in combinations(places, count):
-            starts, ends = (0, *chosen), (*chosen, len(tokens.items))
-            segments = tuple(tokens.part(*span) for span in zip(starts, ends, strict=True))
+            segments = tuple(map(tokens.part, (0, *chosen), (*chosen, len(tokens.items))))
             if all(segment.items for segment in segments):
                 yield segments
 

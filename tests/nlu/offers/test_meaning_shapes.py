@@ -8,7 +8,7 @@ import pytest
 
 from hilt.nlu import Language
 from hilt.nlu.lexicon.tokenizer import tokenize
-from hilt.nlu.offers.meaning_shapes import meaning_from_json, shape_of
+from hilt.nlu.offers.meaning_shapes import composed_shapes, meaning_from_json, shape_of
 from hilt.nlu.offers.mentions import find_mentions
 from hilt.nlu.semantics.discourse import Discourse
 
@@ -40,3 +40,12 @@ def test_a_shape_has_slots_for_what_is_named(language: Language) -> None:
     shape = shape_of(language.understand(text).meaning.as_json(), mentions, {})
 
     assert shape.slots == ("?object", "?affordance", "?degree")
+
+
+def test_composed_shapes_are_of_the_schema() -> None:
+    """Filled with a name for each slot, every one is a meaning, and is its JSON read back."""
+    names = {slot: [0.25, 1.0] for slot in ("?degree", "?degree2")}
+    for shape in composed_shapes():
+        filled = shape.filled({slot: names.get(slot, slot[1:]) for slot in shape.slots})
+
+        assert json.loads(json.dumps(meaning_from_json(filled).as_json())) == filled

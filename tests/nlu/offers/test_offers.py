@@ -9,7 +9,14 @@ import pytest
 from hilt.nlu import Language
 from hilt.nlu.lexicon.tokenizer import tokenize
 from hilt.nlu.semantics.discourse import Discourse
-from hilt.nlu.semantics.meaning import AskBack, FunctionalRule, Meaning, Statement
+from hilt.nlu.semantics.meaning import (
+    AskBack,
+    FunctionalRule,
+    Meaning,
+    NormStatement,
+    Question,
+    Statement,
+)
 
 
 def offered(language: Language, text: str) -> tuple[Meaning | str, ...]:
@@ -179,3 +186,29 @@ def test_one_of_two_rules_is_denied_as_it_was_said(language: Language) -> None:
 def test_an_answer_takes_a_choice(language: Language, text: str, number: int | None) -> None:
     """A number, an ordinal or a refusal; anything else is a new utterance."""
     assert language.chosen(text, 3) == number
+
+
+def test_likely_question_is_answered_at_once(language: Language) -> None:
+    """Its answer believes and does nothing."""
+    asked = language.understand("What would you say people use a screwdriver for?")
+
+    assert asked.meaning == Question("uses_of", "screwdriver")
+
+
+def test_norms_are_offered(language: Language) -> None:
+    """As a sentence that is understood as a norm, beside a command for the moment."""
+    found = offered(language, "Let the glass stay where it is, don't pick it up.")
+
+    assert {each.kind for each in found if not isinstance(each, str)} == {"statement", "command"}
+    assert any(isinstance(each, NormStatement) for each in found)
+
+
+def test_contrast_in_one_breath_denies_the_first_only(language: Language) -> None:
+    """What "a hammer is" says is the opposite of what was denied before it."""
+    found = language.understand("A spoon is not used for pounding, a hammer is").meaning
+
+    assert isinstance(found, Statement)
+    assert [(rule.object, rule.denies) for rule in found.rules] == [
+        ("spoon", True),
+        ("hammer", False),
+    ]
