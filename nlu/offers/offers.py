@@ -63,7 +63,7 @@ class OfferFinder:
         choices = self.meanings(tokens, context)
         if not choices:
             return None
-        if isinstance(choices[0], Question) and self._is_sure(tokens, context):
+        if isinstance(choices[0], Question) and self._is_sure(choices[0], tokens, context):
             return choices[0]
         said: list[str] = []
         for meaning in choices:
@@ -75,15 +75,16 @@ class OfferFinder:
         numbered = " ".join(f"{number}. {each}." for number, each in enumerate(said, start=1))
         return AskBack(self.realizer.answers.say("offers", choices=numbered), choices)
 
-    def _is_sure(self, tokens: Tokens, context: UtteranceContext) -> bool:
+    def _is_sure(self, asked: Meaning, tokens: Tokens, context: UtteranceContext) -> bool:
         mentions = self.mentions(tokens, context.discourse)
         probability, best = next(iter(self.ranked(mentions)), (0.0, None))
-        is_denied, last = "negative" in mentions.features, tokens.beginnings[-1]
-        if best is None or probability < LEAST_ASKED or is_denied or left_over(best, mentions):
-            return False
+        if best is None or meaning_from_json(best.meaning) != asked or left_over(best, mentions):
+            return False  # also where the likeliest meaning was rejected
+        last = tokens.beginnings[-1]
+        is_likely = probability >= LEAST_ASKED and "negative" not in mentions.features
         is_asked = not self.checks.words.words("interrogative").isdisjoint(tokens.words[last:])
         is_about = any(m.end > last for used in best.used.values() for m in used)
-        return bool(best.used) and (is_asked or is_about)
+        return is_likely and bool(best.used) and (is_asked or is_about)
 
     def meanings(self, tokens: Tokens, context: UtteranceContext) -> tuple[Meaning, ...]:
         """Return at most `MAX_OFFERS` meanings that an utterance may have, the likeliest first."""
@@ -192,8 +193,7 @@ def _beside(candidate: CandidateMeaning, mentions: Mentions) -> set[int]:
     return before | {each.end for each in used if each.end not in pauses}
 
 
-_uncorrecting = partial(meanings.with_rules, revises=False)
-"""A meaning, whether it corrects something or not."""
+_uncorrecting = partial(meanings.with_rules, revises=False)  # whether it is a correction or not
 
 
 @lru_cache(maxsize=4)
