@@ -55,10 +55,10 @@ OUT_OF_THE_BLUE = UtteranceContext("sam", "self", Discourse())
 FOLDS = 5
 RUN = 20  # neighbouring lines that stay together
 
-LEAST_SHAPES, LEAST_FEATURES = 6, 3
+LEAST_SHAPES, LEAST_FEATURES = 12, 3
 """How many examples have a shape or a feature that is used."""
 
-KEPT = 2150
+KEPT = 1500
 """How many weights are kept, the greatest."""
 
 LEAST_WEIGHT = 0.25

@@ -20,7 +20,8 @@ DATA = ROOT / "tests" / "nlu" / "data"
 
 NEAR = ("paper", "paraphrases", "commands", "conversation")
 GROUPED = (
-    *NEAR, "constructions", "kinds", "materials", "attitudes", "new_words", "wide", "aside", "far"
+    *NEAR, "frames", "constructions", "kinds", "materials", "attitudes", "new_words",
+    "wide", "aside", "far",
 )  # fmt: skip
 SENTENCES = 3000
 """How many sentences of the generated grammar are drawn."""

@@ -157,10 +157,7 @@ class BeliefRevision:
 
 
 def _reason_rules(rules: Sequence[Rule], reasons: Sequence[str]) -> list[Rule]:
-    """Return what says on which properties the use in a rule rests; nothing for several rules.
-
-    It is a rule about anything with these properties that neither asserts nor denies the use.
-    """
+    """Return what says on which properties the use in a rule rests; nothing for several rules."""
     if not reasons or len(rules) != 1 or not rules[0].affordance or not rules[0].asserts:
         return []
     features = frozenset(Atom("property", name) for name in reasons)
@@ -181,10 +178,7 @@ def _corrected(new: Rule, before: Sequence[Rule], topic: Sequence[Rule]) -> Sequ
 
 
 def _can_replace(one: Rule, other: Rule) -> bool:
-    """Return whether one rule can correct the other: about the same object, in the same context.
-
-    A rule about another part of the same grasp can; one about another use of the object cannot.
-    """
+    """Return whether one rule can correct the other: about the same object, in the same context."""
     if (one.features, one.contexts, one.functor) != (other.features, other.contexts, other.functor):
         return False
     return one.kind == "action" or one.argument == other.argument

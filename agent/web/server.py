@@ -128,10 +128,7 @@ def _add_doors(
 
 
 def _base_endpoint(service: Service, gate: Gate) -> SparqlEndpoint | None:
-    """SPARQL over a base: readers query it, admins change it as `hilt update` does.
-
-    None for a base that has an endpoint of its own.
-    """
+    """SPARQL over a base: readers query it, admins change it as `hilt update` does."""
     base = service.base
     if not isinstance(base.store, OxigraphStore):
         return None

@@ -100,10 +100,7 @@ def node_statements(path: str) -> Iterator[Statement]:
 
 
 def _key(path: str) -> str:
-    """The name of a node; that of a node below the root is the name to which rules are attached.
-
-    There is one dot at most, as some SPARQL parsers read no more of them in a prefixed name.
-    """
+    """The name of a node; that of a node below the root is the name to which rules are attached."""
     return ".".join(path.replace("/", "-").rsplit("-", maxsplit=1))
 
 

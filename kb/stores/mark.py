@@ -79,10 +79,7 @@ class WriteAheadLogSync:
         return [name for name, end in self._logs.items() if before.get(name) != end]
 
     def _write_mark(self, number: int) -> None:
-        """Mark what the manifest holds, and the logs when they were looked at; it is on disk then.
-
-        `number` is that of the last utterance.
-        """
+        """Mark what the manifest holds, and the logs as they were looked at; it is on disk then."""
         name = _manifest(self._folder)
         self._manifests = {name: _end(self._folder / name, *self._manifests.get(name, (0, 0)))}
         body = json.dumps([number, self._logs | self._manifests], separators=(",", ":")).encode()
@@ -156,10 +153,8 @@ def _end(file: Path, at: int = 0, crc: int = 0, most: int | None = None) -> End:
 
 
 def _log_end(file: Path, at: int, crc: int) -> End:
-    """The end of a log's own records, from the end of some of them on.
-
-    The engine writes new logs over old ones: what follows the last record of this log is older.
-    """
+    """The end of a log's own records, from the end of some of them on."""
+    # The engine writes new logs over old ones: what follows the last record is older.
     number = int(file.stem).to_bytes(4, "little")
     with file.open("rb") as stream:
         stream.seek(at)

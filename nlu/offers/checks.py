@@ -50,6 +50,7 @@ class OfferChecks:
         kept: Mapping[str, Callable[[], bool]] = {
             "completeness": lambda: self._is_complete(meaning, mentions),
             "sign": lambda: self._keeps_sign(meaning, mentions, asides),
+            "topic": lambda: self._keeps_topic(meaning, mentions),
             "scope": lambda: self._keeps_scope(meaning, mentions),
             "degree": lambda: self._keeps_degree(meaning, mentions),
             "condition": lambda: self._keeps_condition(meaning, mentions),
@@ -62,7 +63,7 @@ class OfferChecks:
         return next((name for name, keeps in kept.items() if not keeps()), "")
 
     def _is_licensed(self, meaning: Meaning, mentions: Mentions, asides: Sequence[Span]) -> bool:
-        features = self.clause_features(mentions, asides)
+        features = self.clause_features(mentions, [*asides, *self._reasons(meaning, mentions)])
         if isinstance(meaning, SimpleCommand) and (
             features.main.get("tense", _NOW) - _NOW or self._is_done_by_others(meaning, mentions)
         ):
@@ -147,10 +148,12 @@ class OfferChecks:
             return
         words = mentions.tokens.words
         asked = {m.start for m in mentions.names if m.role == "act" and m.name == meaning.goal}
+        uses = {m.start for m in mentions.names if m.role == "affordance" and not m.is_new}
         for start, end in self._clause_spans(mentions) if asked else ():
             is_own = self.is_clause_of_its_own(words[start:end])
+            is_own = is_own or self._has("finite", words[start:end])
             is_reason = is_own or self.words.has("turning", *words[end : end + 1])
-            if is_reason and asked.isdisjoint(range(start, end)):
+            if is_reason and (asked | uses).isdisjoint(range(start, end)):
                 yield start, end
 
     def _clause_spans(self, mentions: Mentions) -> Iterator[Span]:
@@ -164,6 +167,15 @@ class OfferChecks:
         if not isinstance(meaning, Command) or not self._has("recipient", mentions.tokens.words):
             return True
         return any(m.role == "person" and m.name == meaning.recipient for m in mentions.names)
+
+    def _keeps_topic(self, meaning: Meaning, mentions: Mentions) -> bool:
+        if not isinstance(meaning, Statement):
+            return True
+        if meanings.is_used_on_itself(meaning):
+            return False
+        words = mentions.tokens.words
+        is_topic = any(self.words.end("pronoun", words, n) > n for n in range(2))
+        return not is_topic or all(rule.object == mentions.it for rule in meaning.rules)
 
     def _keeps_scope(self, meaning: Meaning, mentions: Mentions) -> bool:
         if not isinstance(meaning, Statement) or len({rule.denies for rule in meaning.rules}) < 2:
@@ -208,11 +220,14 @@ class OfferChecks:
         is_doubted = not isinstance(meaning, Question) and self.spoken("doubtful", mentions)
         if is_doubted or self.spoken("exception", mentions):
             return False
-        is_lasting = isinstance(meaning, Statement) or getattr(meaning, "negated", False)
-        if is_lasting and self.spoken("placed", mentions):
+        is_now = isinstance(meaning, SimpleCommand) and not meaning.negated
+        if not is_now and self.spoken("until", mentions):
+            return False
+        if not (is_now or isinstance(meaning, Question)) and self.spoken("placed", mentions):
             return False
         if isinstance(meaning, SimpleCommand):
-            return all(self._asks(meaning, n, mentions) for n in self.spoken("condition", mentions))
+            kind = "supposing" if is_now else "condition"
+            return all(self._asks(meaning, n, mentions) for n in self.spoken(kind, mentions))
         names = _names_in(meaning)
         spoken = [each.start for each in mentions.names if each.name in names]
         return all(

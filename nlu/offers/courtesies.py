@@ -2,8 +2,7 @@
 
 "Good morning, I'm your first pupil" is a greeting although nobody taught the word *pupil*. A part
 between pauses is a courtesy or chatter only where it names nothing that a rule or a command is
-about, denies nothing and asks nothing. Nothing follows from it but a polite answer. Who may be
-trusted is found here too, by phrases: no grammar knows the names of strangers.
+about, denies nothing and asks nothing. Whom to trust is found here, too.
 """
 
 from dataclasses import dataclass

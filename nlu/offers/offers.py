@@ -33,7 +33,7 @@ from .mentions import Mention, Mentions, find_mentions
 MAX_OFFERS = 3
 
 LEAST = 0.22  # the least probability of the first offer
-LEAST_OF_ONE = 0.6  # the same with one name ("so is a spoon"), and of any offer without a name
+LEAST_OF_ONE = 0.5  # the same of a question without a name, and of another one with at most one
 LEAST_ASKED = 0.8  # the least probability of a question that is answered at once
 LEAST_OTHER = 0.03  # the least probability of a further offer
 MAX_TRIED = 6  # how many of the likeliest candidates are checked
@@ -122,16 +122,17 @@ class OfferFinder:
     def of_mentions(self, mentions: Mentions, context: UtteranceContext) -> tuple[Meaning, ...]:
         """Return the meanings to offer for an utterance that names this."""
         found: list[Meaning] = []
+        left = 1.0  # the probability of all that is not denied where the words affirm it, or so
         for probability, candidate in self.ranked(mentions):
             meaning = meaning_from_json(candidate.meaning)
-            first = LEAST if len(candidate.used) > 1 else LEAST_OF_ONE
+            is_plain = len(candidate.used) + isinstance(meaning, Question) > 1
+            first = left * (LEAST if is_plain else LEAST_OF_ONE)
             if probability < (LEAST_OTHER if found else first):
                 break
-            is_vague = not candidate.used and probability < LEAST_OF_ONE
-            if is_vague or self.rejected(candidate, mentions, context):
-                continue
+            reason = self.rejected(candidate, mentions, context)
+            left -= probability if reason == "sign" else 0.0
             checked = self.checks.weakened(meaning, mentions, candidate.asides(mentions))
-            if _uncorrecting(checked) not in map(_uncorrecting, found):
+            if not reason and _uncorrecting(checked) not in map(_uncorrecting, found):
                 found.append(checked)
         return tuple(found[:MAX_OFFERS])
 

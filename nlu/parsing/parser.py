@@ -6,7 +6,7 @@ act, then an intention, then a meaning.
 """
 
 import contextlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from ..grammar.categories import Functor
@@ -150,9 +150,7 @@ class SentenceParser:
         if isinstance(meaning, NormStatement) and tokens.asks:
             meaning = Question("may", norm=replace(meaning.norms[0], norm="permitted"))
         elif isinstance(meaning, NormStatement) and is_for_now:
-            if meaning.norms[1:] or meaning.norms[0].norm != "permitted":
-                raise UninterpretableError("not_a_rule")
-            meaning = AskBack(choices=(meaning.norms[0].act,))  # "you may pass me the knife"
+            meaning = _norm_with_speaker(meaning, self.features.of_words(tokens.words))
         cost = derivation.cost + _WORD_COST * len(entries)
         return Reading(speech_act, meant.form, meant.interval, meaning, cost, derivation, words)
 
@@ -170,6 +168,15 @@ def decide(readings: Sequence[Reading]) -> Reading | None:
     """Return the cheapest of sorted readings, None when there is none or several cost the same."""
     best = [reading for reading in readings if reading.cost == readings[0].cost]
     return best[0] if len(best) == 1 else None
+
+
+def _norm_with_speaker(said: NormStatement, features: Collection[str]) -> Meaning:
+    norm, *others = said.norms
+    if norm.norm == "obliged" or others:
+        raise UninterpretableError("not_a_rule")
+    if norm.norm == "permitted":
+        return AskBack(choices=(norm.act,))  # "you may pass me the knife"
+    return said if "standing" in features else replace(norm.act, negated=True)
 
 
 def _fill_persons(form: PredicateForm, context: UtteranceContext) -> PredicateForm:

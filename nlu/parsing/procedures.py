@@ -4,8 +4,7 @@
 body of clauses. A clause ends at a pause, a full stop or a word of order, and is a command to the
 grammar; so are the steps of "pick up the mug and point to it", which has no head. A clause may
 also say what must be so before ("only if it is empty"), or what to do after a failure ("if it
-slips, try again"). A clause can refer to what the clauses before it mentioned. All words belong to
-a clause, or there is no procedure.
+slips, try again"). A clause can refer to what the clauses before it mentioned.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence

@@ -4,10 +4,6 @@ A statement may teach new words; a question may be about them, and an action may
 what they name. "No, knives are for cutting" corrects something, "no knives are for pounding"
 negates it, and only the pause tells. So a rule is accepted of "no knife" only as a negative one,
 and of "..., no, for stirring" no two rules at once.
-
-Every word of a derivation that names nothing gives its features to the main clause or to its
-condition, whatever entry took it. What a sentence names has features, too: whether a new noun is a
-part of what it is said of, or something that can be handled at all.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
@@ -143,7 +139,7 @@ class ReadingFilter:
             isinstance(reading.meaning, given)
             and not is_said_of_them
             and not any(self.known_words.origins(person.said, "adverb") for person in people)
-            and not any(is_kind(person.said) for person in people for is_kind in kinds)
+            and not any(is_kind(each.said.split()[-1]) for each in people for is_kind in kinds)
         )
 
     def _may_be_no_material(self, rule: Rule, words: Iterable[NewWord], tokens: Tokens) -> bool:

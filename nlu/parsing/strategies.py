@@ -8,8 +8,6 @@
 4. as the steps of an action that is taught: "to serve a mug, pick it up and point to it";
 5. as a core beside what says nothing more of it: "my hands are wet, so pass me the ladle";
 6. as several commands in order: "pick up the mug and then point to it".
-
-Each of them accounts for all words of the utterance.
 """
 
 from collections.abc import Callable, Collection, Iterator, Sequence
@@ -255,6 +253,8 @@ class _Attempt:
             alone = context.with_object(None)
             if topic is not None and self._sentence(part, alone).reading is not None:
                 return []
+            if topic is not None and meanings.is_used_on_itself(each.meaning):
+                return []  # "tea, of course, it is for drinking tea"
             topic = None
             found.append(each)
             context = replace(context, discourse=each.discourse)

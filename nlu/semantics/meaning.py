@@ -453,6 +453,12 @@ def with_rules(meaning: "Meaning", **changes: object) -> "Meaning":
     return replace(meaning, rules=rules)  # pyright: ignore
 
 
+def is_used_on_itself(meaning: "Meaning") -> bool:
+    """Return whether a thing is its own material: "tea is for drinking tea"."""
+    rules = meaning.rules if isinstance(meaning, Statement) else ()
+    return any(isinstance(r, FunctionalRule) and r.material == r.object for r in rules)
+
+
 def only_revises(meaning: "Meaning") -> bool:
     """Return whether a meaning only changes what was taught: "make it rarely, would you?"."""
     return isinstance(meaning, Statement) and all(rule.revises for rule in meaning.rules)

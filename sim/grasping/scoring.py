@@ -225,10 +225,8 @@ def _fit_slopes(edges: Array, spacing: float) -> Array:
 
 
 def _contact_height(near: HandPointPairs, width: Array, gripper: Gripper) -> Array:
-    """The mean height (c,) of the contact above the ends of the pads, the lower of both [m].
-
-    Cells are too coarse for it: a plate that the pads just reach fills a whole row of them.
-    """
+    """The mean height (c,) of the contact above the ends of the pads, the lower of both [m]."""
+    # Cells are too coarse for it: a plate that the pads just reach fills a whole row of them.
     touched = near.between_pads(gripper) & (np.abs(near.y) >= (width / 2 - LEVEL)[near.hand])
     sides = []
     for side in (near.y > 0, near.y <= 0):

@@ -89,10 +89,8 @@ def clearances(
 
 
 def _gap_to_points(centres: Array, radius: Array, points: Array) -> float:
-    """The smallest gap between spheres (n, 3), (n,) and points (p, 3), at most `MAX_GAP` [m].
-
-    There are few points, and few spheres near them: a k-d tree takes longer than all pairs.
-    """
+    """The smallest gap between spheres (n, 3), (n,) and points (p, 3), at most `MAX_GAP` [m]."""
+    # There are few points, and few spheres near them: a k-d tree takes longer than all pairs.
     reach = radius[:, None] + MAX_GAP
     low, high = points.min(axis=0), points.max(axis=0)
     near = np.flatnonzero(((centres > low - reach) & (centres < high + reach)).all(axis=1))

@@ -20,6 +20,9 @@ DATA = Path(__file__).parent / "data"
 LEAST_UNDERSTOOD = 0.75
 LEAST_OF = {
     "far_voices.jsonl": 0.65,
+    "far_commands.jsonl": 0.4,
+    "far_speakers.jsonl": 0.4,
+    "far_natural.jsonl": 0.4,
     "far_people.jsonl": 0.1,
     "far_holding.jsonl": 0.3,
     "far_uses.jsonl": 0.3,
@@ -49,6 +52,16 @@ OTHERWISE = {
     "Dear me, who taught you that? Shoes aren't picked up by the sole!": "a question",
     "Hands off the wine glasses: picking them up is prohibited.": "a command not to",
     "Not every knife is used for cutting.": "only sometimes, then",
+    "With wine glasses it's the stem you hold, full stop.": "a control word",
+    "My hands are full, so you'll have to pick up the spatula by the handle.": "a rule",
+    "All I'm asking is that you pick up the hammer by the head.": "a rule, not a command",
+    "The wine glass, please, and hold it by the stem as you give it to me.": "a rule",
+    "Whoa, do not give Peter the chisel!": "a control word",
+    "I'm to hand a knife over: which bit do I keep hold of?": "whenever it is held",
+    "Good morning, today it is very cold.": "a greeting",
+    "When you hand a patient the scissors, have your fingers round the blade.": (
+        "a norm about patients"
+    ),
     "Not all spoons are used for stirring.": "only sometimes, then",
 }
 
@@ -70,9 +83,12 @@ UNDERSTOOD = (
     "blind_speakers.jsonl",
     "blind_turns.jsonl",
     "far.yaml",
+    "far_commands.jsonl",
     "far_free.jsonl",
     "far_holding.jsonl",
+    "far_natural.jsonl",
     "far_people.jsonl",
+    "far_speakers.jsonl",
     "far_uses.jsonl",
     "far_voices.jsonl",
     "wide.yaml",

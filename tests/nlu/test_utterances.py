@@ -47,6 +47,7 @@ def check(language: Language, text: str, before: str | None, group: dict[str, ob
     ("text", "before", "group"),
     cases(
         "paper",
+        "frames",
         "paraphrases",
         "commands",
         "constructions",

@@ -197,7 +197,8 @@ def test_likely_question_is_answered_at_once(language: Language) -> None:
 
 def test_norms_are_offered(language: Language) -> None:
     """As a sentence that is understood as a norm, beside a command for the moment."""
-    found = offered(language, "Let the glass stay where it is, don't pick it up.")
+    text = "It is perfectly fine with me if you pick up the shoe, so you have my permission."
+    found = offered(language, text)
 
     assert {each.kind for each in found if not isinstance(each, str)} == {"statement", "command"}
     assert any(isinstance(each, NormStatement) for each in found)
