@@ -134,7 +134,7 @@ class OfferChecks:
             return False
         if not beside.issuperset(self._places("weak_negation", words)):
             return False
-        denied = set(self._places("negative", words)) - beside
+        denied = set(self.spoken("negative", mentions)) - beside
         never = [end for _, end, (_, upper) in mentions.degrees if upper < meanings.LIKELY]
         if any({end, end + 1} & denied for end in never):
             return False  # "never don't"

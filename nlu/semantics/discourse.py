@@ -83,10 +83,10 @@ def update_discourse(meaning: Meaning, content: PredicateForm, discourse: Discou
 
 
 def after_offer(choices: Sequence[Meaning | str], discourse: Discourse) -> Discourse:
-    """Return the discourse state after meanings were offered: "it" is what they all name."""
+    """Return the discourse state after an offer: "it" is what all choices with a name have."""
     offered = [tuple(_named_objects(choice)) for choice in choices if not isinstance(choice, str)]
-    named = offered[0] if offered else ()
-    if not named or any(each != named for each in offered):
+    named = next(filter(None, offered), ())
+    if not named or any(each not in {named, ()} for each in offered):
         return discourse
     discourse = discourse.accessible.naming(*dict.fromkeys(named))
     match choices:

@@ -31,7 +31,13 @@ def test_norm_is_understood_however_it_is_said(
 
 
 @pytest.mark.parametrize(
-    "text", ["do not pass me the knife", "never pass me the knife", "do not touch the mug"]
+    "text",
+    [
+        "do not pass me the knife",
+        "never pass me the knife",
+        "you must not give me the knife",
+        "do not touch the mug",
+    ],
 )
 def test_what_is_not_wanted_now_is_a_command(language: Language, text: str):
     """It holds for the moment, and is never carried out."""
@@ -66,6 +72,8 @@ def test_use_stays_a_rule(language: Language, text: str):
         "I don't mind if you don't hold the mug by the rim",
         "feel free not to pass the knife",
         "never pick up a spotless bottle",
+        "never bring a knife to a gun fight",
+        "you may pass the chisel so long as its cap is on",
     ],
 )
 def test_norm_that_cannot_be_kept_is_not_agreed_to(language: Language, text: str):
