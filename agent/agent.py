@@ -1,8 +1,10 @@
 """The agent: knowledge base, language, inference and robot joined into one that listens and acts.
 
-with Agent.open("memory:", AgentConfig(scene="objects:knife,mug", seed=7)) as agent:
-    agent.hear("A knife is used for cutting")
-    agent.hear("pass me something used for cutting").said
+    with Agent.open("memory:", AgentConfig(scene="objects:knife,mug", seed=7)) as agent:
+        agent.hear("A knife is used for cutting")
+        agent.hear("pass me something used for cutting").said
+
+The simulated body is made at the first command: teaching and asking need no robot.
 """
 
 from collections.abc import Callable, Collection, Generator, Mapping, Sequence

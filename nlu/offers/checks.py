@@ -169,13 +169,10 @@ class OfferChecks:
         return any(m.role == "person" and m.name == meaning.recipient for m in mentions.names)
 
     def _keeps_topic(self, meaning: Meaning, mentions: Mentions) -> bool:
-        if not isinstance(meaning, Statement):
-            return True
-        if meanings.is_used_on_itself(meaning):
-            return False
-        words = mentions.tokens.words
-        is_topic = any(self.words.end("pronoun", words, n) > n for n in range(2))
-        return not is_topic or all(rule.object == mentions.it for rule in meaning.rules)
+        rules = meaning.rules if isinstance(meaning, Statement) else ()
+        is_of_it = any(self.words.end("pronoun", mentions.tokens.words, n) > n for n in range(2))
+        is_other = is_of_it and any(rule.object != mentions.it for rule in rules)
+        return not is_other and not meanings.is_used_on_itself(meaning)
 
     def _keeps_scope(self, meaning: Meaning, mentions: Mentions) -> bool:
         if not isinstance(meaning, Statement) or len({rule.denies for rule in meaning.rules}) < 2:

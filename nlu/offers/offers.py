@@ -122,7 +122,7 @@ class OfferFinder:
     def of_mentions(self, mentions: Mentions, context: UtteranceContext) -> tuple[Meaning, ...]:
         """Return the meanings to offer for an utterance that names this."""
         found: list[Meaning] = []
-        left = 1.0  # the probability of all that is not denied where the words affirm it, or so
+        left = 1.0  # the probability of the candidates that deny just what the words deny
         for probability, candidate in self.ranked(mentions):
             meaning = meaning_from_json(candidate.meaning)
             is_plain = len(candidate.used) + isinstance(meaning, Question) > 1
