@@ -95,7 +95,8 @@ class Clarifier:
             return licence.weakened(reading.meaning, reading.features)
         if not self.answers.slots(answer):  # no evidence that what it names is of its kind
             return AskBack(self.answers.say(answer))
-        own = meanings.with_rules(reading.meaning, source=None)  # "do you say so, too?"
+        said = licence.weakened(reading.meaning, reading.features)
+        own = meanings.with_rules(said, source=None)  # "do you say so, too?"
         return AskBack(self.answers.say(answer, meant=self._choice(own)), (own,))
 
     def of_misspelling(self, unknown: Iterable[Token], accepted: Collection[str]) -> AskBack | None:

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from hilt.nlu import Language
 from hilt.nlu.semantics.clause_features import UtteranceFeatures
 from hilt.nlu.semantics.licence_table import ACCEPT, KINDS, bounded, load_licence
-from hilt.nlu.semantics.meaning import ActionRule, FunctionalRule, Retraction, Statement
+from hilt.nlu.semantics.meaning import ActionRule, AskBack, FunctionalRule, Retraction, Statement
 from hilt.ontology.errors import DataError
 
 HOLDING = Statement((ActionRule("knife", "pass", "blade", (0.95, 1.0)),))
@@ -40,6 +40,22 @@ def test_a_report_of_holding_is_asked_about(language: Language, feature: dict[st
 def test_a_possible_use_is_asked_about(language: Language, feature: dict[str, str]) -> None:
     """Nobody said that it is so."""
     assert language.parser.licence.outcome(USE, features(**feature)) == "ask_belief"
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "a spatula might be used for cutting",
+        "you might pass a knife by the blade",
+        "it might be better to pick up a spoon by the handle",
+    ],
+)
+def test_what_is_only_possible_is_asked_about_as_less_sure(language: Language, text: str) -> None:
+    """A "yes" to the question teaches no more than was said."""
+    found = language.understand(text).meaning
+
+    assert isinstance(found, AskBack)
+    assert [choice.rules[0].confidence for choice in found.choices] == [(0.5, 1.0)]
 
 
 def test_a_hedged_use_is_a_less_sure_rule(language: Language) -> None:
