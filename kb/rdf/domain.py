@@ -101,7 +101,7 @@ def node_statements(path: str) -> Iterator[Statement]:
 
 def _key(path: str) -> str:
     """The name of a node; that of a node below the root is the name to which rules are attached."""
-    return ".".join(path.replace("/", "-").rsplit("-", maxsplit=1))
+    return ".".join(path.replace("/", "-").rsplit("-", maxsplit=1))  # parsers may read one dot only
 
 
 def _having(node: Iri, key: Iri, kind: str, names: Iterable[str]) -> Iterator[Statement]:
