@@ -186,6 +186,8 @@ class KnownWords:
     def _may_end(self, first: str, second: str, role: str, kinds: Iterable[str]) -> bool:
         if role == "place" and self.lexicon.is_in_name(second, PLACES):
             return True  # "boiler room", as "living room"
+        if role == RECIPIENT and self.origins(first, "ing"):
+            return False  # nobody is a holding pen
         if self.lexicon.is_name(second, kinds):
             return role != "part" or not self.lexicon.is_name(first, kinds)
         if second in self.builder.homographs:

@@ -71,7 +71,9 @@ class CourtesyPhrases:
                 kept.append((start, end))
             else:
                 found.add(kind)
-        if not found:
+        addressed = tokens.items[1 : kept[0][0]] if kept and not name else ()
+        others = (each for each in addressed if not self.words.has("chatter", each.word))
+        if not found or any(map(self._is_person, others)):
             return None
         kind = next((each for each in self.words.names("courtesies") if each in found), "")
         text, starts = tokens.text, [*(each.start for each in tokens.items), len(tokens.text)]

@@ -24,7 +24,7 @@ from ..lexicon.unknown_words import MAX_NEW_WORDS, KnownWords
 from ..parsing.understanding import UtteranceContext
 from ..semantics import meaning as meanings
 from ..semantics.discourse import Discourse
-from ..semantics.meaning import AskBack, Meaning, Question, SimpleCommand, Statement
+from ..semantics.meaning import AskBack, Meaning, Question
 from .candidates import CandidateMeaning, OfferModel, candidates, left_over
 from .checks import OfferChecks
 from .meaning_shapes import composed_shapes, meaning_from_json, shape_from
@@ -34,7 +34,7 @@ MAX_OFFERS = 3
 
 LEAST = 0.22  # the least probability of the first offer
 LEAST_OF_ONE = 0.5  # the same of a question without a name, and of another one with at most one
-LEAST_ASKED = 0.8  # the least probability of a question that is answered at once
+LEAST_ASKED = 0.78  # the least probability of a question that is answered at once
 LEAST_OTHER = 0.03  # the least probability of a further offer
 MAX_TRIED = 6  # how many of the likeliest candidates are checked
 MAX_UNKNOWN = 5  # how many unknown words an utterance may have
@@ -78,24 +78,22 @@ class OfferFinder:
     def _is_sure(self, asked: Meaning, tokens: Tokens, context: UtteranceContext) -> bool:
         mentions = self.mentions(tokens, context.discourse)
         probability, best = next(iter(self.ranked(mentions)), (0.0, None))
-        if best is None or meaning_from_json(best.meaning) != asked or left_over(best, mentions):
+        left = left_over(best, mentions) if best else {}
+        if best is None or meaning_from_json(best.meaning) != asked or left.keys() - {"known"}:
             return False  # also where the likeliest meaning was rejected
         last = tokens.beginnings[-1]
         is_likely = probability >= LEAST_ASKED and "negative" not in mentions.features
         is_asked = not self.checks.words.words("interrogative").isdisjoint(tokens.words[last:])
-        is_about = any(m.end > last for used in best.used.values() for m in used)
-        return is_likely and bool(best.used) and (is_asked or is_about)
+        is_about = (all if left else any)(m.end > last for u in best.used.values() for m in u)
+        return is_likely and bool(best.used) and (is_about or (is_asked and not left))
 
     def meanings(self, tokens: Tokens, context: UtteranceContext) -> tuple[Meaning, ...]:
         """Return at most `MAX_OFFERS` meanings that an utterance may have, the likeliest first."""
         if not self.is_text(tokens):
             return ()
         mentions = self.mentions(tokens, context.discourse)
-        return (
-            self.of_corrected(tokens, context)
-            or self.of_mentions(mentions, context)
-            or self.of_end(mentions, context)
-        )
+        found = self.of_corrected(tokens, context) or self.of_mentions(mentions, context)
+        return found or self.of_last(tokens, context)
 
     def mentions(self, tokens: Tokens, discourse: Discourse) -> Mentions:
         """Return what an utterance names, with its features."""
@@ -136,17 +134,11 @@ class OfferFinder:
                 found.append(checked)
         return tuple(found[:MAX_OFFERS])
 
-    def of_end(self, mentions: Mentions, context: UtteranceContext) -> tuple[Meaning, ...]:
-        """Return what an utterance means from some pause on, if what precedes it names nothing."""
-        tokens, limits = mentions.tokens, self.checks.words.end("limiting", mentions.tokens.words)
-        for start in tokens.beginnings[1:] if not limits else ():
-            meaning = self.meaning_of(tokens.span(start, len(tokens.items)), context)
-            is_free = not any(each.start < start for each in mentions.known)
-            is_told = is_free and isinstance(meaning, (Statement, SimpleCommand))
-            is_kept = is_told and not self.checks.lost(meaning, mentions, [(0, start)])
-            if is_kept or isinstance(meaning, Question):
-                return (meaning,) if self._is_understood(meaning, context) else ()
-        return ()
+    def of_last(self, tokens: Tokens, context: UtteranceContext) -> tuple[Meaning, ...]:
+        """Return the question with which an utterance ends, after something else."""
+        ends = [tokens.span(start, len(tokens.items)) for start in tokens.beginnings[1:]]
+        asked = (self.meaning_of(each, context) for each in ends)
+        return next(((each,) for each in asked if isinstance(each, Question)), ())
 
     def rejected(self, one: CandidateMeaning, mentions: Mentions, context: UtteranceContext) -> str:
         """Return why a candidate is not offered, empty if it is."""

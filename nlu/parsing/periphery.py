@@ -22,6 +22,7 @@ from ..lexicon.unknown_words import KnownWords
 from ..semantics.clause_features import MAIN, FeatureReader
 from ..semantics.meaning import (
     ActionRule,
+    AskBack,
     Command,
     Meaning,
     NormStatement,
@@ -461,6 +462,8 @@ def kinds_of_core(meaning: Meaning) -> frozenset[str]:
             return frozenset({HOLDING})
         case Statement(rules):
             return frozenset(HOLDING if isinstance(rule, ActionRule) else USE for rule in rules)
+        case AskBack(choices=(Statement() as asked,)):
+            return kinds_of_core(asked)
         case _:
             return frozenset()
 
