@@ -23,6 +23,7 @@ LEAST_OF = {
     "far_commands.jsonl": 0.4,
     "far_speakers.jsonl": 0.4,
     "far_natural.jsonl": 0.4,
+    "far_table.jsonl": 0.55,
     "far_people.jsonl": 0.1,
     "far_holding.jsonl": 0.3,
     "far_uses.jsonl": 0.3,
@@ -63,6 +64,13 @@ OTHERWISE = {
         "a norm about patients"
     ),
     "Not all spoons are used for stirring.": "only sometimes, then",
+    "Somebody needs the spatula? Give it with your fingers on the shaft.": "a command, not a rule",
+    "Get something that's used for cutting and cut the rope with it.": "two steps",
+    "Both the mug and the glass are there to hold water.": "holding, not containing",
+    "I think you'd want the shaft in your hand when passing a hammer.": "a belief",
+    "I'd say you should always have the handle in your hand when you pound with a hammer.": (
+        "a belief"
+    ),
 }
 
 
@@ -89,6 +97,7 @@ UNDERSTOOD = (
     "far_natural.jsonl",
     "far_people.jsonl",
     "far_speakers.jsonl",
+    "far_table.jsonl",
     "far_uses.jsonl",
     "far_voices.jsonl",
     "wide.yaml",
