@@ -196,12 +196,11 @@ class _Attempt:
                 continue
             asked = found.reading if isinstance(found.meaning, AskBack) else None
             kinds = kinds_of_core((asked or found).meaning)
+            if not kinds or not kinds <= core.kinds:
+                return None
             before = (self._understand(each, context, is_core=True) for each in core.preamble)
-            is_core = bool(kinds) and kinds <= core.kinds
-            is_alone = is_core and all(
-                each.reading is None or isinstance(each.meaning, Acknowledgement) for each in before
-            )
-            return found if is_alone else None
+            said = (each.meaning for each in before if each.reading is not None)
+            return found if all(isinstance(each, Acknowledgement) for each in said) else None
         return None
 
     def _core(self, core: Core, context: UtteranceContext) -> Understanding | None:

@@ -197,7 +197,7 @@ def test_likely_question_is_answered_at_once(language: Language) -> None:
 
 def test_norms_are_offered(language: Language) -> None:
     """As a sentence that is understood as a norm, beside a command for the moment."""
-    text = "It is perfectly fine with me if you pick up the shoe, so you have my permission."
+    text = "Should you feel like picking up the shoe, that is allowed."
     found = offered(language, text)
 
     assert {each.kind for each in found if not isinstance(each, str)} == {"statement", "command"}
