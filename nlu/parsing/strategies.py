@@ -184,7 +184,7 @@ class _Attempt:
             is_silent = set(variant.words) == {BREAK}
             found = None if is_silent else self._as_sentence(variant, context)
             if found is None or found.reading is None:
-                found = self._by_segments(variant, context)
+                found = None if variant in self._fronted else self._by_segments(variant, context)
             if found is not None:
                 return found
         return None
