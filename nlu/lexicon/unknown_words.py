@@ -186,14 +186,13 @@ class KnownWords:
     def _may_end(self, first: str, second: str, role: str, kinds: Iterable[str]) -> bool:
         if role == "place" and self.lexicon.is_in_name(second, PLACES):
             return True  # "boiler room", as "living room"
-        if role == RECIPIENT and self.origins(first, "ing"):
-            return False  # nobody is a holding pen
         if self.lexicon.is_name(second, kinds):
             return role != "part" or not self.lexicon.is_name(first, kinds)
         if second in self.builder.homographs:
             return role == "object"
         is_plural = bool(self.origins(first, "plural"))
-        return not is_plural and is_word(second) and not self.has(second)
+        is_act = role == RECIPIENT and self.origins(first, "ing")  # nobody is a holding pen
+        return not (is_plural or is_act) and is_word(second) and not self.has(second)
 
     def _may_name(self, word: str) -> bool:
         if not is_word(word) or self.builder.is_of_grammar(word) or not self.has(word):

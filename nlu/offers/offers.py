@@ -35,6 +35,7 @@ MAX_OFFERS = 3
 LEAST = 0.22  # the least probability of the first offer
 LEAST_OF_ONE = 0.5  # the same of a question without a name, and of another one with at most one
 LEAST_ASKED = 0.8  # the least probability of a question that is answered at once
+LEAST_ASKED_BESIDE = 0.85  # the same beside words that may name something else
 LEAST_OTHER = 0.03  # the least probability of a further offer
 MAX_TRIED = 6  # how many of the likeliest candidates are checked
 MAX_UNKNOWN = 5  # how many unknown words an utterance may have
@@ -81,12 +82,12 @@ class OfferFinder:
         left = left_over(best, mentions) if best else {}
         if best is None or meaning_from_json(best.meaning) != asked or left.keys() - {"known"}:
             return False  # also where the likeliest meaning was rejected
-        if probability < LEAST_ASKED + 0.05 * bool(left) or "negative" in mentions.features:
-            return False
+        is_likely = probability >= (LEAST_ASKED_BESIDE if left else LEAST_ASKED)
+        is_plain = is_likely and "negative" not in mentions.features
         last = tokens.beginnings[-1]
         is_asked = not self.checks.words.words("interrogative").isdisjoint(tokens.words[last:])
         is_about = (all if left else any)(m.end > last for u in best.used.values() for m in u)
-        return bool(best.used) and (is_about or (is_asked and not left))
+        return is_plain and bool(best.used) and (is_about or (is_asked and not left))
 
     def meanings(self, tokens: Tokens, context: UtteranceContext) -> tuple[Meaning, ...]:
         """Return at most `MAX_OFFERS` meanings that an utterance may have, the likeliest first."""
@@ -139,7 +140,8 @@ class OfferFinder:
         """Return the question with which an utterance ends, after something else."""
         ends = [tokens.span(start, len(tokens.items)) for start in tokens.beginnings[1:]]
         asked = (self.meaning_of(each, context) for each in ends)
-        return next(((each,) for each in asked if isinstance(each, Question)), ())
+        found = (each for each in asked if isinstance(each, Question))
+        return next(((each,) for each in found if self._is_understood(each, context)), ())
 
     def rejected(self, one: CandidateMeaning, mentions: Mentions, context: UtteranceContext) -> str:
         """Return why a candidate is not offered, empty if it is."""
