@@ -139,7 +139,6 @@ class SpeechRecogniser(Protocol):
 
     def learn(self, language: "Language") -> None:
         """Take note of the words that are known now; one with words of its own does nothing."""
-        ...
 
 
 class Voice(Protocol):
@@ -147,8 +146,6 @@ class Voice(Protocol):
 
     def say(self, text: str, cancelled: Event) -> None:
         """Speak until all is said, or the event is set."""
-        ...
 
     def save(self, text: str, path: Path) -> None:
         """Write a text as a WAV file."""
-        ...

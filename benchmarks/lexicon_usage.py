@@ -363,7 +363,7 @@ class Recorder:
     def _trace_understanding(self) -> None:
         recorder, attempt, markers = self, strategies._Attempt, DiscourseMarkers
         segments, by_segments = attempt._segments, attempt._by_segments
-        end_of, tag, bounds = markers._end, markers._tag, markers.mark_boundaries
+        end_of, tag = markers._end, markers._tag
 
         def all_segments(self: Any, *given: Any, **options: Any) -> Any:
             recorder._last = segments(self, *given, **options)
@@ -388,14 +388,8 @@ class Recorder:
                 recorder._removed.append((kind, tokens.words[place:]))
             return place
 
-        def boundaries(self: Any, tokens: Any) -> Any:
-            for pause in tokens.pauses:
-                for length in range(1, pause + 1):
-                    recorder._removed.append(("ending", tokens.words[pause - length : pause]))
-            return bounds(self, tokens)
-
         attempt._segments, attempt._by_segments = all_segments, combined
-        markers._end, markers._tag, markers.mark_boundaries = end, tag_of, boundaries
+        markers._end, markers._tag = end, tag_of
 
 
 def written(path: Path, usage: Usage, least: Least) -> str:

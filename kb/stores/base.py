@@ -59,15 +59,12 @@ class Store(ReadableStore, Protocol):
 
     def apply(self, *, insert: Iterable[Quad] = (), delete: Iterable[Quad] = ()) -> None:
         """Delete, then insert, as one atomic, durable unit; after a StoreError nothing changed."""
-        ...
 
     def update(self, update: str) -> None:
         """Run a SPARQL update, as `apply`; QueryError if the update is wrong."""
-        ...
 
     def save(self, target: Path) -> None:
         """Write a copy of all statements into a new folder; StoreError if it cannot be written."""
-        ...
 
     def writing(self) -> AbstractContextManager[object]:
         """The lock to hold while a write depends on what was read before it."""
@@ -75,7 +72,6 @@ class Store(ReadableStore, Protocol):
 
     def close(self) -> None:
         """Close the store; it cannot be used any more. Closing twice is allowed."""
-        ...
 
 
 @runtime_checkable
@@ -93,11 +89,9 @@ class EmbeddedStore(Protocol):
 
     def check_tables(self) -> None:
         """Read every statement in every way it is stored; StoreError where one is damaged."""
-        ...
 
     def load(self, lines: Iterable[bytes]) -> None:
         """Add the statements of lines of N-Quads as one unit, while they are made."""
-        ...
 
 
 def described_nodes(store: ReadableStore, graph: Iri) -> Iterator[tuple[Iri, Properties]]:

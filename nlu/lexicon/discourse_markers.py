@@ -6,13 +6,14 @@ Controls ("stop", "please wait", "put it down") are obeyed before any parsing. A
 control only as a whole, so "stop using the knife" and "never drop it" are none.
 """
 
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, fields, replace
+from itertools import combinations, pairwise
 
 from ...ontology.yaml_reader import YamlNode
 from ..grammar import word_patterns
-from ..grammar.word_patterns import Phrase, Steps, WordLists
-from .tokenizer import BREAK, Token, Tokens
+from ..grammar.word_patterns import Phrase, Steps, WordLists, places_of
+from .tokenizer import BREAK, Tokens
 
 
 @dataclass(frozen=True)
@@ -26,10 +27,9 @@ class DiscourseMarkers:
     question_tags: frozenset[Phrase] = frozenset()
     #: tags with a question mark that ask for nothing, such as "okay?"
     statement_tags: frozenset[Phrase] = frozenset()
-    #: phrases that are a sentence of their own before a pause: "forget that, ..."
-    ending: frozenset[Phrase] = frozenset()
     #: the beginning and the tag of a request, a break between them: "you could not ..., could you?"
     request_tags: frozenset[Phrase] = frozenset()
+    emphasis: frozenset[Phrase] = frozenset()  #: words that only stress an adverb between pauses
     clauses: Steps = ()  #: patterns of reasons that add nothing before a pause or the end
 
     def with_phrases(self, kind: str, field: YamlNode) -> "DiscourseMarkers":
@@ -41,20 +41,6 @@ class DiscourseMarkers:
         if kind == "clauses":
             return replace(self, clauses=known + word_patterns.read_patterns(field))
         return replace(self, **{kind: known | word_patterns.read_phrases(field)})
-
-    def mark_boundaries(self, tokens: Tokens) -> Tokens:
-        """Put a break after the phrases that are a sentence of their own before a pause."""
-        words = tokens.words
-        ends = {p for p in tokens.pauses if any(words[:p][-len(e) :] == e for e in self.ending)}
-        items: list[Token] = []
-        pauses: list[int] = []
-        for place, token in enumerate(tokens.items):
-            if place in ends:
-                items.append(Token(BREAK, token.start, token.start))
-            elif place in tokens.pauses:
-                pauses.append(len(items))
-            items.append(token)
-        return replace(tokens, items=tuple(items), pauses=tuple(pauses)) if ends else tokens
 
     def remove_tag(self, tokens: Tokens) -> Tokens:
         """Remove the tag at the end: "..., isn't it?", "..., okay?"."""
@@ -95,6 +81,25 @@ class DiscourseMarkers:
                 removed.append(words[place:end])
             place = end
         return replace(_begun_once(tokens.only(kept)), removed=(*tokens.removed, *removed))
+
+    def leave_last_degree(self, tokens: Tokens, degrees: Mapping[Phrase, str]) -> Tokens:
+        """Leave the last of the degrees between pauses, and none that is said again elsewhere."""
+        words, found = tokens.words, None
+        for start, end in pairwise(sorted(tokens.edges)):
+            for first, last in combinations(range(start, min(end, start + _LONGEST) + 1), 2):
+                beside = (*words[start:first], *words[last:end])
+                if words[first:last] in degrees and all((w,) in self.emphasis for w in beside):
+                    if found and found[3] != start:
+                        return tokens  # "often, it cuts and, often, it pounds"
+                    found = (found[0] if found else start, first, last, end)
+                    break
+        if found is None:
+            return tokens
+        begin, first, last, end = found
+        rest = (*words[:begin], BREAK, *words[end:])
+        again = (p for p in degrees if degrees[p] == degrees[words[first:last]])
+        kept = () if any(any(places_of(p, rest)) for p in again) else range(first, last)
+        return tokens.only([*range(begin), *kept, *range(end, len(words))])
 
     def _end(self, words: Phrase, start: int, edges: Collection[int], *, has_pauses: bool) -> int:
         clauses = word_patterns.match_pattern(self.clauses, words, start)

@@ -158,7 +158,7 @@ def utterance_features(mentions: Mentions, asides: Asides) -> Iterator[str]:
 
 def filling_features(candidate: CandidateMeaning, mentions: Mentions) -> Iterator[tuple[str, str]]:
     """How the names fill the slots: pairs of a feature and the trait it goes with."""
-    kind = candidate.shape.traits[1]
+    kind = candidate.shape.traits[0]
     labels = (*mentions.labels, _END)
     order: list[tuple[int, str]] = []
     for slot, used in candidate.used.items():

@@ -74,7 +74,7 @@ class MeaningShape:
         kind = "kind=" + "+".join(sorted(kinds | {str(template[key]) for key in named}))
         size = f"size={len(rules) if isinstance(rules, list) else 1}"
         said = sorted({f"{key}={json.dumps(value)}" for key, value in leaves(template)})
-        return tuple(dict.fromkeys((self.text, kind, size, *said)))
+        return (kind, size, *said)
 
     def values_in(self, meaning: Json) -> dict[str, object]:
         """The values that the slots have in a meaning of this shape."""

@@ -5,8 +5,6 @@ language generates for an offer must be understood as just this meaning. An offe
 or acted on before its speaker has chosen it.
 """
 
-import base64
-import bz2
 import json
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -76,18 +74,20 @@ class OfferFinder:
         numbered = " ".join(f"{number}. {each}." for number, each in enumerate(said, start=1))
         return AskBack(self.realizer.answers.say("offers", choices=numbered), choices)
 
-    def _is_sure(self, asked: Meaning, tokens: Tokens, context: UtteranceContext) -> bool:
+    def _is_sure(self, meant: Meaning, tokens: Tokens, context: UtteranceContext) -> bool:
         mentions = self.mentions(tokens, context.discourse)
         probability, best = next(iter(self.ranked(mentions)), (0.0, None))
         left = left_over(best, mentions) if best else {}
-        if best is None or meaning_from_json(best.meaning) != asked or left.keys() - {"known"}:
+        if best is None or meaning_from_json(best.meaning) != meant or left.keys() - {"known"}:
             return False  # also where the likeliest meaning was rejected
-        is_likely = probability >= (LEAST_ASKED_BESIDE if left else LEAST_ASKED)
-        is_plain = is_likely and "negative" not in mentions.features
-        last = tokens.beginnings[-1]
-        is_asked = not self.checks.words.words("interrogative").isdisjoint(tokens.words[last:])
+        last, words = tokens.beginnings[-1], self.checks.words
+        asked = tokens.words[last:]
+        if self.checks.denies(asked) or not best.used:
+            return False
+        is_asked = not words.words("interrogative").isdisjoint(asked)
         is_about = (all if left else any)(m.end > last for u in best.used.values() for m in u)
-        return is_plain and bool(best.used) and (is_about or (is_asked and not left))
+        is_likely = probability >= (LEAST_ASKED_BESIDE if left else LEAST_ASKED)
+        return is_likely and (is_about or (is_asked and not left))
 
     def meanings(self, tokens: Tokens, context: UtteranceContext) -> tuple[Meaning, ...]:
         """Return at most `MAX_OFFERS` meanings that an utterance may have, the likeliest first."""
@@ -196,7 +196,8 @@ _uncorrecting = partial(meanings.with_rules, revises=False)  # whether it is a c
 def load_model(path: Path) -> OfferModel:
     """Return the model in a file, which `benchmarks/train_offers.py` writes."""
     data = json.loads(path.read_text(encoding="utf-8"))
-    weights = json.loads(bz2.decompress(base64.b64decode(data["weights"])))
+    pairs = {f: zip(said[::2], said[1::2], strict=True) for f, said in data["weights"].items()}
+    weights = {f: {data["traits"][n]: w / 10 for n, w in each} for f, each in pairs.items()}
     shapes = dict.fromkeys((*composed_shapes(), *map(shape_from, data["shapes"])))
     return OfferModel(tuple(shapes), weights)
 

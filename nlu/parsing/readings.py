@@ -135,6 +135,10 @@ class ReadingFilter:
         is_said_of_them = reading.speech_act.arguments[-1].name == "need"  # "the lock needs a key"
         kinds = (self.features.is_part, self.features.is_elsewhere, self.features.is_abstract)
         given = (Command, Statement) if commanded else (Command, NormStatement, Statement)
+        is_norm = isinstance(reading.meaning, NormStatement) and not tokens.is_transcript
+        near = (_before(tokens.words, p.word, 1) for p in people if p.word not in tokens.proper)
+        if is_norm and any(map(self.features.words["determiners"].isdisjoint, filter(None, near))):
+            return False  # "the knife is not for hair"
         return (
             isinstance(reading.meaning, given)
             and not is_said_of_them

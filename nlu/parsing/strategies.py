@@ -96,7 +96,6 @@ class _Attempt:
 
     def understand(self, tokens: Tokens, context: UtteranceContext) -> Understanding:
         """Return the result for the utterance, whose tag ("..., okay?") is taken off first."""
-        tokens = self._markers.mark_boundaries(tokens)
         request = self._markers.request_before_tag(tokens)
         found = self._understand(request, context) if request else None
         is_command = found and isinstance(found.meaning, meanings.SimpleCommand)
@@ -226,9 +225,9 @@ class _Attempt:
         barriers = self._tools.parser.features.words["embedding"]
         untagged = self._markers.remove_tag(tokens)
         for each in (untagged, builder.expand_endings(untagged)):
-            yield each
-            bare = self._markers.remove_markers(each, qualifiers)
-            yield bare
+            marked = self._markers.remove_markers(each, qualifiers)
+            bare = self._markers.leave_last_degree(marked, qualifiers)
+            yield from (each, marked, bare)
             fronted = None if BREAK in bare.words else move_to_front(bare, qualifiers, barriers)
             if fronted:
                 self._fronted.add(fronted)

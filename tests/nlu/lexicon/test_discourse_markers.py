@@ -6,7 +6,7 @@ import pytest
 
 from hilt.nlu import Language
 from hilt.nlu.lexicon.discourse_markers import DiscourseMarkers, move_to_front
-from hilt.nlu.lexicon.tokenizer import BREAK, tokenize
+from hilt.nlu.lexicon.tokenizer import tokenize
 from hilt.ontology.errors import DataError
 from hilt.ontology.yaml_reader import YamlNode
 
@@ -62,12 +62,26 @@ def test_a_tag_makes_a_question_or_does_not(kind: str, asks: bool) -> None:
     assert (found.words, found.asks) == (("knives", "cut"), asks)
 
 
-def test_a_pause_may_end_a_sentence() -> None:
-    """The two sentences "forget that, ..." are not the one "forget that ..."."""
-    known = discourse_markers("ending", "forget that")
+@pytest.mark.parametrize(
+    ("text", "left"),
+    [
+        ("every so often, now and then at least, it cuts", "now and then it cuts"),
+        ("often, well rarely, it cuts", "rarely it cuts"),
+        ("rarely, and I mean rarely, it cuts", "rarely it cuts"),
+        ("it rarely cuts, very rarely", "it rarely cuts"),
+        ("often, it cuts", "often it cuts"),
+        ("often, it cuts and, often, it pounds", "often it cuts and often it pounds"),
+        ("it cuts often enough", "it cuts often enough"),
+    ],
+)
+def test_of_degrees_that_are_repeated_the_last_is_left(text: str, left: str) -> None:
+    """One that stands alone, or with something said between, stays where it is."""
+    emphasis = ("and", "at", "least", "well", "i", "mean", "very")
+    known = DiscourseMarkers(emphasis=frozenset((word,) for word in emphasis))
+    degrees = {("every", "so", "often"): "low", ("now", "and", "then"): "low"}
+    degrees |= {("often",): "high", ("rarely",): "none"}
 
-    assert known.mark_boundaries(tokenize("forget that, it cuts", {})).words[2] == BREAK
-    assert known.mark_boundaries(tokenize("forget that it cuts", {})).words[2] == "it"
+    assert known.leave_last_degree(tokenize(text, {}), degrees).words == tuple(left.split())
 
 
 def test_a_repeated_beginning_is_removed() -> None:

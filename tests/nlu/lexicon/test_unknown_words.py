@@ -223,7 +223,7 @@ def test_a_thing_may_be_called_as_a_word_of_meanings_is(language: Language) -> N
         "Pass me the chipped mug",
         "Is the chipped mug used for containing?",
         "Knives are for cutting, and pigs fly",
-        "Mugs and glasses alike are used for containing",
+        "Mugs as with glasses are used for containing",
     ],
 )
 def test_where_a_sentence_shows_no_role_nothing_is_guessed(language: Language, text: str) -> None:
