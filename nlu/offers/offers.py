@@ -30,7 +30,7 @@ from .mentions import Mention, Mentions, find_mentions
 
 MAX_OFFERS = 3
 
-LEAST = 0.22  # the least probability of the first offer
+LEAST = 0.27  # the least probability of the first offer
 LEAST_OF_ONE = 0.5  # the same of a question without a name, and of another one with at most one
 LEAST_ASKED = 0.8  # the least probability of a question that is answered at once
 LEAST_ASKED_BESIDE = 0.85  # the same beside words that may name something else
