@@ -56,7 +56,7 @@ RUN = 20  # neighbouring lines that stay together
 LEAST_SHAPES, LEAST_FEATURES = 40, 4
 """How many examples have a shape or a feature that is used."""
 
-KEPT = 1000
+KEPT = 1010
 """How many weights are kept, the greatest."""
 
 LEAST_WEIGHT = 0.35
@@ -65,8 +65,8 @@ LEAST_WEIGHT = 0.35
 PENALTY = 0.5
 """The weight of the squared weights in the loss."""
 
-UNDERSTOOD = 0.2
-"""How much an utterance counts that is understood, for which nothing is ever offered."""
+UNDERSTOOD, TO_REFUSE = 0.2, 0.5
+"""How much an utterance counts for which nothing is ever offered, or nothing should be."""
 
 
 _PEOPLE = ("recipient", "speaker")
@@ -319,12 +319,18 @@ def trained(examples: Sequence[Example], acts: Mapping[str, str]) -> OfferModel:
     return OfferModel(shapes, found)
 
 
+def _count(example: Example) -> float:
+    if not example.is_refused:
+        return UNDERSTOOD
+    return TO_REFUSE if example.must_be_refused else 1.0
+
+
 def _fit(data: Sequence[Choices], made: Design, steps: int) -> np.ndarray:
     right = np.concatenate([choice.right for choice in data]).astype(float)
     sizes = [len(choice.right) for choice in data]
     firsts = np.concatenate([[0], np.cumsum(sizes)[:-1]])
     owners = np.repeat(np.arange(len(sizes)), sizes)
-    counts = np.array([1.0 if each.example.is_refused else UNDERSTOOD for each in data])
+    counts = np.array([_count(each.example) for each in data])
 
     def loss(weights: np.ndarray) -> tuple[float, np.ndarray]:
         scores = made.scores(weights)

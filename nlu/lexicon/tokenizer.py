@@ -73,6 +73,12 @@ class Tokens:
         spans = pairwise((*self.beginnings, len(self.items)))
         return [span for span in spans if set(self.words[slice(*span)]) - {BREAK}]
 
+    @property
+    def sentences(self) -> list[tuple[int, int]]:
+        """The spans from one break to the next, each with the break that ends it."""
+        breaks = (place for place, word in enumerate(self.words, start=1) if word == BREAK)
+        return list(pairwise((0, *sorted({*breaks, len(self.items)}))))
+
     @cached_property
     def edges(self) -> frozenset[int]:
         """The places where a piece may begin or end, which are also those of breaks."""

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 from ..grammar.word_patterns import Phrase, WordLists, places_of
-from ..lexicon.tokenizer import BREAK
+from ..lexicon.tokenizer import BREAK, Tokens
 from ..lexicon.vocabulary import NewWord
 from ..parsing.readings import features_of_names
 from ..semantics import meaning as meanings
@@ -26,9 +26,10 @@ OPERATORS = ("negative", "implied_negation", "weak_negation", "condition", "exce
 
 _DENYING = ("negative", "implied_negation", "weak_negation", "exception")
 _SIGNS = (*OPERATORS, "by", "before_part")
-_QUOTES = frozenset('"“”„«»')
 _ANYBODY, _UNSURE = frozenset({"generic", "people"}), frozenset({"weak", "perhaps"})
-_HEARER, _NOW = frozenset({"addressee"}), frozenset({"now"})
+_NOW = frozenset({"now"})
+_TELLING = frozenset({"attitude", "belief", "source", "condition", "exception"})
+_OF_PLACE = frozenset({"how", "see", "source", "about", "why", "why_not"})
 _UNSAID = frozenset({(0.95, 1.0), (0.0, 0.05)})  # the degrees of rules that no word gives
 _ASKED = 3  # words after the beginning of a phrase that asks for something
 
@@ -48,25 +49,20 @@ class OfferChecks:
     def lost(self, meaning: Meaning, mentions: Mentions, asides: Sequence[Span]) -> str:
         """Return what a meaning would lose of an utterance beside some asides, empty if nothing."""
         kept: Mapping[str, Callable[[], bool]] = {
-            "completeness": lambda: self._is_complete(meaning, mentions),
+            "completeness": lambda: self._is_complete(meaning, mentions.tokens),
             "sign": lambda: self._keeps_sign(meaning, mentions, asides),
-            "topic": lambda: self._keeps_topic(meaning, mentions),
             "scope": lambda: self._keeps_scope(meaning, mentions),
             "degree": lambda: self._keeps_degree(meaning, mentions),
             "condition": lambda: self._keeps_condition(meaning, mentions),
-            "grip": lambda: self._keeps_grip(meaning, mentions),
             "recipient": lambda: self._keeps_recipient(meaning, mentions),
-            "quotation": lambda: not _QUOTES.intersection(mentions.tokens.text),
-            "question": lambda: not mentions.tokens.asks or not isinstance(meaning, Statement),
+            "question": lambda: self._keeps_question(meaning, mentions),
             "licence": lambda: self._is_licensed(meaning, mentions, asides),
         }
         return next((name for name, keeps in kept.items() if not keeps()), "")
 
     def _is_licensed(self, meaning: Meaning, mentions: Mentions, asides: Sequence[Span]) -> bool:
-        features = self.clause_features(mentions, [*asides, *self._reasons(meaning, mentions)])
-        if isinstance(meaning, SimpleCommand) and (
-            features.main.get("tense", _NOW) - _NOW or self._is_done_by_others(meaning, mentions)
-        ):
+        features = self.clause_features(mentions, asides)
+        if isinstance(meaning, SimpleCommand) and features.main.get("tense", _NOW) - _NOW:
             return False
         words, said = mentions.tokens.words, {str(leaf) for _, leaf in leaves(meaning.as_json())}
         new = [
@@ -84,15 +80,16 @@ class OfferChecks:
         features = replace(features, main={**main, **named})
         return self.licence.outcome(meaning, features) == ACCEPT
 
-    def _is_done_by_others(self, meaning: SimpleCommand, mentions: Mentions) -> bool:
-        words = mentions.tokens.words
-        acts = [m for m in mentions.names if m.role == "act" and m.name == meaning.goal]
-        subjects = [self.reader.of_words(words[m.start - 1 : m.start]) for m in acts if m.start]
-        return any(each.get("agent", _HEARER) != _HEARER for each in subjects)
-
     def denies(self, words: Sequence[str]) -> bool:
         """Whether words deny something, limit it by an exception, or say what comes close."""
         return any(self._has(kind, words) for kind in _DENYING)
+
+    def is_apart(self, words: Sequence[str]) -> bool:
+        """Whether a sentence takes back or limits nothing that another one says."""
+        told = any(self._has(kind, words) for kind in ("doubtful", "condition"))
+        return (
+            not told and not self.denies(words) and _TELLING.isdisjoint(self.reader.of_words(words))
+        )
 
     def clause_features(self, mentions: Mentions, asides: Sequence[Span]) -> UtteranceFeatures:
         """The features of the clauses of an utterance that names this."""
@@ -110,11 +107,10 @@ class OfferChecks:
                 found |= {f"{clause} {feature}={value}" for value in values}
         return frozenset(found | ({"cut"} if self._is_cut(words) else set()))
 
-    def _is_complete(self, meaning: Meaning, mentions: Mentions) -> bool:
-        words, pauses = mentions.tokens.words, mentions.tokens.pauses
-        is_cut = not isinstance(meaning, Question) and self._is_cut(words)
-        doubled = (n for n, (one, two) in enumerate(pairwise(words), start=1) if one == two)
-        return not is_cut and all(place in pauses for place in doubled)
+    def _is_complete(self, meaning: Meaning, tokens: Tokens) -> bool:
+        doubled = (n for n, (one, two) in enumerate(pairwise(tokens.words), 1) if one == two)
+        is_cut = not isinstance(meaning, Question) and self._is_cut(tokens.words)
+        return not is_cut and all(place in tokens.pauses for place in doubled)
 
     def _is_cut(self, words: Phrase) -> bool:
         last = words[-1:]  # "what you hold it by" is whole
@@ -126,7 +122,6 @@ class OfferChecks:
         if not is_why:
             return True
         own = [span for span in asides if self.is_clause_of_its_own(words[slice(*span)])]
-        own += self._reasons(meaning, mentions)
         own += [s for s in mentions.pieces if self.words.end("concession", words[slice(*s)])]
         beside = {place for span in own for place in range(*span)} | self._idle(mentions)
         implied = beside.issuperset(self.spoken("implied_negation", mentions))
@@ -139,51 +134,34 @@ class OfferChecks:
         if any({end, end + 1} & denied for end in never):
             return False  # "never don't"
         is_told = isinstance(meaning, (Statement, meanings.NormStatement)) or not denied
-        count = len(denied) + bool(never and is_told)
+        found = [*denied, *(never[:1] if is_told else ())]
+        # Negations in several clauses agree, "nobody, I mean nobody"; in one they cancel out.
+        by_piece = [sum(start <= n < end for n in found) for start, end in mentions.pieces]
+        count = max(by_piece, default=0)
         signs = int(is_negative(meaning))
+        named = [m.start for m in mentions.names if m.name in _names_in(meaning)]
+        last = next((s for s in mentions.tokens.sentences if s[1] > max(named, default=0)), (0, 0))
+        if signs and named and not any(last[0] <= n < last[1] for n in found):
+            return False  # "it's not for that. It's for cutting"
         return count == signs or (count == signs + 1 and meanings.only_revises(meaning))
 
-    def _reasons(self, meaning: Meaning, mentions: Mentions) -> Iterator[Span]:
-        if not isinstance(meaning, Command):
-            return
-        words = mentions.tokens.words
-        asked = {m.start for m in mentions.names if m.role == "act" and m.name == meaning.goal}
-        uses = {m.start for m in mentions.names if m.role == "affordance" and not m.is_new}
-        for start, end in self._clause_spans(mentions) if asked else ():
-            is_own = self.is_clause_of_its_own(words[start:end])
-            is_own = is_own or self._has("finite", words[start:end])
-            is_reason = is_own or self.words.has("turning", *words[end : end + 1])
-            if is_reason and (asked | uses).isdisjoint(range(start, end)):
-                yield start, end
-
-    def _clause_spans(self, mentions: Mentions) -> Iterator[Span]:
-        words = mentions.tokens.words
-        parting = self.words.phrases("turning") | self.words.phrases("because")
-        for start, end in mentions.pieces:
-            inner = [n for n in range(start + 1, end) if (words[n],) in parting]
-            yield from pairwise((start, *inner, end))
+    def _keeps_question(self, meaning: Meaning, mentions: Mentions) -> bool:
+        if isinstance(meaning, Question):
+            return meaning.ask in _OF_PLACE or not self._has("place_asked", mentions.tokens.words)
+        return not mentions.tokens.asks or not isinstance(meaning, Statement)
 
     def _keeps_recipient(self, meaning: Meaning, mentions: Mentions) -> bool:
         if not isinstance(meaning, Command) or not self._has("recipient", mentions.tokens.words):
             return True
-        return any(m.role == "person" and m.name == meaning.recipient for m in mentions.names)
-
-    def _keeps_topic(self, meaning: Meaning, mentions: Mentions) -> bool:
-        rules = meaning.rules if isinstance(meaning, Statement) else ()
-        is_of_it = any(self.words.end("pronoun", mentions.tokens.words, n) > n for n in range(2))
-        is_other = is_of_it and any(rule.object != mentions.it for rule in rules)
-        return not is_other and not meanings.is_used_on_itself(meaning)
+        return meaning.recipient in mentions.by_role.get("person", {})
 
     def _keeps_scope(self, meaning: Meaning, mentions: Mentions) -> bool:
-        if not isinstance(meaning, Statement) or len({rule.denies for rule in meaning.rules}) < 2:
-            return True
-        denied = {_said_of(rule) for rule in meaning.rules if rule.denies}
-        named = [m for m in mentions.names if m.name in set(map(_said_of, meaning.rules))]
-        return all(
-            not after or after[0].name in denied
-            for place in self._places("negative", mentions.tokens.words)
-            for after in [[m for m in named if m.start > place]]
-        )
+        rules = meaning.rules if isinstance(meaning, Statement) else ()
+        denied = {_said_of(rule) for rule in rules if rule.denies}
+        named = [m for m in mentions.names if m.name in set(map(_said_of, rules))]
+        places = self._places("negative", mentions.tokens.words)
+        after = (next((m.name for m in named if m.start > place), None) for place in places)
+        return len(rules) < 2 or denied.issuperset(filter(None, after))
 
     def is_clause_of_its_own(self, words: Sequence[str]) -> bool:
         """Whether a clause has a doer or gives a reason, and is no speech or thought."""
@@ -211,20 +189,23 @@ class OfferChecks:
         if isinstance(meaning, Statement):
             told = {rule.confidence for rule in meaning.rules}
             return not said or (said <= told and (len(told) == 1 or told - said <= _UNSAID))
+        if isinstance(meaning, meanings.NormStatement):
+            said -= {(1.0, 1.0)}  # "you are always allowed to"
         return all(is_negative(meaning) and upper < meanings.LIKELY for _, upper in said)
 
     def _keeps_condition(self, meaning: Meaning, mentions: Mentions) -> bool:
+        words = mentions.tokens.words
         is_doubted = not isinstance(meaning, Question) and self.spoken("doubtful", mentions)
         if is_doubted or self.spoken("exception", mentions):
             return False
         is_now = isinstance(meaning, SimpleCommand) and not meaning.negated
-        if not is_now and self.spoken("until", mentions):
-            return False
-        if not (is_now or isinstance(meaning, Question)) and self.spoken("placed", mentions):
+        usual = self._places("usual_place", words) if isinstance(meaning, Statement) else ()
+        is_placed = not set(self.spoken("placed", mentions)) <= set(usual)
+        if is_placed and not (is_now or isinstance(meaning, Question)):
             return False
         if isinstance(meaning, SimpleCommand):
             kind = "supposing" if is_now else "condition"
-            return all(self._asks(meaning, n, mentions) for n in self.spoken(kind, mentions))
+            return not self.spoken(kind, mentions)
         names = _names_in(meaning)
         spoken = [each.start for each in mentions.names if each.name in names]
         return all(
@@ -233,27 +214,6 @@ class OfferChecks:
             for start, end in mentions.pieces
             if start <= place < end
         )
-
-    def _asks(self, meaning: SimpleCommand, place: int, mentions: Mentions) -> bool:
-        acts = [m.start for m in mentions.names if m.role == "act" and m.name == meaning.goal]
-        between = range(place + 1, min(acts, default=0))
-        words = [mentions.tokens.words[each] for each in between]
-        return set(between).isdisjoint(mentions.tokens.pauses) and self._has("hearer", words)
-
-    def _keeps_grip(self, meaning: Meaning, mentions: Mentions) -> bool:
-        if not isinstance(meaning, Statement):
-            return True
-        words = mentions.tokens.words
-        acts, named = (mentions.by_role.get(role, {}) for role in ("act", "part"))
-        held = "grasp" in acts or self._has("gripping", words)
-        parts = {rule.part for rule in meaning.rules if isinstance(rule, ActionRule)}
-        for each in (each for part in parts for each in named.get(part, ())):
-            said = words[max(0, each.start - 3) : each.start]
-            is_part = not each.is_new or self.reader.is_part(each.name)
-            is_held = held or self._has("by", said)
-            if not is_held or not (is_part or self._has("before_part", said)):
-                return False
-        return True
 
     def _clauses(self, mentions: Mentions) -> Iterator[tuple[str, str]]:
         named = {n for m in mentions.known for n in range(m.start, m.end)}

@@ -159,7 +159,9 @@ def composed_shapes() -> tuple[MeaningShape, ...]:
 
 
 def _rules() -> Iterator[Json]:
-    rules = (_USE, _USE | {"material": "?material"}, _HOLDING, _HOLDING | {"context": "grasp"})
+    materials = ({"material": "?material"}, {"material": "?object2"})
+    contexts = ({"context": act} for act in ("grasp", "pass", "pickUp"))
+    rules = (_USE, *(_USE | m for m in materials), _HOLDING, *(_HOLDING | c for c in contexts))
     yield from (rule | {"confidence": degree} for rule, degree in product(rules, _DEGREES))
     for (one, other), degrees in product(_TWO_RULES, _OF_TWO):
         yield {"all": [one | {"confidence": degrees[0]}, other | {"confidence": degrees[1]}]}
@@ -168,17 +170,15 @@ def _rules() -> Iterator[Json]:
 def _commands() -> Iterator[Json]:
     for goal, target, added in product(("?act", "pass", "pointTo", "use"), _TARGETS, _ADDED):
         yield {"goal": goal, "target": target, **added}
+    yield {"goal": "grasp", "target": _TARGETS[0], "part": "?part"}
     for tool, added in product(_TOOLS, ({}, {"negated": True})):
         yield {"goal": "?act", "patient": "?object", "tool": tool, **added}
 
 
 def _norms() -> Iterator[Json]:
-    plain, part, recipient, _ = _ADDED
-    kinds = {"forbidden": (plain, recipient), "permitted": (plain, part, recipient)}
-    for norm, added in {**kinds, "obliged": (part,)}.items():
-        for each in added:
-            act = {"goal": "?act", "target": {"object": "?object"}, **each}
-            yield {"norm": norm, **act, "confidence": _GENERALLY}
+    targets = (_TARGETS[0], {"usedFor": "?affordance"})
+    for norm, target, added in product(("forbidden", "permitted", "obliged"), targets, _ADDED[:3]):
+        yield {"norm": norm, "goal": "?act", "target": target, **added, "confidence": _GENERALLY}
 
 
 def _questions() -> Iterator[Json]:

@@ -45,7 +45,7 @@ _ON = frozenset({"on", "off", "onto", "under"})
 _AT = _ON | {"at", "in", "from", "near", "behind", "beside"}
 _JOINING = frozenset({"and", "or", "not", "nor"})
 _BEFORE_PLACES = frozenset({"by", "of", "at", "with", "on", "in", "from"})
-_BEFORE_PEOPLE = frozenset({"the", "my", "our", "your", "his", "her"})
+_BEFORE_PEOPLE = frozenset({"the", "my", "our", "his", "her"})
 _SPOKEN_OF = frozenset({"object", "part", "affordance", "material", "property"})
 
 Span = tuple[int, int]
@@ -202,7 +202,8 @@ def _known(words: tuple[str, ...], lexicon: Lexicon) -> Iterator[Mention]:
             roles = ((_ROLES.get(each.category.atom.name), each.name) for each in node.entries)
             is_noun = start > 0 and words[start - 1] in _OWNERS  # "your hand"
             for role, name in dict.fromkeys(roles):
-                if role and name and not (is_noun and role in {"act", "affordance"}):
+                is_verb = role in {"act", "affordance"} and not words[start].endswith("ing")
+                if role and name and not (is_noun and is_verb):
                     yield Mention(role, name, start, end)
         if words[start] in _USING and {"for", "to", "as"}.isdisjoint(words[start + 1 : start + 2]):
             yield Mention("act", "use", start, start + 1)
@@ -233,10 +234,12 @@ def _fits(role: str, entry: Entry, words: tuple[str, ...], start: int) -> bool:
     verbs = _BEFORE_PARTICIPLES if entry.says.endswith("ed") else _BEFORE_VERBS
     is_verb = is_gerund or before in verbs
     if role not in {"affordance", "act"}:
-        return not is_verb
-    # "Mixing" is a form of "mix", and no verb of its own.
+        is_plural = entry.says[-1:] == "s" != entry.name[-1:]  # not in "a shoe ends up"
+        return not is_verb and not (is_plural and before in {"a", "an"})
+    # "Mixing" and "mixed" are forms of "mix", and no verbs of their own.
     of_itself = {"act": entry.says, "affordance": f"{entry.says}ing"}[role]
-    return is_verb and not (is_gerund and entry.name == of_itself)
+    is_form = entry.says.endswith(("ing", "ed"))
+    return is_verb and not (is_form and entry.name == of_itself)
 
 
 def _degrees(

@@ -22,7 +22,7 @@ from ..lexicon.unknown_words import MAX_NEW_WORDS, KnownWords
 from ..parsing.understanding import UtteranceContext
 from ..semantics import meaning as meanings
 from ..semantics.discourse import Discourse
-from ..semantics.meaning import AskBack, Meaning, Question
+from ..semantics.meaning import AskBack, Meaning, Question, SimpleCommand
 from .candidates import CandidateMeaning, OfferModel, candidates, left_over
 from .checks import OfferChecks
 from .meaning_shapes import composed_shapes, meaning_from_json, shape_from
@@ -30,12 +30,16 @@ from .mentions import Mention, Mentions, find_mentions
 
 MAX_OFFERS = 3
 
-LEAST = 0.27  # the least probability of the first offer
+_QUOTES = frozenset('"“”„«»')
+_OFFERED = (meanings.Statement, Question, SimpleCommand)
+
+LEAST = 0.32  # the least probability of the first offer
 LEAST_OF_ONE = 0.5  # the same of a question without a name, and of another one with at most one
 LEAST_ASKED = 0.8  # the least probability of a question that is answered at once
 LEAST_ASKED_BESIDE = 0.85  # the same beside words that may name something else
 LEAST_OTHER = 0.03  # the least probability of a further offer
 MAX_TRIED = 6  # how many of the likeliest candidates are checked
+MAX_SENTENCES = 4  # how many sentences of an utterance are tried
 MAX_UNKNOWN = 5  # how many unknown words an utterance may have
 
 
@@ -62,8 +66,10 @@ class OfferFinder:
         choices = self.meanings(tokens, context)
         if not choices:
             return None
-        if isinstance(choices[0], Question) and self._is_sure(choices[0], tokens, context):
-            return choices[0]
+        if isinstance(choices[0], Question):
+            is_said = choices == self.of_sentences(tokens, context)
+            if is_said or self._is_sure(choices[0], tokens, context):
+                return choices[0]
         said: list[str] = []
         for meaning in choices:
             first, *rest = self.realizer.realize(meaning).rstrip("?").split(" ")
@@ -79,12 +85,15 @@ class OfferFinder:
         probability, best = next(iter(self.ranked(mentions)), (0.0, None))
         left = left_over(best, mentions) if best else {}
         if best is None or meaning_from_json(best.meaning) != meant or left.keys() - {"known"}:
-            return False  # also where the likeliest meaning was rejected
-        last, words = tokens.beginnings[-1], self.checks.words
-        asked = tokens.words[last:]
-        if self.checks.denies(asked) or not best.used:
             return False
-        is_asked = not words.words("interrogative").isdisjoint(asked)
+        if self.rejected(best, mentions, context):
+            return False
+        last = tokens.beginnings[-1]
+        asked = tokens.words[last:]
+        is_asked = not self.checks.words.words("interrogative").isdisjoint(asked)
+        is_over = any(each.endswith("=perfect") for each in mentions.features)
+        if is_over or not (is_asked or tokens.asks) or not best.used or self.checks.denies(asked):
+            return False
         is_about = (all if left else any)(m.end > last for u in best.used.values() for m in u)
         is_likely = probability >= (LEAST_ASKED_BESIDE if left else LEAST_ASKED)
         return is_likely and (is_about or (is_asked and not left))
@@ -94,8 +103,8 @@ class OfferFinder:
         if not self.is_text(tokens):
             return ()
         mentions = self.mentions(tokens, context.discourse)
-        found = self.of_corrected(tokens, context) or self.of_mentions(mentions, context)
-        return found or self.of_last(tokens, context)
+        found = self.of_corrected(tokens, context) or self.of_sentences(tokens, context)
+        return found or self.of_mentions(mentions, context)
 
     def mentions(self, tokens: Tokens, discourse: Discourse) -> Mentions:
         """Return what an utterance names, with its features."""
@@ -136,12 +145,26 @@ class OfferFinder:
                 found.append(checked)
         return tuple(found[:MAX_OFFERS])
 
-    def of_last(self, tokens: Tokens, context: UtteranceContext) -> tuple[Meaning, ...]:
-        """Return the question with which an utterance ends, after something else."""
-        ends = [tokens.span(start, len(tokens.items)) for start in tokens.beginnings[1:]]
-        asked = (self.meaning_of(each, context) for each in ends)
-        found = (each for each in asked if isinstance(each, Question))
-        return next(((each,) for each in found if self._is_understood(each, context)), ())
+    def of_sentences(self, tokens: Tokens, context: UtteranceContext) -> tuple[Meaning, ...]:
+        """Return the meaning of the one sentence understood beside others that say little."""
+        spans = tokens.sentences
+        if not 1 < len(spans) <= MAX_SENTENCES:
+            return ()
+        last = tokens.text[tokens.items[spans[-1][0]].start :]  # with its question mark
+        texts = [*(tokens.span(*each) for each in spans[:-1]), last]
+        said = {s: self.meaning_of(text, context) for s, text in zip(spans, texts, strict=True)}
+        known = [s for s, each in said.items() if isinstance(each, _OFFERED)]
+        clear = [each for each in known if self._is_understood(said[each], context)]
+        if all(isinstance(said[each], Question) for each in clear):
+            clear = clear[-1:]
+        if len(clear) != 1:
+            return ()
+        meant, others = said[clear[0]], (tokens.words[slice(*s)] for s in spans if [s] != clear)
+        if isinstance(meant, Question):  # who asks and then says something gives the answer
+            is_alone = clear[0] == spans[-1] and len(meant.as_json()) > 1
+        else:
+            is_alone = all(map(self.checks.is_apart, others))
+        return (meant,) if is_alone else ()
 
     def rejected(self, one: CandidateMeaning, mentions: Mentions, context: UtteranceContext) -> str:
         """Return why a candidate is not offered, empty if it is."""
@@ -168,7 +191,7 @@ class OfferFinder:
         """Whether an utterance consists of words, not of too many, and most of them known."""
         words = tokens.words
         are_words = all(word.isalpha() or word in {BREAK, "'s"} for word in words)
-        if len(words) > MAX_TOKENS or not are_words:
+        if len(words) > MAX_TOKENS or not are_words or _QUOTES.intersection(tokens.text):
             return False
         return len({token.word for token in self.known.unknown(tokens)}) <= MAX_UNKNOWN
 

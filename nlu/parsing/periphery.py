@@ -19,17 +19,9 @@ from ...ontology.yaml_reader import YamlNode, read_yaml
 from ..grammar.word_patterns import Phrase, WordLists
 from ..lexicon.tokenizer import BREAK, Tokens
 from ..lexicon.unknown_words import KnownWords
+from ..semantics import meaning as meanings
 from ..semantics.clause_features import MAIN, FeatureReader
-from ..semantics.meaning import (
-    ActionRule,
-    AskBack,
-    Command,
-    Meaning,
-    NormStatement,
-    Question,
-    Statement,
-    ToolCommand,
-)
+from ..semantics.meaning import AskBack, Command, Meaning, NormStatement, Question, Statement
 
 PERIPHERY_FILE = Path(__file__).parents[2] / "ontology" / "periphery.yaml"
 
@@ -454,14 +446,16 @@ class PeripheryReader:
 def kinds_of_core(meaning: Meaning) -> frozenset[str]:
     """Return the kinds of a meaning, none for one that nothing but markers may surround."""
     match meaning:
-        case Command() | ToolCommand():
+        case Command() | meanings.ToolCommand():
             return frozenset({REQUEST})
         case Question():
             return frozenset({QUESTION})
         case NormStatement():
             return frozenset({HOLDING})
         case Statement(rules):
-            return frozenset(HOLDING if isinstance(rule, ActionRule) else USE for rule in rules)
+            return frozenset(
+                HOLDING if isinstance(rule, meanings.ActionRule) else USE for rule in rules
+            )
         case AskBack(choices=(Statement() as asked,)):
             return kinds_of_core(asked)
         case _:

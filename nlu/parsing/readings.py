@@ -222,6 +222,8 @@ def features_of_names(
             for word in new_words
         ):
             yield "thing", frozenset({"abstract"})
+        elif "object" in new and _is_gerund_alone(words, new["object"].said):
+            yield "thing", frozenset({"bare"})
         elif "object" in new and "affordance" in new:
             yield "thing", frozenset({"new"})
         uses = [rule for rule in meaning.rules if isinstance(rule, meanings.FunctionalRule)]
@@ -243,6 +245,12 @@ def features_of_names(
             yield "thing", frozenset({"own"})
         elif reader.words["determiners"].isdisjoint(before):
             yield "thing", frozenset({"bare"})
+
+
+def _is_gerund_alone(words: Sequence[str], said: str) -> bool:
+    # "Turning screws! And hold it by the shaft" answers what something is for.
+    first = (*said.split(), BREAK)
+    return len(first) > 2 and first[0].endswith("ing") and words[: len(first)] == first
 
 
 def _is_content(reader: FeatureReader, words: Sequence[str], material: str | None) -> bool:

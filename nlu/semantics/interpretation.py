@@ -364,6 +364,8 @@ class Interpreter:
             # The last argument is the tool, or what it is used on where no tool is named.
             return Question(ask, _kind(act.arguments[-1]), context=act.said, part=part)
         target = self._reference(act.arguments[1])
+        if target.object == ANY_OBJECT:
+            raise UninterpretableError("which_thing", asks=True)
         return replace(_question_on_target(ask, target), context=act.said, part=part)
 
 
