@@ -27,6 +27,7 @@ LEAST_OF = {
     "far_people.jsonl": 0.1,
     "far_holding.jsonl": 0.3,
     "far_uses.jsonl": 0.3,
+    "far_writers.jsonl": 0.5,
 }
 """What is asked of the sentences that were made hard on purpose."""
 
@@ -43,6 +44,8 @@ OTHERWISE = {
     ),
     "Poking holes? That's screwdriver territory.": "a name of two words",
     "drop that": "a control word, let go",
+    "Just kidding.": "what was told is taken back",
+    "Just kidding, the wine glass isn't for stirring concrete.": "and the opposite is so",
     "Put the knife back.": "a control word",
     "It is not true that a knife is not used for cutting": "a belief is taken back",
     "Yeah right, a spoon is for cutting": "irony",
@@ -100,9 +103,10 @@ UNDERSTOOD = (
     "far_table.jsonl",
     "far_uses.jsonl",
     "far_voices.jsonl",
+    "far_writers.jsonl",
     "wide.yaml",
 )
-REFUSED = ("blind_refusals.jsonl", "far_refusals.jsonl", "near_misses.jsonl")
+REFUSED = ("adversarial.jsonl", "blind_refusals.jsonl", "far_refusals.jsonl", "near_misses.jsonl")
 
 
 def cases(name: str) -> Iterator[Case]:

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from hilt.nlu import Language
+from hilt.nlu import Language, Session
 from hilt.nlu.lexicon.tokenizer import tokenize
 from hilt.nlu.semantics.discourse import Discourse
 from hilt.nlu.semantics.meaning import (
@@ -209,3 +209,58 @@ def test_contrast_in_one_breath_denies_the_first_only(language: Language) -> Non
         ("spoon", True),
         ("hammer", False),
     ]
+
+
+@pytest.mark.parametrize(
+    ("text", "meant"),
+    [
+        ("True story. A spoon is used for stirring.", "a spoon is used for stirring"),
+        ("My uncle was a butcher. A knife is for cutting.", "a knife is used for cutting"),
+        ("Nobody, and I mean nobody, ever uses a glass for pounding.", "never"),
+    ],
+)
+def test_the_one_sentence_that_says_something_is_offered(
+    language: Language, text: str, meant: str
+) -> None:
+    """Sentences beside it that take nothing back are left aside; denials in a row agree."""
+    assert meant in language.generate(offered(language, text)[0])  # pyright: ignore
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "A knife is for cutting. I was only dreaming.",
+        "A shoe is not for that. A shoe is for walking, they say.",
+        "What's a mug good for? Containing, of course.",
+    ],
+)
+def test_a_sentence_is_not_offered_beside_one_that_changes_it(
+    language: Language, text: str
+) -> None:
+    """Beside one that takes it back, denies it or answers it."""
+    found = language.understand(text).meaning
+
+    assert not isinstance(found, (Statement, Question))
+    if isinstance(found, AskBack):
+        assert not any(
+            isinstance(each, Statement) and each.rules[0].denies for each in found.choices
+        )
+
+
+def test_question_at_the_end_is_answered_whatever_goes_before(language: Language) -> None:
+    """An answer believes and does nothing."""
+    found = language.understand("One more. The screwdriver, what's it for?").meaning
+
+    assert found == Question("uses_of", "screwdriver")
+
+
+def test_the_other_one_of_nothing_is_asked_about(language: Language) -> None:
+    """A question needs a thing to be about."""
+    assert isinstance(language.understand("Where would you hold the other one?").meaning, AskBack)
+
+
+def test_just_kidding_takes_back(language: Language) -> None:
+    """What was told last."""
+    found, _ = Session(language).after(("A spoon is used for digging",)).hear("Just kidding.")
+
+    assert found.meaning.as_json() == {"retract": "last"}
