@@ -244,7 +244,7 @@ class Agent(AbstractContextManager["Agent"]):
             self._last_episode = self.base.record_episode(episode).id
 
     def _take_trajectory(self) -> str | None:
-        return self.body.robot.take_trajectory() if "body" in self.__dict__ else None
+        return self.body.robot.take_trajectory() if self.has_body else None
 
     def _again(self, request: Request) -> Json | None:
         if self._vision or self._motion or not self._is_repeatable:

@@ -280,8 +280,7 @@ class Chat:
     def _report(self, step: WalkStep) -> None:
         if step.inference.best and not step.action:
             self._found = step.inference.best.object
-        said = "" if step.action else doing(step, self._found)
-        if said:
+        if not step.action and (said := doing(step, self._found)):
             self.out.print(Text(f"... {said}", "dim"))
 
     def hint(self, stranger: str) -> str:
@@ -391,8 +390,7 @@ _DOING: Mapping[str, str] = {  # primitive -> what is done
     "returnObject": "putting back the {}",
     "letGo": "letting go of the {}",
 }
-_ALWAYS = ("darwin", "win32")  # where there is a desktop
-_DISPLAYS = ("DISPLAY", "WAYLAND_DISPLAY")
+_DISPLAYS = ("DISPLAY", "WAYLAND_DISPLAY")  # set where there is a desktop on Linux
 
 
 def doing(step: WalkStep, found: str) -> str:
@@ -411,5 +409,5 @@ def doing(step: WalkStep, found: str) -> str:
 
 def view(path: Path) -> None:
     """Open a file in the viewer of the desktop; nothing happens where there is none."""
-    if sys.platform in _ALWAYS or any(map(os.environ.get, _DISPLAYS)):
+    if sys.platform in {"darwin", "win32"} or any(map(os.environ.get, _DISPLAYS)):
         webbrowser.open(path.absolute().as_uri())

@@ -41,8 +41,7 @@ def configured() -> dict[str, Configured]:
             value = read_value(node, KEYS[name], Path(node.source).parent)
             found[name] = Configured(value, origin, f"{node.source}:{node.line}")
     for name, option in KEYS.items():
-        text = os.environ.get(variable(name))
-        if text:
+        if text := os.environ.get(variable(name)):
             value = read_value(parse_value(option, text, variable(name)), option, Path())
             found[name] = Configured(value, "environment", variable(name))
     return found

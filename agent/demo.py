@@ -56,8 +56,7 @@ def run(agent: Agent, progress: Console, folder: Path) -> ExampleReplies:
     """Run the example and write its pictures."""
     replies: list[Reply] = []
     for text in (*LESSONS, COMMAND, *AFTERWARDS):
-        is_recorded = text == COMMAND and agent.simulate
-        recorded = _recorded(agent, folder) if is_recorded else nullcontext([])
+        recorded = _recorded(agent, folder) if text == COMMAND and agent.simulate else nullcontext()
         with progress.status(Text(text)), recorded as pictures:
             reply = agent.hear(text)
         replies.append(reply.with_pictures(*pictures) if pictures else reply)

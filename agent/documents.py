@@ -91,8 +91,7 @@ def rules_to_forget(base: "KnowledgeBase", name: str, speaker: str) -> "list[Rul
     UnknownNameError if there are none; HiltError if they do not hold any more.
     """
     found = last_taught_rules(base, speaker) if name == "last" else [find_rule(base, name)]
-    over = [rule for rule in found if rule.status != "active"]
-    if over:
+    if over := [rule for rule in found if rule.status != "active"]:
         raise HiltError(f"{over[0].id} is {over[0].status} already.")
     return found
 

@@ -114,8 +114,7 @@ class Affordances:
         return NodeRules(node, goal, self._rules_at, self._taxonomy)
 
     def _refresh(self) -> None:
-        sequence = self.source.sequence
-        if sequence != self._sequence:
+        if (sequence := self.source.sequence) != self._sequence:
             self._rules.clear()
             self._taxonomy = self._declared.with_rules(self.source.rules_at_nodes([KIND_OF]))
             self._sequence = sequence
@@ -136,8 +135,7 @@ class Affordances:
             argument = conclusion.argument
             applied = here.concluding(conclusion, seen, shown)
             proof = self._conclude(applied.rules, here, seen, shown)
-            operators = self.settings.operators
-            steps.append(derive("not", [proof], operators) if is_negated else proof)
+            steps.append(derive("not", [proof], self.settings.operators) if is_negated else proof)
         if target.is_confirmed:
             steps = [Proof("given", CERTAIN, f"{seen.name} was confirmed by the speaker")]
         return decision.candidate(seen, argument, steps, applied)
@@ -182,15 +180,14 @@ class Affordances:
             # Without the material: rules for another one never get here.
             atoms = (a for a in features_of(rule) | rule.contexts if a.kind != "material")
             groups[rule.id if by_rule else "", frozenset(atoms)].append(rule)
-        concluded: list[tuple[int, Proof]] = []
-        for (_, antecedent), group in groups.items():
+        concluded = list[Proof]()
+        by_last_rule = sorted(groups.items(), key=lambda one: one[1][-1].utterance or 0)
+        for (_, antecedent), group in by_last_rule:
             known = [_evidence(atom, here, seen, shown) for atom in sorted(antecedent)]
             told = [Proof("told", each.support, rule=each) for each in group]
             steps = (derive("and", known, operators), derive("fuse", told, operators))
-            proof = derive("modus ponens", steps, operators)
-            concluded.append((group[-1].utterance or 0, proof))
-        concluded.sort(key=lambda one: one[0])
-        return derive("fuse", [proof for _, proof in concluded], operators)
+            concluded.append(derive("modus ponens", steps, operators))
+        return derive("fuse", concluded, operators)
 
 
 @dataclass(frozen=True)

@@ -193,15 +193,11 @@ def teacher_records(
     for rule in rules:
         if rule.part and rule.asserts:
             said[rule.speaker].add((rule.object, rule.part, rule.context))
-    found: list[TeacherRecord] = []
-    for name, grasps in sorted(said.items()):
-        followed = (
-            each.counts
-            for each in records
-            if not grasps.isdisjoint(
-                product((each.object, None), [each.part], (each.context, None))
-            )
-        )
-        believed = trust[name].lower if name in trust else 0.0
-        found.append(TeacherRecord(name, believed, sum(followed, NO_TRIALS)))
-    return found
+    counts = dict.fromkeys(sorted(said), NO_TRIALS)
+    for each in records:
+        claims = {*product((each.object, None), [each.part], (each.context, None))}
+        for name in counts:
+            if not claims.isdisjoint(said[name]):
+                counts[name] += each.counts
+    believed = {name: interval.lower for name, interval in trust.items()}
+    return [TeacherRecord(name, believed.get(name, 0.0), each) for name, each in counts.items()]

@@ -137,8 +137,7 @@ def needed_features(rule: Rule, rules: Iterable[Rule], objects: ObjectTypes) -> 
     same = [r for r in rules if (r.argument, r.contexts) == (rule.argument, rule.contexts)]
     general = (r for r in same if r.object is None and (r.asserts or r.interval.is_vacuous))
     for each in (rule, *general):
-        told = frozenset(str(atom) for atom in each.features if atom.kind != "object")
-        if told:
+        if told := frozenset(str(atom) for atom in each.features if atom.kind != "object"):
             return told
     known = [(r.asserts, objects[r.object]) for r in same if r.object and r.object in objects]
     having = [_features(kind) for asserts, kind in known if asserts]

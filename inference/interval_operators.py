@@ -151,8 +151,7 @@ class Operators:
 
     def __post_init__(self) -> None:
         for kind, table in _TABLES.items():
-            name = getattr(self, kind)
-            if name not in table:
+            if (name := getattr(self, kind)) not in table:
                 raise UnknownNameError(kind.replace("_", " "), name, table)
 
     def all_of(self, intervals: Sequence[Interval]) -> Interval:

@@ -63,17 +63,15 @@ class Proof:
 
     def as_json(self) -> Json:
         """Return the proof as nested JSON objects."""
-        lower, upper = self.interval.lower, self.interval.upper
-        found: Json = {"step": self.step, "lower": lower, "upper": upper}
-        if self.about:
-            found["about"] = self.about
-        if self.rule:
-            found["rule"] = self.rule.id
-        if self.inputs:
-            found["inputs"] = [each.as_json() for each in self.inputs]
-        if self.overruled:
-            found["overruled"] = [rule.id for rule in self.overruled]
-        return found
+        lower, upper = self.interval
+        optional: Json = {
+            "about": self.about,
+            "rule": self.rule and self.rule.id,
+            "inputs": [each.as_json() for each in self.inputs],
+            "overruled": [rule.id for rule in self.overruled],
+        }
+        given = {key: value for key, value in optional.items() if value}
+        return {"step": self.step, "lower": lower, "upper": upper, **given}
 
     def lines(self, depth: int = 0) -> Iterator[str]:
         """Yield the proof as lines of indented text, the conclusion first."""

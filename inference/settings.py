@@ -99,5 +99,4 @@ class Settings:
                 Atom.parse(context)
         except (UnknownNameError, ValidationError) as error:
             raise value.fail(str(error)) from error
-        number = value.number(low=0, high=1)
-        return replace(self, thresholds={**self.thresholds, context: number})
+        return replace(self, thresholds={**self.thresholds, context: value.number(low=0, high=1)})

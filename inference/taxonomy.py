@@ -85,10 +85,8 @@ class Taxonomy:
         told = [pair for pair, interval in fused if interval.lower + interval.upper > 1]
         if not told:
             return self
-        found = Taxonomy()
-        for kind, each in self._parents.items():
-            for above in each:
-                found._add(kind, above)
+        known = ((kind, above) for kind, each in self._parents.items() for above in each)
+        found = Taxonomy(foreign=known)  # without looking for cycles
         for kind, above in told:
             if kind not in _reachable(found._parents, above):
                 found._add(kind, above)

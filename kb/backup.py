@@ -116,7 +116,6 @@ def _beside(target: Path) -> Generator[Path]:
 
 
 def _sync(folder: Path) -> None:
-    for file in folder.rglob("*"):
-        if file.is_file():
-            sync(file)
+    for file in filter(Path.is_file, folder.rglob("*")):
+        sync(file)
     sync(folder)

@@ -128,9 +128,8 @@ def observation_quads(node: Iri, properties: Iterable[tuple[Iri, Term]]) -> Iter
     found = group_properties(properties)
     if _TRIALS.type in found[TYPE]:
         yield Quad(node, TYPE, external("sosa:Observation"), DERIVED)
-        for name, key in _OBSERVED.items():
-            values = found[_TRIALS.fields[name].predicate]
-            yield from (Quad(node, key, value, DERIVED) for value in values)
+        for stored, key in _OBSERVED.items():
+            yield from (Quad(node, key, value, DERIVED) for value in found[stored])
     for trial in found[TRIAL]:
         for time in found[rule_mapping.GENERATED_AT]:
             yield Quad(cast(Iri, trial), external("sosa:resultTime"), time, DERIVED)
@@ -170,8 +169,8 @@ def _in_order(store: ReadableStore, nodes: Iterable[Term]) -> list[record_mappin
 
 
 _OBSERVED = {
-    "object": external("sosa:hasFeatureOfInterest"),
-    "outcome": external("sosa:hasSimpleResult"),
+    _OBJECT: external("sosa:hasFeatureOfInterest"),
+    _OUTCOME.predicate: external("sosa:hasSimpleResult"),
 }
 _EPISODES = RecordMapping(Episode, "An episode", term("Episode"), EPISODES)
 _STEPS = RecordMapping(EpisodeStep, "A step", term("Step"), EPISODES)

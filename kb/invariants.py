@@ -240,13 +240,8 @@ def _base_findings(store: ReadableStore) -> Iterator[ValidationFinding]:
     name = shortened(BASE_GRAPH)
     if base_format(store) != FORMAT:
         yield ValidationFinding(name, f"The format of the base is not {FORMAT}.")
-    number, last = (
-        max((quad.object for quad in found if isinstance(quad.object, int)), default=0)
-        for found in (
-            store.quads(BASE_NODE, history.SEQUENCE, None, BASE_GRAPH),
-            store.quads(None, history.SEQUENCE, None, history.HISTORY),
-        )
-    )
+    number = _highest(store.quads(BASE_NODE, history.SEQUENCE, None, BASE_GRAPH))
+    last = _highest(store.quads(None, history.SEQUENCE, None, history.HISTORY))
     if number < last:
         problem = f"hilt:sequence is {number}, but there is an utterance:{last}."
         yield ValidationFinding(name, problem, "hilt:sequence")
@@ -255,6 +250,10 @@ def _base_findings(store: ReadableStore) -> Iterator[ValidationFinding]:
         problem = "It is not as Hilt wrote it. Open the base with `hilt chat`."
         yield ValidationFinding(shortened(DOMAIN), problem)
     yield from trust_findings(store)
+
+
+def _highest(numbers: Iterable[Quad]) -> int:
+    return max((quad.object for quad in numbers if isinstance(quad.object, int)), default=0)
 
 
 def trust_findings(store: ReadableStore) -> Iterator[ValidationFinding]:

@@ -30,6 +30,7 @@ from .rdf.terms import BASE_GRAPH, BASE_NODE, Properties, Quad, Term, as_line, a
 from .rule import DEFAULT_SPEAKER
 from .sparql import query_text
 from .sparql.named_queries import named_query
+from .sparql.query_text import Bindings
 from .sparql.results import QueryLimits, QueryResult, SelectResult
 from .stores.base import EmbeddedStore, ReadableStore, Store, batched, described_nodes, is_first
 from .stores.opening import open_store
@@ -130,11 +131,7 @@ class KnowledgeBase(RuleWriter, AbstractContextManager["KnowledgeBase"]):
         return f"<KnowledgeBase {self.store.location}>"
 
     def query(
-        self,
-        text: str,
-        bindings: "query_text.Bindings | None" = None,
-        *,
-        limits: QueryLimits | None = None,
+        self, text: str, bindings: "Bindings | None" = None, *, limits: QueryLimits | None = None
     ) -> QueryResult:
         """The result of a SPARQL query, in which the prefixes of the vocabulary are declared.
 
@@ -149,7 +146,7 @@ class KnowledgeBase(RuleWriter, AbstractContextManager["KnowledgeBase"]):
         with query_text.errors_as_typed(text, bound):
             return self.store.run(bound, limits)
 
-    def select(self, text: str, bindings: "query_text.Bindings | None" = None) -> SelectResult:
+    def select(self, text: str, bindings: "Bindings | None" = None) -> SelectResult:
         """The rows of a SELECT query; as `query` otherwise."""
         return self.store.select(_prepared(text, bindings))
 
@@ -226,7 +223,7 @@ class KnowledgeBase(RuleWriter, AbstractContextManager["KnowledgeBase"]):
             store.apply(insert=[MARK])
 
 
-def _prepared(text: str, bindings: "query_text.Bindings | None") -> str:
+def _prepared(text: str, bindings: "Bindings | None") -> str:
     query_text.refuse_external_access(text)
     return query_text.bind_variables(text, bindings or {})
 

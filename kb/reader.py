@@ -16,7 +16,7 @@ from . import history
 from .interval import Interval
 from .learned import PHRASES, TAUGHT_ACTIONS, WORDS, LearnedPhrase, LearnedWord, TaughtAction
 from .rdf import rule_mapping
-from .rdf.rule_mapping import BELIEFS, DERIVED
+from .rdf.rule_mapping import AFFORDANCE, BELIEFS, CONTEXT, DERIVED, FEATURE, PART, atom_iri
 from .rdf.terms import Properties, Term, as_sparql
 from .rule import Atom, Rule, Status
 from .sparql.named_queries import named_query
@@ -24,10 +24,7 @@ from .sparql.query_text import bind_variables
 from .stores.base import Store, last_utterance
 
 MAX_LISTED = 10  # rules that an error message names
-_KEYS = {
-    **{"object": rule_mapping.FEATURE, "action": rule_mapping.CONTEXT},
-    **{"affordance": rule_mapping.AFFORDANCE, "part": rule_mapping.PART},
-}
+_KEYS = {"object": FEATURE, "action": CONTEXT, "affordance": AFFORDANCE, "part": PART}
 
 NodeProperties: TypeAlias = tuple[Iri, Properties]
 
@@ -74,7 +71,7 @@ class RuleReader:
         """
         # The most selective property comes first.
         atoms = atoms_named(object=object, affordance=affordance, part=part, action=context)
-        wanted = [(_KEYS[atom.kind], rule_mapping.atom_iri(atom)) for atom in atoms]
+        wanted = [(_KEYS[atom.kind], atom_iri(atom)) for atom in atoms]
         wanted += [(rule_mapping.ATTRIBUTED_TO, iri("speaker", speaker))] if speaker else []
         wanted += [(rule_mapping.STATUS, term(status))] if status else []
         return sorted(self.read_rules(self._with_properties(wanted)), key=_last_said)
@@ -89,9 +86,8 @@ class RuleReader:
     def rules_with_premises_of(self, rule: Rule) -> list[Rule]:
         """The active rules of the same speaker with the same premises, in any order."""
         if rule.features:  # so that the time does not depend on the size of the base
-            atom_iri = rule_mapping.atom_iri
-            wanted = [(rule_mapping.FEATURE, atom_iri(one)) for one in sorted(rule.features)]
-            wanted += [(rule_mapping.CONTEXT, atom_iri(one)) for one in sorted(rule.contexts)]
+            wanted = [(FEATURE, atom_iri(one)) for one in sorted(rule.features)]
+            wanted += [(CONTEXT, atom_iri(one)) for one in sorted(rule.contexts)]
             found = self.read_rules(self._with_properties([*wanted, rule_mapping.ACTIVE]))
         else:  # of any object: there are few on a node
             found = self.rules_at_nodes([rule.node])
@@ -120,8 +116,7 @@ class RuleReader:
         """The utterances after a number, in order or newest first."""
         numbers = range(since + 1, self.sequence + 1)
         for number in reversed(numbers) if newest_first else numbers:
-            found = self.store.properties(history.utterance_iri(number), history.HISTORY)
-            if found:
+            if found := self.store.properties(history.utterance_iri(number), history.HISTORY):
                 yield history.read_utterance(found)
 
     def words(self) -> list[LearnedWord]:

@@ -166,14 +166,12 @@ class _Plan:
         self.delete = [q for q in change.delete if (q.graph, split(q.subject)[0]) != _RULE]
         self.asserted = list[Rule]()
         self.ended: dict[str, list[str]] = {"retracted": [], "superseded": []}
-        self._before, self._after = store, _ChangedStore(store, change)
+        self._after = _ChangedStore(store, change)
+        self._both = (store, self._after)
         changes = change.insert | change.delete
         touched = sorted({(quad.subject, cast(Iri, quad.graph)) for quad in changes})
-        raise_findings(
-            ValidationFinding(shortened(graph), _KEPT_BY_HILT[graph])
-            for _, graph in touched
-            if graph in _KEPT_BY_HILT
-        )
+        kept = _KEPT_BY_HILT.keys() & {graph for _, graph in touched}
+        raise_findings(ValidationFinding(shortened(each), _KEPT_BY_HILT[each]) for each in kept)
         laws, by_laws = Invariants(self._after, whole=True), list[ValidationFinding]()
         for node, graph in touched:
             self._take(node, graph)
@@ -186,7 +184,7 @@ class _Plan:
         raise_findings(causes(by_shapes, by_laws))
 
     def _rule_findings(self, node: Iri) -> Iterator[ValidationFinding]:
-        name, before, after = shortened(node), _rule(self._before, node), _rule(self._after, node)
+        name, (before, after) = shortened(node), (_rule(store, node) for store in self._both)
         if not self._after.properties(node, BELIEFS):
             yield ValidationFinding(name, _MUST_KEEP)
         if after is None:
@@ -199,10 +197,8 @@ class _Plan:
             yield ValidationFinding(name, _ONLY_STATUS)
 
     def _speaker_findings(self, node: Iri, graph: Iri) -> Iterator[ValidationFinding]:
-        was, now = (
-            any(key in TRUST for key, _ in store.properties(node, graph))
-            for store in (self._before, self._after)
-        )
+        known = (store.properties(node, graph) for store in self._both)
+        was, now = (any(key in TRUST for key, _ in properties) for properties in known)
         if was and not now:
             yield ValidationFinding(shortened(node), _NO_TRUST)
         elif was or now:
@@ -216,10 +212,8 @@ class _Plan:
         if (graph, split(node)[0]) != _RULE:
             self.insert += (quad for quad in inserted[node] if quad.graph == graph)
         if graph == EPISODES:
-            before, after = (
-                {*observation_quads(node, store.properties(node, graph))}
-                for store in (self._before, self._after)
-            )
+            known = (store.properties(node, graph) for store in self._both)
+            before, after = ({*observation_quads(node, properties)} for properties in known)
             self.insert += after - before
             self.delete += before - after
 

@@ -111,8 +111,7 @@ def causes(
 
 def raise_findings(found: Iterable[ValidationFinding]) -> None:
     """Raise a ValidationError with all findings, when there are any."""
-    problems = [str(finding) for finding in sorted(set(found))]
-    if problems:
+    if problems := [str(finding) for finding in sorted(set(found))]:
         raise ValidationError(problems)
 
 
@@ -130,9 +129,8 @@ def check_shapes(
         quads = (quad for node in some for quad in store.quads(node))
         graph = Graph(bind_namespaces="none")
         graph.parse(data=write_rdf(quads, format="ntriples"), format="nt")
-        report: Any = pyshacl.validate(
-            graph, shacl_graph=shapes_graph, inplace=True, do_owl_imports=False
-        )[1]
+        options: Any = {"shacl_graph": shapes_graph, "inplace": True, "do_owl_imports": False}
+        report: Any = pyshacl.validate(graph, **options)[1]
         for result in report.subjects(RDF.type, SH.ValidationResult):
             message, found = report.value(result, SH.resultMessage), report.value(result, SH.value)
             brief = shortened(str(found)) if ":" in str(found)[:8] else f'"{str(found)[:60]}"'
@@ -150,8 +148,7 @@ def locate_findings(found: Iterable[ValidationFinding], text: str) -> list[Valid
     """
     lines: dict[str, int] = {}
     for number, line in enumerate(text.splitlines(), start=1):
-        start = _SUBJECT.match(line)
-        if start:
+        if start := _SUBJECT.match(line):
             name = shortened(start[1][1:-1]) if start[1].startswith("<") else start[1]
             lines.setdefault(name, number)
     return sorted(replace(one, line=lines.get(one.node, 0)) for one in set(found))

@@ -240,13 +240,8 @@ def last_taught_rules(base: RuleReader, speaker: str) -> list[Rule]:
         kinds = base.store.quads(utterance_iri(number), KIND, None, HISTORY)
         if all(quad.object == IMPORT for quad in kinds):  # a file; it may assert very many rules
             continue
-        utterance = base.utterance(number)
-        rules = [base.rule(one) for one in utterance.asserts]
-        active = [
-            rule
-            for rule in rules
-            if rule.status == "active" and rule.utterance == utterance.sequence
-        ]
+        told = map(base.rule, base.utterance(number).asserts)
+        active = [rule for rule in told if rule.status == "active" and rule.utterance == number]
         if found := [rule for rule in active if rule.speaker == speaker]:
             return found
         others |= {rule.speaker for rule in active}

@@ -252,9 +252,8 @@ class RuleWriter(RuleReader):
         for edge in rule_mapping.plain_edges(ended):
             end = cast(Iri, edge.object)
             concludes = (rule_mapping.argument_property(split(end)[0]), end)
-            nodes = self.nodes_with(
-                [(rule_mapping.FEATURE, edge.subject), concludes, rule_mapping.ACTIVE]
-            )
+            about = (rule_mapping.FEATURE, edge.subject)
+            nodes = self.nodes_with([about, concludes, rule_mapping.ACTIVE])
             left = (node for node in nodes if rule_mapping.rule_id(node) not in gone)
             for rule in self.read_rules((node, self.properties(node)) for node in left):
                 found.update(rule_mapping.edges(rule))

@@ -7,13 +7,14 @@ right-handed, lengths in [m], angles in [rad]. Most functions work on stacks of 
 scipy's `Rotation` takes two to eight times as long for the few rotations of one step.
 """
 
-from typing import TypeAlias
+from typing import TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 Array: TypeAlias = NDArray[np.float64]
 Integers: TypeAlias = NDArray[np.int64]
+T = TypeVar("T")
 
 _SMALL_ANGLE = 1e-9  # [rad], below it a rotation has no axis
 
@@ -136,6 +137,12 @@ def farthest_points(points: Array, count: int, *, first: int) -> Integers:
         distance = np.minimum(distance, np.sum((points - points[chosen[-1]]) ** 2, axis=1))
         chosen.append(int(np.argmax(distance)))
     return np.array(chosen)
+
+
+def joined(*clouds: T) -> T:
+    """The rows of several dataclasses of arrays, one after the other, as one of them."""
+    arrays = zip(*(vars(each).values() for each in clouds), strict=True)
+    return type(clouds[0])(*map(np.concatenate, arrays))
 
 
 def principal_direction(points: Array) -> Array:

@@ -7,7 +7,6 @@ import shlex
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, nullcontext
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TextIO, cast
 
@@ -16,7 +15,7 @@ import typer
 from ...ontology.errors import DataError, HiltError, StoreError, ValidationError
 from ...ontology.yaml_reader import YamlNode, parse_yaml, read_text
 from .. import config, config_files, presentation
-from ..config import open_base
+from ..config import AgentConfig, open_base
 from ..presentation.plain_text import printable
 
 if TYPE_CHECKING:
@@ -70,6 +69,13 @@ def open_to_change(kb: str | None, *, dry_run: bool) -> "KnowledgeBase":
         return open_for_reading(kb) if dry_run else open_base(kb)
     typer.echo(f'There is no knowledge base "{location}" yet.', err=True)
     return open_base("memory:")
+
+
+def open_agent(kb: str | None, config: AgentConfig) -> "Agent":
+    """Open an agent over a knowledge base (None: the user's own); only now is it imported."""
+    from ..agent import Agent
+
+    return Agent.open(kb, config)
 
 
 def _is_missing(location: str) -> bool:
@@ -128,8 +134,7 @@ def converse(
     done = True
     for said in utterances(text):
         with spinner(said):
-            hear = partial(agent.hear, speaker=speaker, only=only)
-            reply = hear(said, heard=heard, alternatives=others)
+            reply = agent.hear(said, speaker=speaker, only=only, heard=heard, alternatives=others)
         done = done and reply.is_done
         if as_json or text == STDIN:
             certainty = {"heard": round(reply.heard, 6)} if others else {}
@@ -148,11 +153,10 @@ def converse(
 
 
 def utterances(text: str) -> Iterator[str]:
-    """Yield the text itself, or for "-" the non-empty lines of stdin."""
-    if text != STDIN:
-        yield text
-        return
-    yield from (line.strip() for line in stdin_lines() if line.strip())
+    """Return the text itself, or for "-" the non-empty lines of stdin."""
+    if text == STDIN:
+        return filter(None, map(str.strip, stdin_lines()))
+    return iter([text])
 
 
 def stdin_lines() -> Iterator[str]:

@@ -25,9 +25,8 @@ def demo(
 ) -> None:
     """Run the paper's running example: three sentences, and a knife passed by the blade."""
     from .. import demo as example
-    from ..agent import Agent
 
-    with Agent.open(kb, config) as agent:
+    with common.open_agent(kb, config) as agent:
         found = example.run(agent, common.terminal(stderr=True), out)
         if as_json:
             common.print_json(found.as_json())
@@ -49,10 +48,8 @@ def tell(
     as_json: AsJson = False,
 ) -> None:
     """Teach a rule: "A knife is used for cutting"."""
-    from ..agent import Agent
-
     said = common.read_alternatives(alternatives, text)
-    with Agent.open(kb, config) as agent:
+    with common.open_agent(kb, config) as agent:
         common.converse(agent, text, speaker, "tell", heard=heard, others=said, as_json=as_json)
 
 
@@ -70,10 +67,8 @@ def do(
     as_json: AsJson = False,
 ) -> None:
     """Ask for something to be done: "pass me something used for cutting"."""
-    from ..agent import Agent
-
     said = common.read_alternatives(alternatives, text)
-    with Agent.open(kb, config) as agent, ExitStack() as filming:
+    with common.open_agent(kb, config) as agent, ExitStack() as filming:
         if record and not agent.simulate:
             raise typer.BadParameter("--record films a robot. Leave out --no-sim.")
         if record:
@@ -93,9 +88,7 @@ def ask(
     as_json: AsJson = False,
 ) -> None:
     """Ask what is known: "what is a knife used for?"."""
-    from ..agent import Agent
-
-    with Agent.open(kb, replace(config, simulate=False)) as agent:
+    with common.open_agent(kb, replace(config, simulate=False)) as agent:
         common.converse(agent, text, speaker, "ask", as_json=as_json)
 
 
@@ -116,12 +109,11 @@ def chat(
     keep_sound: options.KeptSound = None,
 ) -> None:
     """Talk: teach, ask and command, a line each; /help shows what can be said."""
-    from ..agent import Agent
     from ..chat import run
 
     if not speech and (sound or speak or recogniser or keep_sound):
         raise typer.BadParameter("Sounds and voices need --speech.")
-    with Agent.open(kb, config) as agent, ExitStack() as opened:
+    with common.open_agent(kb, config) as agent, ExitStack() as opened:
         talk = None
         if speech:
             from ..speech.talk import open_talk

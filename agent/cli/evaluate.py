@@ -10,13 +10,8 @@ from ...ontology.errors import check_simulator
 from .common import exit_with, print_json, terminal
 from .options import AsJson, Seed, app, example
 
-What = Annotated[
-    str,
-    typer.Argument(
-        help="paper, situations, grasps, all-scenarios, random, noise, custom, "
-        "facts, or module:Class."
-    ),
-]
+_WHAT = "paper, situations, grasps, all-scenarios, random, noise, custom, facts, or module:Class."
+What = Annotated[str, typer.Argument(help=_WHAT)]
 Sim = Annotated[bool, typer.Option("--sim", help="Have a simulated robot carry out each command.")]
 Scenes = Annotated[int | None, typer.Option(min=1, max=255, help="Scenes of the paper's run.")]
 Drawn = Annotated[int | None, typer.Option(min=1, help="Learning scenarios of the random run.")]
@@ -79,7 +74,7 @@ def evaluate(  # noqa: PLR0917 - every option is a parameter
     under failing vision, hearing and teachers, as curves. custom: objects, norms and scenes of your
     own, from FILE. facts: a table of object, use and share, from FILE.
     """
-    given = locals()
+    given = locals() | {"file": str(file or data or "")}
     if resume and out is None:
         raise typer.BadParameter("--resume needs --out, the folder of the run.")
     from ..evaluation.experiment import make_experiment
@@ -89,15 +84,13 @@ def evaluate(  # noqa: PLR0917 - every option is a parameter
 
     for path in report_to or ():
         check_format(path)
-    given = given | {"file": str(file or data or "")}
     options = {name: given[name] for name in OPTIONS if given[name]} | {"seed": seed}
     experiment = make_experiment(what, options)
     if getattr(experiment, "sim", False):  # a simulated robot carries out commands
         check_simulator()
     cases = experiment.cases()
     runner = make_runner(workers, ray, timeout_s=timeout)
-    opened = RunJournal(out, experiment, cases, resume=resume) if out else nullcontext()
-    with opened as journal:
+    with RunJournal(out, experiment, cases, resume=resume) if out else nullcontext() as journal:
         console = terminal(stderr=True)
         runs = run_experiment(experiment, cases, runner=runner, journal=journal, console=console)
     report = EvaluationReport.from_runs(experiment, runs)

@@ -122,10 +122,7 @@ def validate(
         with common.open_to_change(kb, dry_run=False) as base:
             base.derive()
     try:
-        if file is None:
-            found = _findings_in_base(kb, deep=deep)
-        else:
-            found = _findings_in_file(file, file_format)
+        found = _findings(file, file_format, kb, deep=deep)
     except DataError as error:
         if as_json:  # what cannot be read is told there, too
             common.print_json([_as_json(one) for one in error.mistakes or (error,)])
@@ -145,26 +142,24 @@ def _as_json(error: DataError) -> dict[str, object]:
     return {"node": None, "property": None, **where, "problem": error.problem}
 
 
-def _findings_in_file(file: str, file_format: str | None) -> "list[ValidationFinding]":
+def _findings(
+    file: str | None, file_format: str | None, kb: str | None, *, deep: bool
+) -> "list[ValidationFinding]":
     from ...kb.formats.import_export import read_file
+    from ...kb.stores.base import EmbeddedStore
     from ...kb.validation import findings, locate_findings
 
+    if file is None:
+        with common.open_for_reading(kb) as base, _progress("Checking") as progress:
+            if deep and isinstance(base.store, EmbeddedStore):
+                base.store.check_tables()
+            return findings(base.store, whole=True, progress=progress)
     with closing(read_file(file, format=file_format)) as staged, _progress("Checking") as progress:
         found = findings(staged, progress=progress)
     path = Path(file)
     has_lines = path.suffix.lower() in WITH_LINES and path.stat().st_size <= MOST_TEXT
     text = path.read_text(encoding="utf-8", errors="replace") if found and has_lines else ""
     return locate_findings(found, text)
-
-
-def _findings_in_base(kb: str | None, *, deep: bool) -> "list[ValidationFinding]":
-    from ...kb.stores.base import EmbeddedStore
-    from ...kb.validation import findings
-
-    with common.open_for_reading(kb) as base, _progress("Checking") as progress:
-        if deep and isinstance(base.store, EmbeddedStore):
-            base.store.check_tables()
-        return findings(base.store, whole=True, progress=progress)
 
 
 @app.command(epilog=example("backup saved/"))

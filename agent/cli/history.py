@@ -3,7 +3,7 @@
 import sys
 import time
 from collections.abc import Generator, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import partial
 from itertools import islice
 from pathlib import Path
@@ -104,7 +104,7 @@ def watch(
     from ...kb.views import rule_changes
 
     out = common.terminal()
-    try:
+    with suppress(KeyboardInterrupt):
         for base, new in _new_states(kb, since, every, seconds):
             for change in rule_changes(base, since=new.start - 1, speaker=speaker, object=name):
                 if change.utterance.sequence not in new:  # said meanwhile; it comes next time
@@ -112,8 +112,6 @@ def watch(
                 common.print_json(change.as_json()) if as_json else out.print(
                     presentation.console.change(change), soft_wrap=True
                 )
-    except KeyboardInterrupt:
-        return
 
 
 @app.command(epilog=example("diff mine/ rules.yaml"))

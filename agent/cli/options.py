@@ -1,7 +1,7 @@
 """The application object, and the options that several commands share."""
 
 import inspect
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from functools import wraps
 from pathlib import Path
 from typing import Annotated, Any
@@ -119,7 +119,7 @@ def with_config(*names: str) -> Callable[[Callable[..., None]], Callable[..., No
         def run(**given: Any) -> None:
             file: Path | None = given.pop("config")
             values = {**lasting_values(), **(read_values(file) if file else {})}
-            for name in dict.fromkeys(names):
+            for name in names:
                 value = given.pop(name)
                 if value is not None and value != []:
                     values[name] = tuple(value) if isinstance(value, list) else value
@@ -129,20 +129,16 @@ def with_config(*names: str) -> Callable[[Callable[..., None]], Callable[..., No
                 check_simulator()
             command(config=config, **given)
 
-        parameters = _parameters(command, dict.fromkeys(names))
+        own = inspect.signature(command, eval_str=True).parameters
+        options = [_parameter(OPTIONS[name]) for name in names]
+        others = [own[name] for name in own if name != "config"]
+        parameters = [*options, _keyword("config", ConfigFile), *others]
+        parameters.sort(key=lambda each: each.kind)  # keywords come last
         setattr(run, "__signature__", inspect.Signature(parameters))  # noqa: B010 - typer reads it
         run.__annotations__ = {each.name: each.annotation for each in parameters}
         return run
 
     return decorate
-
-
-def _parameters(command: Callable[..., None], names: Iterable[str]) -> list[inspect.Parameter]:
-    own = inspect.signature(command, eval_str=True).parameters.values()
-    options = [_parameter(OPTIONS[name]) for name in names]
-    options.append(_keyword("config", ConfigFile))
-    others = (each for each in own if each.name != "config")
-    return sorted([*options, *others], key=lambda each: each.kind)  # keywords come last
 
 
 def _parameter(option: ConfigOption) -> inspect.Parameter:

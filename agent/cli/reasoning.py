@@ -8,7 +8,7 @@ import typer
 
 from .. import presentation
 from ..config import AgentConfig
-from .common import exit_with, open_for_reading, print_json, require_base, show, terminal, write_svg
+from . import common
 from .options import INFERENCE, SCENE, AsJson, Kb, Speaker, app, example, with_config
 
 
@@ -24,23 +24,22 @@ def explain(
     as_json: AsJson = False,
 ) -> None:
     """Prove a decision: from what was said to what is chosen, and what would change it."""
-    from ..agent import Agent
     from ..documents import Explanation
 
-    require_base(kb)
-    with Agent.open(kb, replace(config, simulate=False)) as agent:
+    common.require_base(kb)
+    with common.open_agent(kb, replace(config, simulate=False)) as agent:
         found = Explanation(agent, text, speaker)
         decision = found.reply.decision
         drawing, describe = presentation.deduction_svg, agent.dialogue.conversation.describe
         if svg and decision:
             proved = [drawing.from_proof(each, describe) for each in decision.proofs()]
-            write_svg(svg, drawing.draw_svg(proved))
+            common.write_svg(svg, drawing.draw_svg(proved))
         if as_json:
-            print_json(found.as_json())
+            common.print_json(found.as_json())
         else:
             explained = presentation.console.explanation(found.reply, found.changes, describe)
-            terminal().print(explained)
-    exit_with(found.reply.is_done)
+            common.terminal().print(explained)
+    common.exit_with(found.reply.is_done)
 
 
 @app.command(epilog=example("conflicts --json"))
@@ -48,9 +47,9 @@ def conflicts(*, kb: Kb = None, as_json: AsJson = False) -> None:
     """List the rules that contradict each other, the heaviest conflict first."""
     from ...inference.rule_analysis import find_conflicts
 
-    with open_for_reading(kb) as base:
+    with common.open_for_reading(kb) as base:
         found = find_conflicts(base.rules())
-    show(found, presentation.console.conflicts, as_json=as_json)
+    common.show(found, presentation.console.conflicts, as_json=as_json)
 
 
 @app.command(epilog=example("induce --json"))
@@ -60,9 +59,9 @@ def induce(*, kb: Kb = None, as_json: AsJson = False) -> None:
     from ...ontology.objects import load_household
 
     household = load_household()
-    with open_for_reading(kb) as base:
+    with common.open_for_reading(kb) as base:
         found = find(base.rules(), household.objects, classes=household.classes)
-    show(found, presentation.console.induced, as_json=as_json)
+    common.show(found, presentation.console.induced, as_json=as_json)
 
 
 @app.command(epilog=example("abduce affordance:cutting --given property:sharp"))
@@ -81,12 +80,8 @@ def abduce(
     from ...kb.rule import Atom
 
     known = frozenset(Atom.parse(each) for each in given or ())
-    with open_for_reading(kb) as base:
-        found = find_hypotheses(
-            base.rules(),
-            parse_conclusion(conclusion),
-            given=known,
-            taxonomy=Taxonomy.from_base(base),
-        )
-    show(found, presentation.console.hypotheses, as_json=as_json)
-    exit_with(bool(found))
+    with common.open_for_reading(kb) as base:
+        wanted, taxonomy = parse_conclusion(conclusion), Taxonomy.from_base(base)
+        found = find_hypotheses(base.rules(), wanted, given=known, taxonomy=taxonomy)
+    common.show(found, presentation.console.hypotheses, as_json=as_json)
+    common.exit_with(bool(found))

@@ -1,7 +1,7 @@
 """Commands about scenes, clouds and objects: scene show, grasp, object import."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import Annotated, Any, Literal
 
 import typer
 
@@ -9,10 +9,6 @@ from ...ontology.errors import check_simulator
 from ..config import AgentConfig
 from .common import announce, exit_with, print_json, spinner, terminal
 from .options import SCENE, AsJson, app, example, with_config
-
-if TYPE_CHECKING:
-    from ...sim.body import Body
-    from ...sim.vision.camera import Camera
 
 scene_app = typer.Typer(help="Show scenes.", rich_markup_mode=None)
 object_app = typer.Typer(help="Make objects of files.", rich_markup_mode=None)
@@ -32,14 +28,17 @@ def show(
 ) -> None:
     """Render a picture of a scene with the robot, and list its objects with their positions."""
     check_simulator()
-    from ...sim.media.pictures import OVERVIEW, check_writable
+    from ...sim.media import pictures
     from ..documents import things_as_json
     from ..execution.embodiment import Embodiment
 
-    check_writable(out)
-    embodiment = Embodiment.from_config(config)
-    with spinner("Loading the scene"), embodiment.open_body() as body:
-        _picture(body, out, OVERVIEW, names=names)
+    pictures.check_writable(out)
+    with spinner("Loading the scene"), Embodiment.from_config(config).open_body() as body:
+        picture = pictures.take_picture(body.world.engine)
+        if names:
+            places = {name: body.world.top(name) for name in body.world.kinds}
+            picture = pictures.draw_names(picture, pictures.OVERVIEW, places)
+        pictures.save_picture(picture, out)
         things = things_as_json(body)
     if as_json:
         print_json({"picture": str(out), "things": things})
@@ -65,7 +64,7 @@ def import_(
 ) -> None:
     """Make an object of a file: each link, or named geom, is a part. `--objects` reads it."""
     check_simulator()
-    from ...sim.media.pictures import closeup
+    from ...sim.media.pictures import closeup, save_picture, take_picture
     from ...sim.models.object_import import import_object
     from ..execution.embodiment import Embodiment
 
@@ -75,20 +74,11 @@ def import_(
     import_object(file, out, links, roles, name=name, is_a=is_a)
     config = AgentConfig(objects=out, scene=f"objects:{name}")
     with spinner("Loading the object"), Embodiment.from_config(config).open_body() as body:
-        _picture(body, picture, closeup(body.world.points(name).mean(axis=0)))
+        camera = closeup(body.world.points(name).mean(axis=0))
+        save_picture(take_picture(body.world.engine, camera), picture)
         parts = {each.name: each.mass for each in body.world.kinds[name].parts.values()}
     document = {"object": name, "parts": parts, "file": str(out), "picture": str(picture)}
     announce(document, f"{name}: {', '.join(parts)}. See {out} and {picture}.", as_json=as_json)
-
-
-def _picture(body: "Body", path: Path, camera: "Camera", *, names: bool = False) -> None:
-    from ...sim.media.pictures import draw_names, save_picture, take_picture
-
-    picture = take_picture(body.world.engine, camera)
-    if names:
-        places = {name: body.world.top(name) for name in body.world.kinds}
-        picture = draw_names(picture, camera, places)
-    save_picture(picture, path)
 
 
 @app.command(epilog=example("grasp --cloud mug.npz --part handle --table 0"))
@@ -110,17 +100,12 @@ def grasp(
     from ...sim.grasping.cloud_grasps import grasps_on_cloud, read_cloud
     from ...sim.poses import inverse, translation
 
-    arrays: dict[str, Any] = {**read_cloud(cloud, base_from_camera)}
+    given: dict[str, Any] = {**read_cloud(cloud, base_from_camera), "others": other or ()}
     with spinner("Planning grasps"):
         plan = grasps_on_cloud(
-            **arrays,
-            part=part,
-            others=other or (),
-            table=table,
-            robot=config.robot,
-            seed=config.seed,
+            **given, part=part, table=table, robot=config.robot, seed=config.seed
         )
-    at = arrays.get("base_from_camera")
+    at = given.get("base_from_camera")
     turn = translation(0, 0, 0) if at is None or frame == "base" else inverse(at)
     placed = [((turn @ g.world_from_grip).round(6) + 0.0).tolist() for g in plan.grasps[:top]]
     numbers = [[round(x, 6) for x in (g.width, g.opening, g.score)] for g in plan.grasps[:top]]
@@ -129,9 +114,8 @@ def grasp(
         for pose, (width, opening, score) in zip(placed, numbers, strict=True)
     ]
     reach = {"frame": "points" if at is None else frame, "reach_checked": at is not None}
-    found = {**reach, "grasps": grasps, "rejected": dict(plan.rejected)}
     if as_json:
-        print_json(found)
+        print_json({**reach, "grasps": grasps, "rejected": dict(plan.rejected)})
     else:
         for pose, (width, _, score) in zip(placed, numbers, strict=True):
             at, ahead = (" ".join(f"{row[axis]:6.3f}" for row in pose[:3]) for axis in (3, 2))

@@ -10,7 +10,7 @@ import typer
 from ...ontology.errors import extra_required
 from ..config import AgentConfig, default_location
 from . import options
-from .common import announce, print_json
+from .common import announce, open_agent, print_json
 from .options import AsJson, Kb, Speaker, app, example, with_config
 
 if TYPE_CHECKING:
@@ -50,7 +50,6 @@ def serve(
     with extra_required("serve", "fastapi"):
         from ..web import server
     from ...kb.stores.base import MEMORY
-    from ..agent import Agent
 
     def ready(url: str, once: str | None, bound: int) -> None:
         if no_auth or bare:
@@ -59,16 +58,13 @@ def serve(
         if browser and not as_json:
             typer.launch(url)
 
-    chosen = server.ServiceSettings(
-        *(host, port, tuple(name or ()), tuple(allow_origin or ()), certificate, key),
-        *(behind_proxy, not no_auth, speaker),
-        pace=pace,
-    )
+    place = (host, port, tuple(name or ()), tuple(allow_origin or ()), certificate, key)
+    chosen = server.ServiceSettings(*place, behind_proxy, not no_auth, speaker, pace=pace)
     tokens = server.tokens_beside(kb or str(default_location()))
     if bare:
         server.serve_bare(kb or MEMORY, chosen, ready)  # never the user's own base unasked
     else:
-        server.serve(Agent.open(kb, config), chosen, tokens, ready)
+        server.serve(open_agent(kb, config), chosen, tokens, ready)
 
 
 @app.command(epilog=example("mcp --no-sim"))
@@ -79,10 +75,9 @@ def mcp(*, config: AgentConfig, kb: Kb = None, speaker: Speaker = "sam") -> None
         from ..web.mcp_server import make_mcp
         from ..web.service import Service
         from ..web.tokens import Caller
-    from ..agent import Agent
 
     caller = Caller("owner", speaker, frozenset({"admin"}))
-    with Agent.open(kb, config) as agent:
+    with open_agent(kb, config) as agent:
         make_mcp(Service(agent), lambda _: caller).run("stdio")
 
 

@@ -104,9 +104,8 @@ class GoalManager:
             return AnswerContent("okay")
         if unable:
             return outcome_answer.unable(request.action, unable[0], decision)
-        if self.motion is None:
-            return outcome_answer.decided(request.action, decision, request.speaker, recipient)
-        return outcome_answer.done(request.action, decision, request.speaker, recipient)
+        answer = outcome_answer.done if self.motion else outcome_answer.decided
+        return answer(request.action, decision, request.speaker, recipient)
 
     def _missing_abilities(self, tree: str) -> list[str]:
         if self.motion is None:
@@ -173,8 +172,7 @@ class TreeExecutor:
             self._context.interruption.wait()
         except MotionInterruptedError:
             return outcome_answer.stopped(None)
-        refusal = self._norms.enter(node, arguments)
-        if refusal:
+        if refusal := self._norms.enter(node, arguments):
             return refusal
         action, target, affordances = _action(node), self._target(arguments), self._affordances
         if target in self._found:
@@ -281,8 +279,7 @@ class TreeExecutor:
         if self._primitives is None or self._walk_steps(node, steps, arguments):
             return failure
         self._report_setback(failure)
-        is_step = "/" in node
-        return None if is_step else AnswerContent("did_instead", {}, "failed", failure.cause)
+        return None if "/" in node else AnswerContent("did_instead", {}, "failed", failure.cause)
 
     def _report_setback(self, failure: AnswerContent) -> None:
         if failure not in self._setbacks:
@@ -348,8 +345,7 @@ class TreeExecutor:
     def _repeat(self, node: str, loop: Loop, arguments: Arguments) -> Failure:
         # Without a robot nothing can be sensed: one pass shows what would be done.
         for _ in range(loop.times if self._primitives else 1):
-            failure = self._walk_steps(node, loop.steps, arguments)
-            if failure:
+            if failure := self._walk_steps(node, loop.steps, arguments):
                 return failure
             if self._primitives and loop.until in self._primitives.sensed:
                 return None
@@ -431,8 +427,7 @@ class TreeExecutor:
             allowed = next(iter(self._allowed_parts(percept, inference)), None)
             self.decision = replace(decision, allowed_part=allowed)
             return allowed, None if allowed else self._no_part("no_part_allowed", percept)
-        unsure = [each for each in inference.candidates if each.verdict == "unsure"]
-        if unsure:
+        if unsure := [each for each in inference.candidates if each.verdict == "unsure"]:
             goal = self._request.action
             return None, outcome_answer.not_sure_how(goal, percept.object, unsure[0])
         is_tool = self._patient is not None

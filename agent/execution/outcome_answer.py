@@ -185,8 +185,7 @@ def _no_candidate(target: Target, inference: Inference) -> AnswerContent:
         key, slots = "nothing_seen", dict[str, Slot](object=_description(target))
     else:
         for why, candidates in (("absent", inference.absent), ("denied", inference.denied)):
-            objects = tuple(dict.fromkeys(each.object for each in candidates))
-            if objects:
+            if objects := tuple(dict.fromkeys(each.object for each in candidates)):
                 key, slots = f"{key}_{why}", slots | {"objects": objects}
                 break
     return AnswerContent(key, slots, "failed", "not_found")

@@ -43,8 +43,7 @@ class Request:
         """Return this request for the object or part that Hilt asked about, after a "yes"."""
         if result.answer.ending != "asked":
             return None
-        norm = result.forbidding and result.forbidding.forbidding
-        if norm:
+        if norm := result.forbidding and result.forbidding.forbidding:
             return replace(self, unheeded=self.unheeded | {norm.id})
         candidates = result.decision.object.candidates if result.decision else ()
         if not candidates:
@@ -106,7 +105,6 @@ def _default(default: str | ArgumentByAffordance, arguments: Arguments, speaker:
     argument = Atom.parse(default.argument) if default.argument else None
     if argument is not None and argument.kind == "affordance":
         return Target(used_for=argument.name, material=named(arguments.get(PATIENT)))
-    name = named(arguments.get(default.of)) if default.of else None
-    if name:
+    if default.of and (name := named(arguments.get(default.of))):
         argument = Atom("object", name)
     return Target(affords=Conclusion(default.functor, argument))

@@ -4,7 +4,7 @@ Each function turns a value of the agent into something that rich can print, pla
 """
 
 import json
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from datetime import datetime
 from itertools import islice
 from operator import attrgetter
@@ -169,21 +169,14 @@ def _by_part(name: str | None, part: str | None) -> str:
 
 def decision(made: "Decision", quote: Quote) -> Table:
     """Every candidate with its interval, lambda and reason; the part below the object."""
+
+    def row(each: "Candidate", name: str) -> tuple[object, ...]:
+        because = "\n".join((*_told_by(each, quote), each.reason))
+        return name, each.interval, f"{each.certainty:.4f}", yes_or_no(each.accepted), because
+
     parts = made.part.candidates if made.part else ()
-    named = [
-        *((each, each.name) for each in made.object.candidates),
-        *((each, f"  by the {each.argument.name if each.argument else ''}") for each in parts),
-    ]
-    rows = (
-        (
-            name,
-            each.interval,
-            f"{each.certainty:.4f}",
-            yes_or_no(each.accepted),
-            "\n".join((*_told_by(each, quote), each.reason)),
-        )
-        for each, name in named
-    )
+    rows = [row(each, each.name) for each in made.object.candidates]
+    rows += [row(p, f"  by the {p.argument.name if p.argument else ''}") for p in parts]
     columns = ("candidate", "interval", "lambda", "", "because")
     return table(columns, rows, title="Decision", title_justify="left")
 
@@ -197,18 +190,16 @@ def reasons(made: "Decision", quote: Quote) -> Table:
             mark = "" if each is node.best else "not "
             is_named = each.accepted and each.argument is None
             why = "that is what was asked for" if is_named else rejection_reason(node, each)
-            told = _told_by(each, quote) or [why]
+            told = [*_told_by(each, quote)] or [why]
             rows.append((mark + wording.format(name), "\n".join(told)))
     return grid(rows)
 
 
-def _told_by(candidate: "Candidate", quote: Quote) -> list[str]:
-    told: list[str] = []
+def _told_by(candidate: "Candidate", quote: Quote) -> Iterator[str]:
     for rule in candidate.rules:
         who = "It is like" if rule.status == "induced" else f"{proper_name(rule.speaker)} said"
         if rule.utterance:
-            told.append(f'{who}: "{quote(rule.utterance)}"')
-    return told
+            yield f'{who}: "{quote(rule.utterance)}"'
 
 
 def execution_result(happened: "WorldOutcome") -> Table:
@@ -388,12 +379,10 @@ def import_summary(found: "ImportSummary", source: str, *, dry_run: bool) -> Ren
     read = f"{'Would read' if dry_run else 'Read'} {counted(found.new + found.known, 'rule')}"
     known = f"{found.known} already known, {found.conflicting} conflicting"
     lines = [f"{read} from {source}: {found.new} new, {known}."]
-    for each in found.conflicts:
-        lines.append(f"  {each.new} contradicts {each.believed}: {each.weight:.4f}")
+    lines += [f"  {e.new} contradicts {e.believed}: {e.weight:.4f}" for e in found.conflicts]
     if found.conflicting > len(found.conflicts):
         lines.append(f"  ... and {found.conflicting - len(found.conflicts)} more")
-    kept = (f"{rule_text(rule)}: {rule.status} in {source}" for rule in found.kept)
-    lines += [f"{each}; stays as it is here." for each in kept]
+    lines += [f"{rule_text(r)}: {r.status} in {source}; stays as it is here." for r in found.kept]
     left = ((counted(number, "statement"), what) for what, number in found.not_taken.items())
     lines += [f"Not taken: {statements} with {what}." for statements, what in left]
     if found.untrusted:

@@ -33,8 +33,7 @@ class Film:
         self.path = path
         self._body, self._goals = body, goals
         self._recorder: WorldRecorder = body.record(path)
-        self._utterance = ""
-        self._bound = ""
+        self._utterance = self._bound = ""
 
     def __enter__(self) -> "Film":
         self._recorder.__enter__()

@@ -119,8 +119,7 @@ class SoundRepair:
         for cost, sentence in sorted(listed):
             if cost > MOST_COST * phones or len(found) == MOST_CANDIDATES:
                 break
-            meaning = self._meaning(sentence)
-            if meaning:
+            if meaning := self._meaning(sentence):
                 found.setdefault(meaning, (sentence, cost / phones))
         return dict(found.values())
 
@@ -332,8 +331,7 @@ class _Sounds:
             weights = [0.5 if word.lower() in self.articles else 1.0] * len(phones)
             if len(phones) > 1 and phones[-1] in self.endings:
                 weights[-1] = 0.5
-            numbers = (self.numbers[phone] for phone in phones)
-            found.append([*zip(numbers, weights, strict=True)])
+            found.append([(self.numbers[p], w) for p, w in zip(phones, weights, strict=True)])
         return found
 
 

@@ -43,7 +43,6 @@ class MoonshineRecogniser:
 
         options = {"vad_threshold": "0", "return_audio_data": "false"}  # 0: nothing is cut away
         self._transcriber = Transcriber(str(get_model_path()), ModelArch.TINY, options=options)
-        self.learn(language)
 
     def learn(self, language: Language) -> None:
         """Do nothing: it has the words of English."""

@@ -8,14 +8,12 @@ from dataclasses import dataclass, replace
 from io import BytesIO
 from pathlib import Path
 from queue import SimpleQueue
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...ontology.errors import DataError, IntervalError, MissingExtraError, extra_required
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
 
 RATE = 16_000  # samples a second
 BLOCK = 480  # samples that the voice detection takes: 30 ms
@@ -47,17 +45,15 @@ class Sound:
     DataError if it is empty, silent, or longer than 30 s.
     """
 
-    samples: "NDArray[np.float32]"
+    samples: NDArray[np.float32]
     source: str = MICROPHONE
 
     def __post_init__(self) -> None:
-        problem = ""
         if self.duration_s > LONGEST_S:
             problem = f"expected at most {LONGEST_S:.0f} s of sound, found {self.duration_s:.1f} s."
-        elif not self.samples.size or not self._levels(0.1).max() >= _SILENT:
-            problem = "there is only silence in it."
-        if problem:
             raise DataError(problem, source=self.source)
+        if not self.samples.size or not self._levels(0.1).max() >= _SILENT:
+            raise DataError("there is only silence in it.", source=self.source)
 
     @classmethod
     def read(cls, file: Path | BytesIO) -> "Sound":
@@ -109,13 +105,13 @@ class Sound:
         low, high = np.quantile(self._levels(0.02), (0.1, 0.9)) + 1e-9
         return float(np.clip(20 * np.log10(high / low), 0, 60))
 
-    def _levels(self, seconds: float) -> "NDArray[np.float32]":
+    def _levels(self, seconds: float) -> NDArray[np.float32]:
         size = min(self.samples.size, int(seconds * RATE))
         frames = self.samples[: self.samples.size // size * size].reshape(-1, size)
         return np.sqrt((frames**2).mean(axis=1))
 
 
-def _as_float(found: "NDArray[Any]") -> "NDArray[np.float64]":
+def _as_float(found: NDArray[Any]) -> NDArray[np.float64]:
     if found.dtype.kind == "f":
         return found.astype(float)
     middle = 128.0 if found.dtype.kind == "u" else 0.0  # 8-bit samples have no sign

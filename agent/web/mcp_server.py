@@ -70,10 +70,8 @@ def make_mcp(service: Service, who: WhoAsks) -> MCPServer[Any]:
     """Return the tools and resources over a service, for the caller that a context names."""
     server = MCPServer[Any]("hilt", instructions=_INSTRUCTIONS, log_level="WARNING")
     tools = ModelTools(service, who)
-    for tool in (
-        *(tools.how_to_hold, tools.may_hold, tools.what_for, tools.explain),
-        *(tools.teach, tools.plan, tools.carry_out),
-    ):
+    asking = (tools.how_to_hold, tools.may_hold, tools.what_for, tools.explain)
+    for tool in (*asking, tools.teach, tools.plan, tools.carry_out):
         server.add_tool(_told(tool))
 
     @server.resource("hilt://rules", mime_type="application/json")
@@ -120,17 +118,15 @@ class ModelTools:
 
     def how_to_hold(self, object: str, action: str, context: Context[Any]) -> Finding:
         """By which part an object ("knife") is held for an action ("pass", "pickUp")."""
-        for each in self._held(object, action, context):
-            if each.verdict == "accepted":
-                return self._finding(each)
-        return Finding(object=object)
+        held = self._held(object, action, context)
+        proper = next((each for each in held if each.verdict == "accepted"), None)
+        return self._finding(proper) if proper else Finding(object=object)
 
     def may_hold(self, object: str, part: str, action: str, context: Context[Any]) -> Finding:
         """Whether an object may be held by a part for an action: proper, improper or unknown."""
-        for each in self._held(object, action, context):
-            if each.part == part:
-                return self._finding(each)
-        return Finding(object=object, part=part)
+        held = self._held(object, action, context)
+        found = next((each for each in held if each.part == part), None)
+        return self._finding(found) if found else Finding(object=object, part=part)
 
     def _held(self, name: str, action: str, context: Context[Any]) -> Sequence[Candidate]:
         caller = self._model(context)
@@ -150,9 +146,8 @@ class ModelTools:
 
     def explain(self, command: str, context: Context[Any]) -> dict[str, Any]:
         """The proof of what would be decided for a command, and what would change it."""
-        caller = self._model(context)
         with self._service.deciding([]) as agent:
-            return Explanation(agent, command, caller.speaker).as_json()
+            return Explanation(agent, command, self._model(context).speaker).as_json()
 
     async def teach(self, sentence: str, context: Context[Any]) -> dict[str, Any]:
         """Teach one sentence: "A knife is used for cutting". It counts as little trusted."""

@@ -32,6 +32,7 @@ from ...kb.stores.opening import open_store
 from ...kb.stores.oxigraph import OxigraphStore
 from ...kb.stores.query_pool import QueryPool
 from ...kb.stores.write_lease import WRITERS
+from ...ontology.disk_cache import write_atomically
 from ...ontology.errors import DataError, StoreError
 from ..agent import Agent
 from ..execution.outcome import Json
@@ -41,7 +42,7 @@ from .problems import HANDLERS, RESPONSES, Problem
 from .security import Doorkeeper, Gate, ServiceSettings, address_of, check_role, is_loopback
 from .service import Service
 from .sparql import LIMITS, SparqlEndpoint
-from .tokens import TokenFile, write_secret
+from .tokens import OWNER_ONLY, TokenFile
 
 STATIC = Path(__file__).resolve().with_name("static")  # served from where it is, not by links
 READERS = 4  # threads
@@ -161,10 +162,7 @@ def make_bare_app(store: OxigraphStore, settings: ServiceSettings) -> Starlette:
         await sparql.pool.close()
         store.close()
 
-    def admit(_: Request, __: bool) -> str:
-        return settings.speaker
-
-    sparql = SparqlEndpoint(store, QueryPool(store), admit, update)
+    sparql = SparqlEndpoint(store, QueryPool(store), lambda _, __: settings.speaker, update)
     app = Starlette(routes=sparql.routes, lifespan=lifespan, exception_handlers=HANDLERS)
     app.add_middleware(Doorkeeper, settings=settings, metrics=CollectorRegistry())
     return app
@@ -333,6 +331,5 @@ def _cookie_secret(tokens: Path | None) -> str:
         return secrets.token_urlsafe(32)
     file = tokens.with_suffix(".cookies")
     if not file.exists():
-        file.parent.mkdir(parents=True, exist_ok=True)
-        write_secret(file, secrets.token_urlsafe(32).encode())
+        write_atomically(file, secrets.token_urlsafe(32), mode=OWNER_ONLY)
     return file.read_text(encoding="ascii")

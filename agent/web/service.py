@@ -149,8 +149,7 @@ class Service:
 
         Problem 403 if somebody may not say that, 409 if too many wait or another has the robot.
         """
-        known = self._by_key.get((caller.id, key)) if key else None
-        if known:
+        if key and (known := self._by_key.get((caller.id, key))):
             if (known.said, known.listens) != (said, listens):
                 raise Problem(422, "key", "Used before", "The key belongs to another request.")
             return known
@@ -197,8 +196,7 @@ class Service:
                 return await run_in_threadpool(decided)
             if self.agent.is_busy and await run_in_threadpool(is_control):
                 return await run_in_threadpool(self._reply, job)  # it interrupts
-            loop = asyncio.get_running_loop()
-            return await loop.run_in_executor(self._thread, self._hear, job)
+            return await asyncio.get_running_loop().run_in_executor(self._thread, self._hear, job)
         finally:
             job.state = "done"
             self._publish_job(job)

@@ -2,7 +2,7 @@
 
 from collections.abc import Awaitable, Callable, Hashable
 from dataclasses import dataclass, field
-from functools import lru_cache, partial
+from functools import lru_cache
 from http import HTTPStatus
 from typing import Any
 from urllib.parse import parse_qs
@@ -118,10 +118,14 @@ class SparqlEndpoint:
     async def _answer(self, request: Request, query: str, **document: Any) -> Response:
         if "fresh" in request.headers.get("prefer", ""):
             self.pool.forget_snapshot()
+
+        async def disconnected() -> None:
+            while (await request.receive())["type"] != "http.disconnect":
+                pass
+
         if not (found := self._looked_up(query, document)):
             refuse_external_access(query)
-            gone = partial(_disconnected, request)
-            found = await self.pool.answer(query, document, LIMITS, gone=gone)
+            found = await self.pool.answer(query, document, LIMITS, gone=disconnected)
         media_type, body, number = found
         if not media_type:
             raise _refusal(406, "The answer has no form that is accepted.")
@@ -222,11 +226,6 @@ async def _read(
     if len(wanted) != 1 or others:
         raise _refusal(400, f"Expected one {operation}, and nothing else that is to be done.")
     return wanted[0], (default, named) if default or named else None
-
-
-async def _disconnected(request: Request) -> None:
-    while (await request.receive())["type"] != "http.disconnect":
-        pass
 
 
 def _graph(request: Request) -> Iri:

@@ -5,7 +5,6 @@ beside the base and never in it: readers can query the graph.
 """
 
 import hmac
-import os
 import secrets
 from collections.abc import Generator, Sequence
 from contextlib import contextmanager
@@ -19,9 +18,11 @@ from filelock import FileLock
 from pydantic import TypeAdapter
 
 from ...kb.rule import check_speaker
+from ...ontology.disk_cache import write_atomically
 from ...ontology.errors import DataError, NotFoundError, UnknownNameError
 
 ROLES = ("reader", "teacher", "operator", "admin")
+OWNER_ONLY = 0o600  # the mode of files that nobody else can read
 _NOTED = timedelta(minutes=1)  # between two notes of the last use
 
 
@@ -118,8 +119,7 @@ class TokenFile:
         found = next(known, None)
         if found and (found.used is None or found.used < now - _NOTED):
             with self._changing() as tokens:
-                noted = (replace(e, used=now) if e.id == found.id else e for e in tokens)
-                tokens[:] = list(noted)
+                tokens[:] = [replace(e, used=now) if e.id == found.id else e for e in tokens]
         return found
 
     @contextmanager
@@ -128,17 +128,9 @@ class TokenFile:
             yield self._read[1]
             return
         self._path.parent.mkdir(parents=True, exist_ok=True)
-        with FileLock(f"{self._path}.lock", mode=0o600):
+        with FileLock(f"{self._path}.lock", mode=OWNER_ONLY):
             yield (tokens := self.tokens())
-            write_secret(self._path, _TOKENS.dump_json(tokens, indent=1))
-
-
-def write_secret(path: Path, content: bytes) -> None:
-    """Write a file that only its owner can read, at once."""
-    beside = path.with_name(f".{path.name}.{secrets.token_hex(4)}")
-    with os.fdopen(os.open(beside, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "wb") as file:
-        file.write(content)
-    beside.replace(path)
+            write_atomically(self._path, _TOKENS.dump_json(tokens, indent=1), mode=OWNER_ONLY)
 
 
 def _now() -> datetime:

@@ -22,9 +22,7 @@ Progress: TypeAlias = Callable[[int], None]  # is called with how many are done 
 
 MAX_SORTED = 200_000  # statements; a store of more is written in its own order
 
-_SOURCES = f"""SELECT DISTINCT ?utterance {{
-  GRAPH <{BELIEFS}> {{ ?rule <{rule_mapping.DERIVED_FROM}> ?utterance }}
-}}"""
+_SOURCES = "SELECT DISTINCT ?node { GRAPH graph:beliefs { ?rule prov:wasDerivedFrom ?node } }"
 
 
 def statements(store: Store, *, rules_only: bool = False) -> Iterator[EngineQuad]:

@@ -12,6 +12,7 @@ import io
 from array import array
 from collections import Counter, defaultdict, deque
 from collections.abc import Callable, Iterable, Iterator
+from contextlib import closing
 from dataclasses import dataclass, field, replace
 from functools import cache, lru_cache, partial
 from itertools import chain
@@ -100,9 +101,7 @@ class _Import:
     conflicting: int = 0
     conflicts: list[ImportConflict] = field(default_factory=list[ImportConflict])
     kept: list[Rule] = field(default_factory=list[Rule])  # known ones of another status
-    speakers: set[str] = field(default_factory=set[str])
-    trusted: set[str] = field(default_factory=set[str])
-    utterances_added: int = 0
+    untrusted: set[str] = field(default_factory=set[str])  # of the speakers of new rules
     left: Counter[str] = field(default_factory=Counter[str])
 
     def run(self, rules: Iterable[Rule], *, dry_run: bool) -> ImportSummary:
@@ -118,8 +117,8 @@ class _Import:
             len(self.new),
             self.known,
             self.conflicting,
-            self.utterances_added,
-            tuple(sorted(self.speakers - self.trusted)),
+            len(plan.added),
+            tuple(sorted(self.untrusted)),
             tuple(self.conflicts),
             tuple(self.kept),
             dict(sorted(self.left.items())),
@@ -151,8 +150,7 @@ class _Import:
         node, graph, pairs = group
         kind, name = split(node)
         # Edges and labels are written again with the rules.
-        is_named = graph == BELIEFS and kind in NAMED_KINDS
-        derived = _WRITTEN_AGAIN if is_named else frozenset[Iri]()
+        derived = _WRITTEN_AGAIN if graph == BELIEFS and kind in NAMED_KINDS else frozenset[Iri]()
         # Formats without graphs have utterances among the beliefs.
         is_utterance = kind == "utterance" and name.isdecimal() and graph in {HISTORY, BELIEFS}
         for key, value in pairs:
@@ -164,24 +162,19 @@ class _Import:
                 self.left[f"rdfs:label in {shortened(graph)}"] += 1
 
     def _lines(self, rules: Iterable[Rule], plan: AncillaryWrites) -> Iterator[bytes]:
-        writer, before = NQuadsWriter(), plan.last
+        writer = NQuadsWriter()
         for rule in self._new_rules(rules):
             writer.write_rule(rule)
             yield from writer.taken()
-        staging = validation.stage(self.rest, source=self.source)
-        self.rest.clear()
-        try:
+        with closing(validation.stage(self.rest, source=self.source)) as staging:
+            self.rest.clear()
             raise_findings(self.check(staging))
             other = RuleReader(staging)
             reconciliation.plan_trust(plan, self.base, other)
             reconciliation.plan_history(plan, self.base, self._utterances(other))
             reconciliation.plan_rest(plan, self.base, other)
-            for _ in self._write_sources(plan, writer):
-                yield from writer.taken()
-            self.utterances_added = len({each for each in plan.numbers.values() if each > before})
-            self.trusted = {*self.base.speakers(), *other.speakers()}
-        finally:
-            staging.close()
+            yield from self._write_sources(plan, writer)
+            self.untrusted.difference_update(self.base.speakers(), other.speakers())
         yield from writer.taken(0)
 
     def _new_rules(self, rules: Iterable[Rule]) -> Iterator[Rule]:
@@ -201,7 +194,7 @@ class _Import:
             if number in self.new:
                 continue
             self.new[number] = rule.utterance or 0
-            self.speakers.add(rule.speaker)
+            self.untrusted.add(rule.speaker)
             if rule.time is None:
                 self.timeless.add(number)
             if there and rule.status == "active":
@@ -223,29 +216,28 @@ class _Import:
                 ids = tuple(f"rule/{number:016x}" for number in sorted(numbers))
                 yield replace(utterance, asserts=ids)
 
-    def _write_sources(self, plan: AncillaryWrites, writer: NQuadsWriter) -> Iterator[None]:
+    def _write_sources(self, plan: AncillaryWrites, writer: NQuadsWriter) -> Iterator[bytes]:
         time = to_milliseconds(self.base.clock())
         left = [one for one, utterance in self.new.items() if utterance not in plan.numbers]
         for start in range(0, len(left), PER_UTTERANCE):
             some = left[start : start + PER_UTTERANCE]
             which = f", rules {start + 1} to {start + len(some)}" if some != left else ""
             plan.last += 1
-            plan.numbers[-plan.last] = plan.last  # it is the number of no imported utterance
             plan.add(import_utterance(self.source, plan.last, time, some=which))
             writer.write_assertions(plan.last, some)
             writer.write_property(some, rule_mapping.DERIVED_FROM, utterance_iri(plan.last))
-            yield
-        for utterance, ids in plan.assertions:
-            writer.write_assertions(utterance, map(_number, ids))
-            yield
+            yield from writer.taken()
+        for utterance in plan.added:
+            writer.write_assertions(utterance.sequence, map(_number, utterance.asserts))
+            yield from writer.taken()
         told = self._by_utterance()
-        for utterance in told.keys() & plan.numbers.keys():
-            node = utterance_iri(plan.numbers[utterance])
-            writer.write_property(told[utterance], rule_mapping.DERIVED_FROM, node)
-            yield
+        for number in told.keys() & plan.numbers.keys():
+            node = utterance_iri(plan.numbers[number])
+            writer.write_property(told[number], rule_mapping.DERIVED_FROM, node)
+            yield from writer.taken()
         for numbers in batched(self.timeless, PER_UTTERANCE):
             writer.write_property(numbers, rule_mapping.GENERATED_AT, time)
-            yield
+            yield from writer.taken()
         if plan.last:
             plan.insert.append(Quad(BASE_NODE, SEQUENCE, plan.last, BASE_GRAPH))
         writer.write_quads(plan.insert)

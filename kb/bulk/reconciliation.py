@@ -75,24 +75,21 @@ class AncillaryWrites:
     delete: list[Quad] = field(default_factory=list[Quad])
     #: the number that each imported utterance has in the base
     numbers: dict[int, int] = field(default_factory=dict[int, int])
-    #: ids of the rules that new utterances assert, as many as there are rules
-    assertions: list[tuple[int, tuple[str, ...]]] = field(
-        default_factory=list[tuple[int, tuple[str, ...]]]
-    )
+    #: the new utterances, with the ids of the rules that they assert
+    added: list[Utterance] = field(default_factory=list[Utterance])
     #: how many statements are left out, by their predicate and graph
     left: Counter[str] = field(default_factory=Counter[str])
 
     def add(self, utterance: Utterance) -> None:
         """Add an utterance under the number that it has."""
-        self.assertions.append((utterance.sequence, utterance.asserts))
+        self.added.append(utterance)
         self.insert += history.utterance_quads(replace(utterance, asserts=()))
         self.insert += speaker_quads(utterance.speaker, HISTORY)
 
     def leave_out(self, quads: Iterable[Quad]) -> None:
         """Count statements that are not taken."""
-        self.left.update(
-            f"{shortened(quad.predicate)} in {shortened(quad.graph or BELIEFS)}" for quad in quads
-        )
+        places = ((shortened(quad.predicate), shortened(quad.graph or BELIEFS)) for quad in quads)
+        self.left.update(f"{key} in {graph}" for key, graph in places)
 
 
 def believed_rules(base: KnowledgeBase, node: str) -> Mapping[object, Sequence[Rule]]:
@@ -119,21 +116,18 @@ def plan_trust(plan: AncillaryWrites, base: KnowledgeBase, other: RuleReader) ->
     """Adopt trust in speakers of whom the base says nothing; an empty base adopts all."""
     is_empty = base.sequence == 0
     for speaker in other.speakers():
-        own, theirs = base.trust(speaker), other.trust(speaker)
+        own, theirs, node = base.trust(speaker), other.trust(speaker), iri("speaker", speaker)
         if theirs and theirs != own and (own is None or is_empty):
-            plan.delete += base.store.quads(iri("speaker", speaker), None, None, BELIEFS)
+            plan.delete += base.store.quads(node, None, None, BELIEFS)
             plan.insert += trust_quads(speaker, theirs)
         elif theirs != own:
-            plan.leave_out(
-                other.store.quads(iri("speaker", speaker), history.TRUST_LOWER, None, BELIEFS)
-            )
+            plan.leave_out(other.store.quads(node, history.TRUST_LOWER, None, BELIEFS))
 
 
 def plan_history(plan: AncillaryWrites, base: KnowledgeBase, said: Iterable[Utterance]) -> None:
     """Add the utterances that the base has not, after its own."""
     for utterance in sorted(said, key=lambda one: one.sequence):
-        there = _same_utterance(base, utterance)
-        if there:
+        if there := _same_utterance(base, utterance):
             plan.numbers[utterance.sequence] = there
             continue
         plan.last = max(utterance.sequence, plan.last + 1)
@@ -146,9 +140,8 @@ def plan_rest(plan: AncillaryWrites, base: KnowledgeBase, other: RuleReader) -> 
 
     Of another domain the statements that the base has not are left out.
     """
-    renumbered: dict[Term, Term] = {
-        utterance_iri(old): utterance_iri(new) for old, new in plan.numbers.items()
-    }
+    numbers = plan.numbers.items()
+    renumbered: dict[Term, Term] = {utterance_iri(old): utterance_iri(new) for old, new in numbers}
     for graph in (EPISODES, LEXICON, ACTIONS):
         plan.insert += (
             quad._replace(object=renumbered.get(quad.object, quad.object))

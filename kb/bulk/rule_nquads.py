@@ -105,11 +105,10 @@ class NQuadsWriter:
 
     def write_quads(self, quads: Iterable[Quad]) -> None:
         """Write other statements."""
+        name = self._name
         for subject, key, value, graph in quads:
-            end = self._name(value) if isinstance(value, Iri) else as_sparql(value)
-            self._write(
-                f"{self._name(subject)} {self._name(key)} {end} {self._name(graph or BELIEFS)} .\n"
-            )
+            end = name(value) if isinstance(value, Iri) else as_sparql(value)
+            self._write(f"{name(subject)} {name(key)} {end} {name(graph or BELIEFS)} .\n")
 
     def taken(self, least: int = _MAX_HELD) -> Iterator[bytes]:
         """Give what was written since the last time, when it has at least so many characters."""
@@ -127,12 +126,12 @@ def _shared(
     contexts: frozenset[Atom], functor: str, argument: Atom | None, speaker: str, status: Status
 ) -> SharedLines:
     one = Rule(frozenset([ANY]), contexts, functor, argument, _TRUE, speaker, status=status)
-    atoms = one.contexts | ({one.argument} if one.argument else frozenset())
+    labels = rule_mapping.atom_label_quads({*one.contexts, one.argument})
     return SharedLines(
         tuple(_end(q) for q in rule_mapping.property_quads(one) if q.predicate not in OWN),
         as_sparql(rule_mapping.node_edge(one).subject),
         tuple(map(_end, rule_mapping.edges(one))),
-        _lines([*rule_mapping.atom_label_quads(atoms), *rule_mapping.node_label_quads(one)]),
+        _lines([*labels, *rule_mapping.node_label_quads(one)]),
         _lines(rule_mapping.relation_quads(one)),
     )
 

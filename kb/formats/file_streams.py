@@ -159,5 +159,4 @@ def open_output(file: str) -> Generator[BinaryIO]:
     except OSError as error:
         if isinstance(error, BrokenPipeError):
             raise
-        problem = f"cannot be written: {error.strerror or error}."
-        raise DataError(problem, source=file) from error
+        raise DataError(f"cannot be written: {error.strerror or error}.", source=file) from error

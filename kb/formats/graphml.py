@@ -19,7 +19,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import cycle, groupby, zip_longest
 from operator import attrgetter
 from statistics import fmean
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 from ...ontology.errors import DataError, HiltError, extra_required
 from ..rule import Rule
@@ -46,6 +46,7 @@ _OTHER_FILL = "#eeeeee"
 _STYLES: dict[str, Any] = {
     "supports": "-", "needs another feature": (0, (6, 3)), "speaks against": (0, (1.5, 2)),
 }  # fmt: skip
+_Boxes: TypeAlias = dict[str, tuple[float, float]]  # middle and height of that of each node
 
 
 class _Arrow(NamedTuple):
@@ -76,13 +77,11 @@ def graph_of(rules: Iterable[Rule]) -> "MultiDiGraph[str]":
         texts = dict(zip(COLUMNS, value_notation.write_texts(rule, bare=False), strict=True))
         said = {key: texts.pop(key) for key in ("functor", "argument")}  # these come first in files
         bounds = {"lower": rule.interval.lower, "upper": rule.interval.upper}
-        label = str(rule.interval)
+        attributes = {"rule": rule.id, "label": str(rule.interval), **said, **texts, **bounds}
         for start in sorted(rule.features or rule.contexts):
             graph.add_node(str(start), kind=start.kind, name=start.name)
-            graph.add_node(end, kind=end.partition(":")[0], name=end.partition(":")[2])
-            graph.add_edge(
-                str(start), end, key=rule.id, rule=rule.id, label=label, **said, **texts | bounds
-            )
+            graph.add_node(end, kind=_kind(end), name=_name(end))
+            graph.add_edge(str(start), end, key=rule.id, **attributes)
     return graph
 
 
@@ -190,11 +189,9 @@ def _ordered_columns(arrows: Sequence[_Arrow]) -> tuple[list[str], list[str]]:
     return columns
 
 
-def _stacked(
-    arrows: Iterable[_Arrow], by: str
-) -> tuple[dict[str, tuple[float, float]], dict[_Arrow, float]]:
+def _stacked(arrows: Iterable[_Arrow], by: str) -> tuple[_Boxes, dict[_Arrow, float]]:
     """The middle and height of the box of each node, and where each arrow is at it."""
-    boxes: dict[str, tuple[float, float]] = {}
+    boxes: _Boxes = {}
     ports: dict[_Arrow, float] = {}
     y = float(-_GAP)
     for node, some in groupby(arrows, key=attrgetter(by)):
@@ -207,9 +204,7 @@ def _stacked(
     return boxes, ports
 
 
-def _draw_boxes(
-    axes: "Axes", boxes: Mapping[str, tuple[float, float]], left: float, width: float
-) -> None:
+def _draw_boxes(axes: "Axes", boxes: _Boxes, left: float, width: float) -> None:
     middles, heights = zip(*boxes.values(), strict=True) if boxes else ((), ())
     fills = [_FILLS.get(_kind(node), _OTHER_FILL) for node in boxes]
     bars = axes.barh(middles, width, heights, left, color=fills, edgecolor=_GREY, clip_on=False)

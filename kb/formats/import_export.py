@@ -7,6 +7,7 @@ can be compared line by line. `registry` lists what each format carries.
 
 import io
 from collections.abc import Iterable, Iterator
+from contextlib import closing
 from itertools import chain
 from pathlib import Path
 from typing import BinaryIO, TypeVar, cast
@@ -118,12 +119,9 @@ def import_file(
                 break
         if size > MAX_STAGED or (size > MAX_SHACL and _is_in_order(first)):
             return import_statements(base, chain(first, items), source=name, dry_run=dry_run)
-        staging = _staged(first, name)  # which puts them in order
-        try:
+        with closing(_staged(first, name)) as staging:  # which puts them in order
             raise_findings(findings(staging))
             return merge(base, staging, source=name, dry_run=dry_run)
-        finally:
-            staging.close()
 
 
 def read_file(file: str | Path, *, format: str | None = None) -> Store:

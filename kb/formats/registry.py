@@ -46,10 +46,10 @@ def format_of(file: str, given: str | None, default: str) -> FileFormat:
 
     `default` is that of standard input and output. DataError if there is no such format.
     """
-    if given is not None and given not in FORMATS:
-        known = ", ".join(sorted(FORMATS))
-        raise DataError(f'unknown format "{given}"; known: {known}.', source=file)
     if given is not None:
+        if given not in FORMATS:
+            known = ", ".join(sorted(FORMATS))
+            raise DataError(f'unknown format "{given}"; known: {known}.', source=file)
         return FORMATS[given]
     if file == STREAM:
         return FORMATS[default]

@@ -9,15 +9,16 @@ order; `features`, `functor` and `lower` are required. A semicolon separates sev
 
 import csv
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from functools import lru_cache, partial
+from functools import lru_cache
 from operator import itemgetter
-from typing import Any, TextIO, TypeVar, get_args
+from typing import Any, TextIO, TypeVar
 
 from ...ontology.errors import DataError, HiltError, ValidationError
 from ..interval import DIGITS, VACUOUS, Interval
 from ..rdf.rule_mapping import ANY as ANY_OBJECT
+from ..rdf.rule_mapping import STATUSES
 from ..rdf.terms import read_time, write_time
-from ..rule import ARGUMENT_KINDS, DEFAULT_SPEAKER, Atom, Rule, Status
+from ..rule import ARGUMENT_KINDS, DEFAULT_SPEAKER, Atom, Rule
 
 COLUMNS = (  # of a rule as texts
     *("features", "contexts", "functor", "argument", "lower", "upper"),
@@ -30,7 +31,6 @@ FEATURE_KIND, CONTEXT_KIND = "object", "action"
 MAX_MISTAKES = 20  # of a file that are reported
 Thing = TypeVar("Thing")
 Read = TypeVar("Read")
-STATUSES: tuple[str, ...] = get_args(Status)
 
 
 def read_atom(text: str, kind: str | None) -> Atom:
@@ -93,11 +93,9 @@ def read_source(speaker: str, status: str, time: str) -> dict[str, Any]:
     try:
         moment = read_time(time.strip().replace(" ", "T")) if time else None
     except ValueError as error:
-        raise ValidationError(
-            [f'"{time[:60]}" is no time with its zone, as 2026-11-21T09:00:00Z.']
-        ) from error
-    source = {"speaker": speaker or DEFAULT_SPEAKER, "status": status or "active"}
-    return {**source, "time": moment}
+        problem = f'"{time[:60]}" is no time with its zone, as 2026-11-21T09:00:00Z.'
+        raise ValidationError([problem]) from error
+    return {"speaker": speaker or DEFAULT_SPEAKER, "status": status or "active", "time": moment}
 
 
 def read_rule(cells: Sequence[str]) -> Rule:
@@ -151,7 +149,18 @@ def read_table(lines: Iterable[str], *, source: str) -> Iterator[Rule]:
     names = _header(first, source)
     # A column that is missing is found behind the last one.
     places = (names.index(name) if name in names else len(names) for name in COLUMNS)
-    read = partial(_read_row, width=len(names), in_order=itemgetter(*places), source=source)
+    in_order = itemgetter(*places)
+
+    def read(numbered: tuple[int, list[str]]) -> Rule:
+        line, row = numbered
+        try:
+            if len(row) != len(names):
+                problem = f"expected {len(names)} cells, one for each column, found {len(row)}."
+                raise ValidationError([problem])
+            return read_rule(in_order((*row, "")))
+        except HiltError as error:
+            raise DataError(str(error), source=source, line=line) from error
+
     yield from read_all(rows, read)
 
 
@@ -209,16 +218,3 @@ def _header(names: Sequence[str], source: str) -> list[str]:
             line=1,
         )
     return found
-
-
-def _read_row(
-    numbered: tuple[int, list[str]], *, width: int, in_order: Callable[..., Any], source: str
-) -> Rule:
-    line, row = numbered
-    try:
-        if len(row) != width:
-            problem = f"expected {width} cells, one for each column, found {len(row)}."
-            raise ValidationError([problem])
-        return read_rule(in_order((*row, "")))
-    except HiltError as error:
-        raise DataError(str(error), source=source, line=line) from error

@@ -51,8 +51,7 @@ def expand_annotations(statements: Iterable[Quad | ReifyingTriple], *, source: s
         name = iri("rule", f"annotation-{number}") if is_blank(node) else node
         kept += (Quad(name, key, value, BELIEFS) for key, value in _completed(about[node], several))
     for end in filter(is_blank, (end for quad in kept for end in (quad.subject, quad.object))):
-        problem = f"A base has no blank nodes; give {end} a name, as rule:1."
-        raise DataError(problem, source=source)
+        raise DataError(f"A base has no blank nodes; give {end} a name, as rule:1.", source=source)
     return kept
 
 

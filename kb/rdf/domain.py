@@ -48,9 +48,7 @@ def content_hash(quads: Iterable[Quad]) -> str:
     return hashlib.sha256("\n".join(sorted(map(_written, quads))).encode()).hexdigest()
 
 
-def _class_statements(
-    kind: str, names: Mapping[str, str] | Mapping[str, str | None]
-) -> Iterator[Statement]:
+def _class_statements(kind: str, names: Mapping[str, str | None]) -> Iterator[Statement]:
     for name, above in names.items():
         yield from _named(kind, name)
         if above:

@@ -59,8 +59,7 @@ class RecordMapping(Generic[Record]):
         """The statements about the node of a record."""
         yield Quad(node, TYPE, self.type, self.graph)
         for name, stored in self.fields.items():
-            value = getattr(record, name)
-            if value != stored.default:
+            if (value := getattr(record, name)) != stored.default:
                 for one in value if isinstance(value, tuple) else (value,):
                     yield Quad(node, stored.predicate, stored.encode(one), self.graph)
 

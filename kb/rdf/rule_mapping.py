@@ -54,7 +54,7 @@ CLASSES = {
 }
 _ARGUMENTS = {"part": PART, "affordance": AFFORDANCE}
 _EDGES = {USED_FOR: term("usedFor"), GRASP_OBJECT: term("graspedBy")}
-_STATUSES: tuple[str, ...] = get_args(Status)
+STATUSES: tuple[str, ...] = get_args(Status)
 _EDGE_OF = {**_EDGES, KIND_OF: external("rdfs:subClassOf")}
 _OTHER_EDGE = term("affords")
 PLAIN_EDGES = frozenset((*_EDGES.values(), _OTHER_EDGE))
@@ -92,9 +92,7 @@ def atom_from_iri(node: Iri) -> Atom:
 def rule_quads(rule: Rule) -> Iterator[Quad]:
     """All statements of a rule: its properties, labels and edges."""
     yield from property_quads(rule)
-    yield from atom_label_quads(
-        rule.features | rule.contexts | ({rule.argument} if rule.argument else frozenset())
-    )
+    yield from atom_label_quads({*rule.features, *rule.contexts, rule.argument})
     yield from node_label_quads(rule)
     yield from relation_quads(rule)
     if rule.status == "active":
@@ -163,9 +161,9 @@ def argument_property(kind: str) -> Iri:
     return _ARGUMENTS.get(kind, ARGUMENT)
 
 
-def atom_label_quads(atoms: Iterable[Atom]) -> Iterator[Quad]:
-    """The types and labels of atoms."""
-    for atom in sorted(atoms):
+def atom_label_quads(atoms: Iterable[Atom | None]) -> Iterator[Quad]:
+    """The types and labels of atoms; None is left out."""
+    for atom in sorted(filter(None, atoms)):
         node = atom_iri(atom)
         yield Quad(node, TYPE, term(atom.kind.capitalize()), DERIVED)
         if atom.kind in _KINDS_OF_THINGS:
@@ -220,8 +218,8 @@ def _shared_content(properties: tuple[Property, ...]) -> Rule:
     functor: Iri = _one(found, FUNCTOR)
     status_node: Iri = _one(found, STATUS)
     status = status_node.removeprefix(HILT)
-    if status not in _STATUSES:
-        expected = ", ".join(_STATUSES)
+    if status not in STATUSES:
+        expected = ", ".join(STATUSES)
         raise ValidationError([f"{shortened(status_node)} is no status; expected {expected}."])
     return Rule(
         frozenset([ANY]),

@@ -27,8 +27,10 @@ BLANK = "_:"  # what the name of a blank node begins with
 _TIME = re.compile(r"(\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d)(?:\.(\d{1,6})\d*)?(Z|[+-]\d\d:\d\d)", re.A)
 _BAD_IRI = re.compile(r'[\x00-\x20<>"{}|^`\\\ud800-\udfff]')
 _SURROGATE = re.compile(r"[\ud800-\udfff]")
-_ESCAPES = {"\\": "\\\\", '"': '\\"', "\n": "\\n", "\r": "\\r", "\t": "\\t"}
-_TO_ESCAPE = re.compile(r'[\x00-\x1f\x7f"\\]')
+_ESCAPES = str.maketrans(
+    {chr(code): f"\\u{code:04X}" for code in (*range(0x20), 0x7F)}
+    | {"\\": "\\\\", '"': '\\"', "\n": "\\n", "\r": "\\r", "\t": "\\t"}
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,7 +135,7 @@ def as_sparql(term: Term) -> str:
             raise ValueError(f"{str(term)!r} is no IRI.")
         return f"<{term}>"
     text, datatype, language = lexical(term)
-    quoted = f'"{_TO_ESCAPE.sub(_escape, text)}"'
+    quoted = f'"{text.translate(_ESCAPES)}"'
     if language:
         return f"{quoted}@{language}"
     return quoted if datatype == STRING else f"{quoted}^^{as_sparql(Iri(datatype))}"
@@ -197,8 +199,3 @@ _WRITERS: dict[type, tuple[Callable[[Any], str], str]] = {
     float: (lambda value: repr(value).replace("inf", "INF").replace("nan", "NaN"), XSD + "double"),
     datetime: (write_time, DATE_TIME),
 }
-
-
-def _escape(match: re.Match[str]) -> str:
-    character = match.group()
-    return _ESCAPES.get(character) or f"\\u{ord(character):04X}"

@@ -146,8 +146,7 @@ def _term(value: Mapping[str, Any]) -> Term:
         case "bnode":
             return Iri(BLANK + re.sub(r"\W", "_", value["value"].removeprefix(BLANK)))
         case "literal" | "typed-literal":
-            datatype = value.get("datatype", STRING)
-            return literal(value["value"], datatype, value.get("xml:lang", ""))
+            return literal(value["value"], value.get("datatype", STRING), value.get("xml:lang", ""))
         case _:
             raise QueryError(RDF_12_UNSUPPORTED)
 

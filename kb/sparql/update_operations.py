@@ -84,10 +84,9 @@ def with_dataset(update: str, default: Sequence[str], named: Sequence[str]) -> s
     """
     if not {"USING", "WITH"}.isdisjoint(keywords(update)):
         raise QueryError("The graphs are given twice: in the update (USING, WITH) and beside it.")
-    using = "".join(
-        [f"USING {as_sparql(Iri(one))} " for one in default]
-        + [f"USING NAMED {as_sparql(Iri(one))} " for one in named]
-    )
+    graphs = [f"USING {as_sparql(Iri(one))} " for one in default]
+    graphs += [f"USING NAMED {as_sparql(Iri(one))} " for one in named]
+    using = "".join(graphs)
     for start, end, _ in reversed([*_pieces(update)]):
         *before, (head, where) = [*_groups(update[start:end])] or [("", "")]
         match keywords(head):

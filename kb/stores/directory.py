@@ -100,8 +100,7 @@ def unfinished_name(folder: Path) -> str:
 def remove_what_dead_processes_left(folder: Path) -> None:
     """Remove the snapshots and unfinished folders of processes that do not exist any more."""
     begin = unfinished_name(folder).removesuffix(f"{os.getpid()}-")
-    unfinished = folder.parent.glob(f"{glob.escape(begin)}*")
-    for left in [*(folder / SNAPSHOTS).glob("*"), *unfinished]:
+    for left in [*(folder / SNAPSHOTS).glob("*"), *folder.parent.glob(f"{glob.escape(begin)}*")]:
         try:
             os.kill(int(left.name.removeprefix(begin).partition("-")[0]), 0)
         except ProcessLookupError:

@@ -43,8 +43,7 @@ def open_error(folder: Path, error: Exception) -> StoreError:
             "was acknowledged is safe. Make room, and open it again."
         )
     is_there = (folder / MARKER_FILE).exists()
-    refused = next((each for each in _REFUSALS if each in str(error)), None)
-    if refused:
+    if refused := next((each for each in _REFUSALS if each in str(error)), None):
         advice = "It can be read, exported and backed up." if is_there else "Name another folder."
         return StoreError(f'The base "{folder}" may not be written: {refused.lower()}. {advice}')
     if _LOCK.search(str(error).replace(str(folder), "")):

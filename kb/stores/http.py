@@ -39,6 +39,7 @@ NOT_THERE = frozenset({404, 405})
 BUSY = frozenset({429, 502, 503, 504})
 LOGIN = frozenset({401, 403, 407})
 NO_PERMISSION = re.compile(r"\bSR186\b|permission|not authori[sz]ed", re.IGNORECASE)
+N_TRIPLES = "application/n-triples"
 OUT_OF_TIME = "S1TAT"  # Virtuoso's state of an incomplete answer
 MAX_MESSAGE = 300  # characters of a server's message that are shown
 
@@ -151,24 +152,23 @@ class EndpointTransport:
         self,
         url: str,
         *,
-        accept: str,
         limits: QueryLimits,
+        accept: str = "*/*",
         form: Mapping[str, str | Sequence[str]] | None = None,
-        content: bytes | None = None,
-        content_type: str = "",
+        ntriples: bytes | None = None,
         may_repeat: bool = True,
     ) -> EndpointResponse:
         """Send a POST request and read the complete answer.
 
-        The body is the fields of a `form`, or else `content`; `accept` are the media types that can
-        be read. `limits` are the time for the whole call, and the size of its answer. `may_repeat`
-        says that the request is idempotent. QueryError if the server says that the query is wrong,
-        or it took too long; StoreError if it cannot be reached, refuses, or fails.
+        The body is the fields of a `form`, or else `ntriples`; `accept` are the media types that
+        can be read. `limits` are the time for the whole call, and the size of its answer.
+        `may_repeat` says that the request is idempotent. QueryError if the server says that the
+        query is wrong, or it took too long; StoreError if it cannot be reached, refuses, or fails.
         """
-        headers = {"Accept": accept} | ({"Content-Type": content_type} if content_type else {})
+        headers = {"Accept": accept} | ({"Content-Type": N_TRIPLES} if ntriples is not None else {})
         timeout = httpx.Timeout(limits.seconds, connect=min(CONNECT_S, limits.seconds))
         request = self._client.build_request(
-            "POST", url, data=form, content=content, headers=headers, timeout=timeout
+            "POST", url, data=form, content=ntriples, headers=headers, timeout=timeout
         )
         asked = form.get("query") or form.get("update") if form else "statements"
         for attempt in range(TRIES):
@@ -218,8 +218,10 @@ class EndpointTransport:
             raise limits.time_error() from error
         was_not_sent = isinstance(error, (httpx.ConnectError, httpx.ConnectTimeout))
         if is_last or not (was_not_sent or may_repeat):
+            text = re.sub(r"^\[Errno -?\d+\] ", "", str(error)).strip().rstrip(".")
+            reason = text[:1].lower() + text[1:] or type(error).__name__
             raise StoreError(
-                f'The endpoint "{self.address.query}" cannot be reached: {_reason(error)} '
+                f'The endpoint "{self.address.query}" cannot be reached: {reason}. '
                 "Is it running, and is the address right?"
             ) from error
 
@@ -240,11 +242,6 @@ class EndpointTransport:
                 'updates after a "#", as in http://host:3030/ds/query#update.'
             )
         raise StoreError(f'The endpoint "{url}" failed (HTTP {status}): {message}')
-
-
-def _reason(error: Exception) -> str:
-    text = re.sub(r"^\[Errno -?\d+\] ", "", str(error)).strip().rstrip(".")
-    return (text[:1].lower() + text[1:] if text else type(error).__name__) + "."
 
 
 def _first_line(body: bytes) -> str:

@@ -33,6 +33,7 @@ MARK = "acknowledged"  # the file of the mark
 MAX_LOGGED_CHANGES = 1_000  # after which the tables are written and the log begins anew
 # Elsewhere fdatasync does not promise what it does on Linux, so the engine's flush is used.
 _CAN_SYNC_LOG = sys.platform == "linux"
+_SYNC_CONTENT = getattr(os, "fdatasync", os.fsync)
 _SECTOR = 512  # bytes
 _TRIES, _PAUSE_S = 5, 0.02  # it may be that another process, which owns the folder, was writing
 _CRC_32C = 0x82F63B78  # its polynomial
@@ -83,13 +84,10 @@ class WriteAheadLogSync:
         name = _manifest(self._folder)
         self._manifests = {name: _end(self._folder / name, *self._manifests.get(name, (0, 0)))}
         body = json.dumps([number, self._logs | self._manifests], separators=(",", ":")).encode()
-        flags = os.O_WRONLY | os.O_CREAT | getattr(os, "O_BINARY", 0)
-        handle = os.open(self._folder / MARK, flags, 0o644)
-        try:
-            os.write(handle, (b"%08x %s\n" % (zlib.crc32(body), body)).ljust(_SECTOR))
-            getattr(os, "fdatasync", os.fsync)(handle)
-        finally:
-            os.close(handle)
+        flags = os.O_WRONLY | os.O_CREAT  # not truncated: never empty in between
+        with open(os.open(self._folder / MARK, flags, 0o644), "wb", buffering=0) as file:
+            file.write((b"%08x %s\n" % (zlib.crc32(body), body)).ljust(_SECTOR))
+            _SYNC_CONTENT(file.fileno())
 
 
 def sync(path: Path) -> None:
@@ -98,7 +96,7 @@ def sync(path: Path) -> None:
         return
     handle = os.open(path, os.O_RDONLY)
     try:
-        os.fsync(handle) if path.is_dir() else getattr(os, "fdatasync", os.fsync)(handle)
+        (os.fsync if path.is_dir() else _SYNC_CONTENT)(handle)
     finally:
         os.close(handle)
 

@@ -25,8 +25,7 @@ def serve() -> None:
     """Answer the requests on stdin until there are no more."""
     with contextlib.suppress(EOFError):
         while True:
-            request = pickle.load(sys.stdin.buffer)  # noqa: S301 - of the process that asked
-            body = _answer_or_error(request)
+            body = _answer_or_error(pickle.load(sys.stdin.buffer))  # noqa: S301 - of who asked
             sys.stdout.buffer.write(len(body).to_bytes(SIZE_BYTES, "big"))
             sys.stdout.buffer.write(body)
             sys.stdout.buffer.flush()

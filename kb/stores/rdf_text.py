@@ -51,13 +51,9 @@ def from_engine(term: Any) -> Term:
 
 def quad_from_engine(quad: engine.Quad) -> Quad:
     """The statement of a pyoxigraph quad; errors as for `from_engine`."""
-    graph = quad.graph_name
-    return Quad(
-        cast(Iri, from_engine(quad.subject)),
-        Iri(quad.predicate.value),
-        from_engine(quad.object),
-        None if isinstance(graph, engine.DefaultGraph) else cast(Iri, from_engine(graph)),
-    )
+    subject, predicate, value, graph = quad
+    place = None if isinstance(graph, engine.DefaultGraph) else cast(Iri, from_engine(graph))
+    return Quad(cast(Iri, from_engine(subject)), Iri(predicate.value), from_engine(value), place)
 
 
 _shared_literal = lru_cache(maxsize=2**16)(from_engine)  # numbers and times take long to read
@@ -96,10 +92,9 @@ def named_node(iri: str) -> engine.NamedNode:
 
 def quad_to_engine(quad: Quad) -> engine.Quad:
     """The pyoxigraph quad of a statement; errors as for `to_engine`."""
-    graph = engine.DefaultGraph() if quad.graph is None else named_node(quad.graph)
-    return engine.Quad(
-        named_node(quad.subject), named_node(quad.predicate), to_engine(quad.object), graph
-    )
+    subject, predicate, value, graph = quad
+    place = engine.DefaultGraph() if graph is None else named_node(graph)
+    return engine.Quad(named_node(subject), named_node(predicate), to_engine(value), place)
 
 
 def read_groups(file: BinaryIO, *, format: str, source: str, default: Iri) -> Iterator[Statements]:
@@ -227,8 +222,7 @@ class _RecentLines(ChunkReader):
 
 def _checked_for_xml(quad: engine.Quad) -> engine.Quad:
     value = quad.object
-    found = _NOT_IN_XML.search(value.value) if isinstance(value, engine.Literal) else None
-    if found:
+    if isinstance(value, engine.Literal) and (found := _NOT_IN_XML.search(value.value)):
         raise DataError(
             f"XML cannot hold the character U+{ord(found[0]):04X} of "
             f"{shortened(cast(Iri, from_engine(quad.subject)))}. "

@@ -73,19 +73,17 @@ class RemoteStore(ReadableStore):
         if query_text.query_form(query) != "SELECT":
             raise QueryError("Expected a SELECT query.")
         response = self._read(query, ROWS, limits)
-        found = results.read_solutions(response.body)
-        if response.max_rows and len(found) >= response.max_rows:
-            rows: list[tuple[Term | None, ...]] = []
-            while len(rows) % response.max_rows == 0:
-                text = query_text.page_query(
-                    query, found.variables, size=response.max_rows, offset=len(rows)
-                )
-                page = results.read_solutions(self._read(text, ROWS, limits).body).rows
-                rows += page
-                if not page:
-                    break
-            return SelectResult(found.variables, tuple(rows))
-        return found
+        found, size = results.read_solutions(response.body), response.max_rows
+        if not size or len(found) < size:
+            return found
+        rows: list[tuple[Term | None, ...]] = []
+        while len(rows) % size == 0:
+            text = query_text.page_query(query, found.variables, size=size, offset=len(rows))
+            page = results.read_solutions(self._read(text, ROWS, limits).body).rows
+            rows += page
+            if not page:
+                break
+        return SelectResult(found.variables, tuple(rows))
 
     def run(self, query: str, limits: QueryLimits | None = None) -> results.QueryResult:
         """The result of any query; the endpoint's own limits apply too."""
@@ -219,9 +217,7 @@ class RemoteStore(ReadableStore):
         address = self._address.update
         if self._server.startswith(VIRTUOSO) and not self._address.is_update_given:
             address = urljoin(self._address.query, VIRTUOSO_UPDATES)
-        self._transport.post(
-            address, form={"update": update}, accept="*/*", limits=limits, may_repeat=may_repeat
-        )
+        self._transport.post(address, form={"update": update}, limits=limits, may_repeat=may_repeat)
 
     def _write_all(self, updates: Sequence[str]) -> None:
         for update in updates if self._server.startswith(VIRTUOSO) else [" ;\n".join(updates)]:
@@ -230,8 +226,7 @@ class RemoteStore(ReadableStore):
     def _write_large(self, parts: Mapping[str, Iterable[Quad]], old: Sequence[Iri] = ()) -> None:
         """Prepare statements by their kind, then decide that they count and make them visible."""
         try:
-            marks = [(each, graph) for graph in old for each in (CHANGES, REPLACES)]
-            self._lease.mark(*marks)
+            self._lease.mark(*((each, graph) for graph in old for each in (CHANGES, REPLACES)))
             self._prepare(parts, {*old})
             self._lease.mark((IS_DECIDED, True))
             self._write_all(self._lease.confirmed().updates())
@@ -255,13 +250,8 @@ class RemoteStore(ReadableStore):
     def _insert(self, graph: Iri, quads: Sequence[Quad]) -> None:
         if self._address.graphs:
             lines = (as_line(quad._replace(graph=None)) for quad in quads)
-            self._transport.post(
-                f"{self._address.graphs}?{urlencode({'graph': graph})}",
-                content="".join(lines).encode(),
-                content_type="application/n-triples",
-                accept="*/*",
-                limits=CALL,
-            )
+            url = f"{self._address.graphs}?{urlencode({'graph': graph})}"
+            self._transport.post(url, ntriples="".join(lines).encode(), limits=CALL)
             return
         for part in batched(quads, BATCH):
             self._write(query_text.insert_data([quad._replace(graph=graph) for quad in part]))

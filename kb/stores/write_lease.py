@@ -153,8 +153,7 @@ class WriteLease:
 
     def release(self) -> None:
         """Give the right to write back; if the endpoint cannot be reached, it ends by itself."""
-        node = self.abandon()
-        if node:
+        if node := self.abandon():
             with suppress(HiltError):
                 self._update(_REMOVE, node)
 

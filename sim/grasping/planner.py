@@ -154,14 +154,14 @@ def _spread_out(grips: Array, centre: Array, rng: np.random.Generator, count: in
 def _refine(scores: GraspScores, fine: LabelledPointCloud, gripper: Gripper) -> GraspScores:
     best = scores[_distinct(scores, REFINED, above=-2 * scoring.REJECTION_PENALTY)]
     centred = best.world_from_grip @ _corrections(best)
-    scores = scores.joined(scoring.score_grasps(centred, best.section_width, fine, gripper))
+    scores = poses.joined(scores, scoring.score_grasps(centred, best.section_width, fine, gripper))
     best = scores[_distinct(scores, REFINED)]
     changes = np.tile(np.eye(4), (len(TURNS_DEG) + len(DEEPER), 1, 1))
     changes[: len(TURNS_DEG), :3, :3] = poses.rotation_about((0, 0, 1), np.radians(TURNS_DEG))
     changes[len(TURNS_DEG) :, 2, 3] = DEEPER
     changed = (best.world_from_grip[:, None] @ changes).reshape(-1, 4, 4)
     section_width = np.repeat(best.section_width, len(changes))
-    return scores.joined(scoring.score_grasps(changed, section_width, fine, gripper))
+    return poses.joined(scores, scoring.score_grasps(changed, section_width, fine, gripper))
 
 
 def _corrections(scores: GraspScores) -> Array:

@@ -66,11 +66,6 @@ class GraspScores:
     def __getitem__(self, index: np.ndarray) -> "GraspScores":
         return GraspScores(*(each[index] for each in vars(self).values()))
 
-    def joined(self, other: "GraspScores") -> "GraspScores":
-        """These scores and others."""
-        both = zip(vars(self).values(), vars(other).values(), strict=True)
-        return GraspScores(*map(np.concatenate, both))
-
 
 def score_grasps(
     world_from_grip: Array, section_width: Array, cloud: LabelledPointCloud, gripper: Gripper
@@ -181,8 +176,7 @@ def _centre(near: HandPointPairs, gripper: Gripper) -> tuple[Array, Array]:
     high, low = np.full(near.hands, -far), np.full(near.hands, far)
     np.maximum.at(high, near.hand[band], near.y[band])
     np.minimum.at(low, near.hand[band], near.y[band])
-    width = np.where(high >= low, high - low, 2 * far)
-    return np.where(high >= low, (high + low) / 2, 0.0), width
+    return (high + low) / 2, np.abs(high - low)
 
 
 def _contact_profiles(near: HandPointPairs, width: Array, gripper: Gripper) -> Array:
@@ -191,14 +185,13 @@ def _contact_profiles(near: HandPointPairs, width: Array, gripper: Gripper) -> A
     x, y, z = (each[band] for each in (near.x, near.y, near.z))
     cell_x = np.clip((x / gripper.pad_width + 0.5) * CELLS_X, 0, CELLS_X - 1).astype(int)
     cell_z = np.clip((z / gripper.pad_length + 0.5) * CELLS_Z, 0, CELLS_Z - 1).astype(int)
-    cell = (near.hand[band] * CELLS_X + cell_x) * CELLS_Z + cell_z
-    heights = np.full((2, near.hands * CELLS_X * CELLS_Z), -np.inf)
+    heights = np.full(near.hands * 2 * CELLS_X * CELLS_Z, -np.inf)
     for side, outwards in enumerate((y, -y)):
-        np.maximum.at(heights[side], cell, outwards)
+        cell = ((near.hand[band] * 2 + side) * CELLS_X + cell_x) * CELLS_Z + cell_z
+        np.maximum.at(heights, cell, outwards)
     # A cell whose points all lie on the other side is empty on this one.
     heights[heights < 0] = -np.inf
-    shaped = heights.reshape(2, near.hands, CELLS_X, CELLS_Z)
-    return np.ascontiguousarray(np.swapaxes(shaped, 0, 1))
+    return heights.reshape(near.hands, 2, CELLS_X, CELLS_Z)
 
 
 def _slope_and_twist(heights: Array, gripper: Gripper) -> tuple[Array, Array]:

@@ -175,15 +175,13 @@ class HandMotion:
     def release(self, planner: PathPlanner, opening: float) -> None:
         """Open the gripper to `opening` [m], retreat, and go home if there is a free path."""
         self._let_loose(planner, opening)
-        home = planner.plan_transit(self.robot.kind.home, self.robot.opening)
-        if home is not None:
+        if (home := planner.plan_transit(self.robot.kind.home, self.robot.opening)) is not None:
             self.robot.follow(home, pace=TRANSIT_PACE)
 
     def _let_loose(self, planner: PathPlanner, opening: float) -> None:
         self.robot.open(opening)
         self.robot.advance(round(RELEASE_TIME / TIME_STEP))
-        path = planner.plan_straight(self.robot.world_from_grip @ BACKWARDS)
-        if path is not None:
+        if (path := planner.plan_straight(self.robot.world_from_grip @ BACKWARDS)) is not None:
             self.robot.follow(path, pace=APPROACH_PACE)
 
     def lift(self, held: HeldObject, height: float) -> bool:
@@ -214,8 +212,7 @@ class HandMotion:
 
     def plan_carry(self, held: HeldObject, goal: Array) -> Array | None:
         """Plan a path to a posture on which neither the arm nor the held object hits anything."""
-        opening = self.robot.opening
-        return held.planner.plan_transit(goal, opening, gap=HELD_GAP, held=held.points)
+        return held.planner.plan_transit(goal, self.robot.opening, gap=HELD_GAP, held=held.points)
 
     def carry(self, held: HeldObject, path: Array) -> str:
         """Follow a path, slower where the object could turn; return "dropped" if it is, or ""."""
@@ -225,8 +222,7 @@ class HandMotion:
     def hand_over(self, held: HeldObject) -> str:
         """Carry the held object to the receiver; return the reason of failure, or ""."""
         for goal in self._hand_over_postures(held):
-            path = self.plan_carry(held, goal)
-            if path is not None:
+            if (path := self.plan_carry(held, goal)) is not None:
                 return self.carry(held, path)
         return "unreachable"
 
@@ -311,8 +307,7 @@ class HandMotion:
         cloud, others = (each[voxel_downsample(each, HELD_CELL)] for each in clouds)
         taken = shapely.MultiPoint(others[:, :2])
         drop = held.planner.table - cloud[:, 2].min()
-        shifts = places[np.argsort(far, kind="stable")] - start
-        for gap, shift in product(PLACE_GAPS, shifts):
+        for gap, shift in product(PLACE_GAPS, places[np.argsort(far, kind="stable")] - start):
             if not shapely.dwithin(taken, shapely.MultiPoint(cloud[:, :2] + shift), gap):
                 yield np.array([*shift, drop])
 
@@ -331,11 +326,10 @@ class HandMotion:
                 answer = held.planner.inverse_kinematics(goals)
                 found, reached = goals[answer.found], answer.joints[answer.found]
                 for i in np.argsort(held.planner.travel_time(reached), kind="stable"):
-                    back = held.planner.plan_straight(
-                        found[i] @ BACKWARDS, start=found[i], joints=reached[i]
-                    )
+                    at, joints = found[i], reached[i]
+                    back = held.planner.plan_straight(at @ BACKWARDS, start=at, joints=joints)
                     if back is not None:  # the hand can leave what it has given
-                        yield reached[i]
+                        yield joints
 
     def point_at(self, cloud: Array, planner: PathPlanner) -> str:
         """Point at the middle of a cloud (n, 3), touching nothing; return why it failed, or ""."""
@@ -349,8 +343,7 @@ class HandMotion:
         at = middle + (depth - self.robot.tip)[:, None] * along
         answer = planner.inverse_kinematics(poses.pose(rotations, at))
         for goal in answer.joints[answer.found]:
-            path = planner.plan_transit(goal, 0.0, gap=POINTING_GAP / 2)
-            if path is not None:
+            if (path := planner.plan_transit(goal, 0.0, gap=POINTING_GAP / 2)) is not None:
                 free = self.robot.follow(path, pace=TRANSIT_PACE, stop=self.robot.is_touching)
                 return "" if free else "bumped"
         return "unreachable"

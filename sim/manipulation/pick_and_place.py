@@ -243,15 +243,14 @@ class PickAndPlace:
         free = replace(planner, scene=alone.scene, obstacles=alone.neighbours, table=-np.inf)
         rest = [p for p in self._vision.percepts if p.name in loose and p != context.percept]
         rest.sort(key=lambda percept: -percept.cloud[:, 2].max())
-        near = {
-            p: replace(free, obstacles=replace(alone, neighbours=p.cloud).obstacles) for p in rest
-        }
+        clouds = {p: replace(alone, neighbours=p.cloud).obstacles for p in rest}
+        near = {p: replace(free, obstacles=points) for p, points in clouds.items()}
         cloud, ways = alone.labelled_cloud(planner.table), list[list[Percept]]()
         grasps = plan_grasps(cloud, self.robot.gripper, rng=self._rng).grasps if rest else ()
         for path in islice(free.grasp_paths(grasps), WAYS):
             way, opening = np.vstack([path.approach, path.lift]), path.grasp.opening
             ways.append([p for p in rest if not near[p].is_clear(way, opening, gap=ROOM)])
-        gaps = (np.linalg.norm(near[p].obstacles[:, None] - free.scene, axis=-1) for p in rest)
+        gaps = (np.linalg.norm(clouds[p][:, None] - free.scene, axis=-1) for p in rest)
         touching = [p for p, gap in zip(rest, gaps, strict=True) if gap.min() < TOUCHING]
         return [each for each in (*sorted(ways, key=len), touching) if each]
 
@@ -323,8 +322,7 @@ class PickAndPlace:
         return self._lift(self.in_hand) if self.in_hand else grasped
 
     def _hand_over(self, held: HeldObject) -> MotionReport:
-        reason = self._motion.hand_over(held)
-        if reason:
+        if reason := self._motion.hand_over(held):
             return self._report("hand_over", reason)
         report = self._hold(held, "hand_over", OFFER_TIME)
         grip = self.robot.world_from_grip

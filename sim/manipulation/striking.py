@@ -113,9 +113,8 @@ class Striking(PickAndPlace):
         detours = (self._plan_strike(held, goal) for goal in goals[:MAX_DETOURS])
         for path in chain(best, detours, (path for _, path in straight)):
             if path is not None:
-                is_lost = self._motion.loss_check()
-                held_on = self.robot.follow(path, pace=RAISE_PACE, stop=is_lost)
-                return "" if held_on else "dropped"
+                free = self.robot.follow(path, pace=RAISE_PACE, stop=self._motion.loss_check())
+                return "" if free else "dropped"
         return "unreachable"
 
     def _blow(self, held: HeldObject, _: Array) -> str:

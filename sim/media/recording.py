@@ -121,8 +121,7 @@ def strip(pictures: Sequence[Picture], always: Sequence[int] = ()) -> Picture:
     chosen = [pictures[i] for i in sorted([*must, *(others[place] for place in places)])]
     columns = min(most, STRIP_COLUMNS)
     chosen += [np.full_like(chosen[0], 255)] * (-len(chosen) % columns)
-    rows = [np.hstack(chosen[i : i + columns]) for i in range(0, len(chosen), columns)]
-    return np.vstack(rows)
+    return np.vstack([np.hstack(chosen[i : i + columns]) for i in range(0, len(chosen), columns)])
 
 
 def _write_gif(pictures: list[Picture], path: Path) -> None:
@@ -130,10 +129,8 @@ def _write_gif(pictures: list[Picture], path: Path) -> None:
     palette = Image.fromarray(strip(pictures)).quantize(
         COLOURS, method=Image.Quantize.MAXCOVERAGE, kmeans=2
     )
-    frames = [
-        Image.fromarray(picture).quantize(palette=palette, dither=Image.Dither.NONE)
-        for picture in pictures
-    ]
+    images = map(Image.fromarray, pictures)
+    frames = [each.quantize(palette=palette, dither=Image.Dither.NONE) for each in images]
     durations = [round(1000 / FRAME_RATE)] * (len(frames) - 1) + [round(1000 * LAST_FRAME_TIME)]
     frames[0].save(
         path, save_all=True, append_images=frames[1:], duration=durations, loop=0, optimize=False

@@ -82,8 +82,8 @@ def _pieces(form: forms.Form) -> Sequence[Array]:
             return convex_pieces(form)
 
 
-def _segments(rings: Sequence[Array]) -> list[Array]:
-    return meshes.merge([np.vstack(pair) for pair in pairwise(rings)], tolerance=MERGE_TOLERANCE)
+def _segments(rings: Sequence[Array], *, tolerance: float = MERGE_TOLERANCE) -> list[Array]:
+    return meshes.merge([np.vstack(pair) for pair in pairwise(rings)], tolerance=tolerance)
 
 
 def _curve(points: Array, steps: int, *, closed: bool = False) -> Array:
@@ -138,11 +138,8 @@ def _vessel_pieces(lathe: forms.Lathe) -> list[Array]:
     pieces = [np.vstack([outer[0], inner[0]])]
     for side in range(sides):
         pair = [side, (side + 1) % sides]
-        staves = [
-            np.vstack([outer[i][pair], inner[i][pair], outer[i + 1][pair], inner[i + 1][pair]])
-            for i in range(count - 1)
-        ]
-        pieces += meshes.merge(staves, tolerance=STAVE_TOLERANCE)
+        edges = [np.vstack([out[pair], into[pair]]) for out, into in zip(outer, inner, strict=True)]
+        pieces += _segments(edges, tolerance=STAVE_TOLERANCE)
     return pieces
 
 

@@ -28,11 +28,6 @@ class CollisionSpheres:
     radius: Array  #: (s,) [m]
     is_of_link: np.ndarray  #: whether it stands for a link, not for a finger or a held object (s,)
 
-    def joined(self, other: "CollisionSpheres") -> "CollisionSpheres":
-        """These spheres and others."""
-        both = zip(vars(self).values(), vars(other).values(), strict=True)
-        return CollisionSpheres(*map(np.concatenate, both))
-
     def placed(self, base_from_link: Array) -> Array:
         """Centres (n, s, 3) for links at `base_from_link` (n, links, 4, 4)."""
         placed = np.empty((len(base_from_link), *self.centre.shape))

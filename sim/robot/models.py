@@ -132,13 +132,12 @@ def _read_robot(name: str, field: YamlNode) -> RobotType:
         required=("label", "urdf", "hand", "home"),
         optional=("turns", "gripper", "attached", *_LIMITS),
     )
-    home = np.array(entries["home"].numbers(low=-np.pi * 2, high=np.pi * 2))
     robot = RobotType(
         name=name,
         label=entries["label"].text(),
         urdf=_find_urdf(entries["urdf"]),
         hand=entries["hand"].text(),
-        home=home,
+        home=np.array(entries["home"].numbers(low=-np.pi * 2, high=np.pi * 2)),
         turns=entries["turns"].numbers() if "turns" in entries else (),
         gripper=_read_gripper(entries["gripper"]) if "gripper" in entries else None,
         attachment=_read_attachment(entries["attached"]) if "attached" in entries else None,

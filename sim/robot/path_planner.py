@@ -83,8 +83,7 @@ class PathPlanner:
             on, lifted = approach.joints[index], up.joints[index]
             if not self.is_clear(np.vstack([on, lifted]), grasp.opening):
                 continue
-            transit = self.plan_transit(on[0], grasp.opening)
-            if transit is not None:
+            if (transit := self.plan_transit(on[0], grasp.opening)) is not None:
                 yield GraspPath(grasp, transit, on, np.vstack([on[-1:], lifted]))
 
     def _approaches(self, at: Array) -> IkSolutions:
@@ -117,7 +116,7 @@ class PathPlanner:
         home = self.robot.kind.home
         body, points = self.robot.body_spheres(opening), self.scene
         if held is not None:
-            body = body.joined(hand_spheres(self.robot.chain, held, HELD_RADIUS))
+            body = poses.joined(body, hand_spheres(self.robot.chain, held, HELD_RADIUS))
             points = self.obstacles
         detour = [over_start, home, over_goal]
         for via in ([], [over_goal], [over_start, over_goal], [home], detour):
@@ -177,8 +176,7 @@ class PathPlanner:
     def _raised(self, joints: Array) -> Array:
         chain = self.robot.chain
         base_from_hand = chain.forward(joints[None])
-        grip = self.robot.hand_from_grip[2, 3]
-        lack = self.table + VIA_HEIGHT + grip - base_from_hand[0, 2, 3]
+        lack = self.table + VIA_HEIGHT + self.robot.hand_from_grip[2, 3] - base_from_hand[0, 2, 3]
         base_from_hand[0, 2, 3] += max(0.0, lack)
         answer = chain.solve(base_from_hand, joints[None])
         return answer.joints[0] if answer.found[0] else joints

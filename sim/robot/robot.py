@@ -116,7 +116,7 @@ class Robot:
         """The spheres of arm and hand when the gripper is open by `opening` [m]."""
         if self.kind.gripper is None:
             return self.spheres
-        return self.spheres.joined(finger_spheres(self.chain, self.gripper, opening))
+        return poses.joined(self.spheres, finger_spheres(self.chain, self.gripper, opening))
 
     def follow(self, path: Array, *, pace: float, stop: Callable[[], bool] | None = None) -> bool:
         """Execute a path of postures (n, k) [rad] that starts where the arm is.

@@ -143,8 +143,7 @@ def _read_scene(spec: str, seed: int, objects: Mapping[str, ObjectType]) -> Scen
         if placement.name in seen and placement.name != placement.object:
             raise item.fail(f'the name "{placement.name}" is taken.')
         seen.add(placement.name)
-    if "seed" in keys:
-        seed = keys["seed"].integer(low=0, high=MAX_SEED)
+    seed = keys["seed"].integer(low=0, high=MAX_SEED) if "seed" in keys else seed
     gap = GAP
     if "clutter" in keys:
         more, gap = CLUTTER[keys["clutter"].text(choices=CLUTTER)]

@@ -184,8 +184,7 @@ class LearnedDetector(ObjectDetector):
 
     def __post_init__(self) -> None:
         self._places = {name: self.world.top(name)[:2] for name in self.world.kinds}
-        missing = [kind for kind in self.recogniser.kinds if kind not in self.world.objects]
-        if missing:
+        if missing := [kind for kind in self.recogniser.kinds if kind not in self.world.objects]:
             raise DataError(
                 f"the classifiers were trained on {', '.join(missing)}, which is not among the "
                 "objects. Name the file that defines them with --objects.",
@@ -234,9 +233,8 @@ class LearnedDetector(ObjectDetector):
         from scipy.spatial import KDTree  # here: it takes half a second to import
 
         low, high = expected.cloud.min(axis=0) - NEAR, expected.cloud.max(axis=0) + NEAR
-        low[2] = max(
-            low[2], segmentation.TABLE_MARGIN + segmentation.NOISE_MARGIN * self.noise.depth_error
-        )
+        table = segmentation.TABLE_MARGIN + segmentation.NOISE_MARGIN * self.noise.depth_error
+        low[2] = max(low[2], table)
         clouds = list[Array]()
         for image in self.capture(self.cameras[:2]):
             mask = np.isfinite(image.depth)

@@ -65,9 +65,8 @@ def segment_images(images: Sequence[CameraImage], *, noise: float = 0.0) -> tupl
     scene = scene[voxel_downsample(scene.points, SPACING)]
     groups = _groups(scene.points)
     found = (scene[groups == number] for number in range(1, int(groups.max(initial=0)) + 1))
-    return tuple(
-        each for each in found if len(each) >= MIN_POINTS and each.points[:, 2].max() < MAX_HEIGHT
-    )
+    large = (each for each in found if len(each) >= MIN_POINTS)
+    return tuple(each for each in large if each.points[:, 2].max() < MAX_HEIGHT)
 
 
 def kuwahara_filter(depth: NDArray[np.float32], noise: float) -> NDArray[np.float32]:
@@ -121,8 +120,7 @@ def _above_table(images: Sequence[CameraImage], margin: float) -> Segment:
         sources = np.column_stack([np.full(len(pixels), number), pixels])
         piece = Segment(points, image.colour[mask] / 255.0, sources)
         pieces.append(piece[((points[:, :2] > low) & (points[:, :2] < high)).all(axis=1)])
-    arrays = zip(*(vars(piece).values() for piece in pieces), strict=True)
-    return Segment(*map(np.vstack, arrays))
+    return poses.joined(*pieces)
 
 
 @lru_cache(maxsize=8)

@@ -21,13 +21,12 @@ from typing import ClassVar
 
 from ....nlu.language import Language
 from ....nlu.semantics import meaning
-from ....ontology.actions import load_actions
 from ....ontology.errors import DataError
 from ....ontology.objects import Household, read_household
 from ....ontology.yaml_reader import YamlNode, read_yaml
-from ....sim.scene.scene import graspable, scene_with
+from ....sim.scene.scene import Scene, graspable
 from ...agent import Agent
-from ...config import household, load_language, open_base
+from ...config import actions_with, household, load_language, open_base
 from ...execution.embodiment import Embodiment
 from ..experiment import Case
 from ..learning_scenarios import ACTIONS, CONTEXTS, LEVELS, LearningScenario, rule_sentence
@@ -60,10 +59,9 @@ class CustomExperiment(DecisionExperiment):
 
     def new_agent(self) -> Agent:
         """Return an untaught agent that knows the objects of the file."""
-        kinds, actions = self._spec.kinds, load_actions()
-        empty = scene_with((), seed=self.seed, objects=kinds.objects)
-        base = open_base("memory:", kinds, actions)
-        return Agent(base, load_language(kinds), actions, Embodiment(empty, kinds, simulate=False))
+        kinds = self._spec.kinds
+        body = Embodiment(Scene((), seed=self.seed), kinds, simulate=False)
+        return Agent(open_base("memory:", kinds), load_language(kinds), actions_with(None), body)
 
     @cached_property
     def _spec(self) -> "CustomSpec":

@@ -150,16 +150,13 @@ class GraspExperiment(Experiment):
 
     def cases(self) -> Sequence[Case]:
         """Return the cases by object, context and pose."""
-        return [
-            Case(
-                self.name,
-                f"{name}/{context}/{seed}",
-                {"object": name, "context": context, "part": part, "seed": seed},
-            )
+        specs: list[Json] = [
+            {"object": name, "context": context, "part": part, "seed": seed}
             for name, parts in load_scenarios()[0].grasps.items()
             for context, part in parts.items()
             for seed in range(self.seed, self.seed + self.poses)
         ]
+        return [Case(self.name, "{object}/{context}/{seed}".format(**spec), spec) for spec in specs]
 
     def run(self, case: Case) -> CaseResult:
         """Teach one grasp rule, command the action, and judge what the robot did."""

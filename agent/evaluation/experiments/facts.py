@@ -12,19 +12,17 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from math import inf
 from pathlib import Path
 from random import Random
 from typing import ClassVar
 
 from ....kb.rule import Rule
-from ....ontology.actions import load_actions
 from ....ontology.errors import DataError, HiltError
 from ....ontology.objects import ObjectType
 from ....ontology.yaml_reader import read_text
 from ....sim.scene.scene import Scene, scene_with
 from ...agent import Agent
-from ...config import household, load_language, open_base
+from ...config import actions_with, household, load_language, open_base
 from ...execution.embodiment import Embodiment
 from ..experiment import Case, CaseResult, Experiment, Json
 from ..learning_scenarios import command, rule_sentence
@@ -56,9 +54,8 @@ class Fact:
         """Whether a rule says the same."""
         bound = rule.interval.lower if self.word != "never" else 1 - rule.interval.upper
         wanted = WORDS[self.word] if self.word != "never" else WORDS["generally"]
-        material = rule.material or ""
         # The object of a use is stored in the singular: "opening bottles".
-        used = f"{rule.affordance} {material}".strip()
+        used = f"{rule.affordance} {rule.material or ''}".strip()
         is_same = self.use in {used, f"{used}s"} and rule.object == self.object
         return is_same and abs(bound - wanted) < 1e-6 and len(rule.features) == 1
 
@@ -72,7 +69,7 @@ def read_facts(path: Path) -> list[Fact]:
         try:
             number = float(share)
         except ValueError:
-            number = inf
+            number = -1.0
         if not name or not use or not 0 <= number <= 1:
             found = list(row.values())
             problem = f"expected {', '.join(COLUMNS)}, the last one in [0, 1], found {found}."
@@ -145,7 +142,7 @@ class FactsExperiment(Experiment):
         plain = {o: ObjectType(o, None, frozenset(), True, {}, ()) for o in self._names("object")}
         known = replace(kinds, objects={**plain, **kinds.objects})
         body = Embodiment(Scene((), seed=self.seed), known, simulate=False)
-        agent = Agent(open_base("memory:"), load_language(kinds), load_actions(), body)
+        agent = Agent(open_base("memory:"), load_language(kinds), actions_with(None), body)
         told: list[tuple[Sequence[Rule], str]] = []
         for fact in self._facts:
             try:

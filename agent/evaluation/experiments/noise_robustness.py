@@ -106,17 +106,15 @@ class NoiseExperiment(Experiment):
 
     def cases(self) -> Sequence[Case]:
         """Return the cases by curve, line, value and trial."""
-        return [
-            Case(
-                self.name,
-                f"{name}/{line}/{value:g}/{trial}",
-                {"curve": name, "line": line, "value": value, "trial": trial},
-            )
+        key = "{curve}/{line}/{value:g}/{trial}"
+        specs: list[Json] = [
+            {"curve": name, "line": line, "value": value, "trial": trial}
             for name in self._wanted
             for line in CURVES[name].lines
             for value in CURVES[name].values
             for trial in range(self.trials)
         ]
+        return [Case(self.name, key.format(**spec), spec) for spec in specs]
 
     def run(self, case: Case) -> CaseResult:
         """Teach a scenario, give the 15 commands, and count the outcomes."""
@@ -224,8 +222,7 @@ def _taught(
         opposite = load_scenarios()[1 - scenario]
         levels = (each for uses in opposite.affordances.values() for each in uses.values())
         told = opposite.sentences()[: sum(map(len, levels))]  # about affordances: they come first
-        rng = Random(seed)  # noqa: S311
-        for sentence in rng.sample(told, round(share * len(told))):
+        for sentence in Random(seed).sample(told, round(share * len(told))):  # noqa: S311
             taught.hear(sentence, speaker=OTHER, only="tell")
     return taught
 

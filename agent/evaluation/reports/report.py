@@ -74,17 +74,14 @@ class EvaluationReport:
         wrong = [result for result in self.results if not result.right]
         grasps = [r.facts["right_part"] for r in self.results if "right_part" in r.facts]
         executed = [r.facts["success"] for r in self.results if "success" in r.facts]
-        groups: dict[int, list[bool]] = {n: [] for n in sorted({r.principle for r in self.results})}
-        for r in self.results:  # the principles are about decisions, not about their execution
-            groups[r.principle].append(bool(r.facts.get("decided", r.right)))
-        groups.pop(0, None)
+        # The principles are about decisions, not about their execution.
+        right = Counter(r.principle for r in self.results if r.facts.get("decided", r.right))
+        asked = Counter(r.principle for r in self.results if r.principle)
         return {
             "name": self.name,
             "runs": len(self.results),
             "right": len(self.results) - len(wrong),
-            "by_principle": {
-                str(n): {"runs": len(group), "right": sum(group)} for n, group in groups.items()
-            },
+            "by_principle": {str(n): {"runs": asked[n], "right": right[n]} for n in sorted(asked)},
             "unique": kinds["unique"],
             "ties": kinds["tie"],
             "none": kinds["none"],

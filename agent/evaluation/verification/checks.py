@@ -7,7 +7,6 @@ actions and levels are given by their indices; sets of objects and of cells as b
 
 import hashlib
 from collections.abc import Sequence
-from dataclasses import astuple
 from random import Random
 
 from ....inference.interval_operators import Operators
@@ -41,7 +40,7 @@ def check_words(space: ScenarioSpace) -> CheckResult:
     wanted: list[list[object]] = []
     for (cell, level), rule in space.rules.items():
         text, found = rule_sentence(*cell, level), RuleKey.from_rule(rule)
-        taught.append([text, space.index[found], *astuple(rule.interval)])
+        taught.append([text, space.index[found], *rule.interval])
         wanted.append([text, space.index[cell], CONFIDENCES[level], 1.0])
     commands = [list(each) for each in space.commands()]
     asked = [_command(space, str(text)) for text, *_ in commands]
@@ -93,9 +92,9 @@ def check_scores(space: ScenarioSpace, shift: int) -> CheckResult:
             proven = map(RuleKey.from_rule, found.rules if found else ())
             sets = (proven, decided.read, decided.listed)
             rows.append([*_score_of(found), *map(space.cell_mask, sets)])
-            is_same = _bounds(found) == _bounds(full) == _bounds(alone)
+            intervals = {each.interval if each else VACUOUS for each in (found, full, alone)}
             is_proven = not found or found.proof.evaluate(Operators()) == found.interval
-            if not is_same or rows[-1][0] != belief(code) or not is_proven:
+            if len(intervals) > 1 or rows[-1][0] != belief(code) or not is_proven:
                 wrong.append(f"{cell} at code {code} has {rows[-1]}")
     return {"rows": rows}, wrong
 
@@ -103,7 +102,7 @@ def check_scores(space: ScenarioSpace, shift: int) -> CheckResult:
 def _score_of(candidate: Candidate | None) -> list[float]:
     if candidate is None:
         return [0.0, 1.0, 0.0, 0]
-    numbers = (round(n, DIGITS) for n in (*_bounds(candidate), candidate.certainty))
+    numbers = (round(n, DIGITS) for n in (*candidate.interval, candidate.certainty))
     return [*numbers, int(candidate.accepted)]
 
 
@@ -119,11 +118,6 @@ def _candidate_of(cell: RuleKey, decided: TracedDecision) -> Candidate | None:
         if each.object == cell.object and each.argument and each.argument.name == cell.argument:
             return each if each.rules else None
     return None
-
-
-def _bounds(candidate: Candidate | None) -> tuple[float, float]:
-    lower, upper = candidate.interval if candidate else VACUOUS
-    return lower, upper
 
 
 def check_grasps(space: ScenarioSpace, first: int) -> CheckResult:
@@ -183,11 +177,8 @@ def check_teaching(space: ScenarioSpace, seed: int, number: int) -> CheckResult:
         held = _read_back(space, agent.base.rules())
         statements = taught_agent.belief_graph(agent.base)
         choices = [_commanded(space, agent, *each) for each in asked]
-    graphs = (
-        taught_agent.graph_after(),
-        *(taught_agent.graph_after(space.rules[key]) for key in space.taught(codes)),
-    )
-    apart = frozenset(statement for graph in graphs for statement in graph)
+    alone = (taught_agent.graph_after(space.rules[key]) for key in space.taught(codes))
+    apart = taught_agent.graph_after().union(*alone)
     wrong = [] if held == list(codes) else [f"{codes} is read back as {held}"]
     if statements != apart:
         wrong.append("the beliefs are not the union of the beliefs from each sentence")

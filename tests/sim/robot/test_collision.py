@@ -75,7 +75,7 @@ def test_object_held_into_the_arm_is_detected():
     below = np.array([[0.0, 0.0, 0.25]])
 
     def free(points: np.ndarray) -> float:
-        held = spheres.joined(hand_spheres(ARM, points, 0.01))
+        held = poses.joined(spheres, hand_spheres(ARM, points, 0.01))
         return clearances(ARM, held, HOME, points=NOTHING, table=-9.0)[1]
 
     assert free(shoulder) < 0
@@ -111,6 +111,6 @@ def test_object_held_into_the_link_on_which_the_hand_turns_is_detected():
     inside = frames[ARM.links.index("panda_link6"), :3, 3][None]
     held = hand_spheres(ARM, poses.transform(poses.inverse(frames[-1]), inside), 0.01)
 
-    found = clearances(ARM, spheres.joined(held), HOME, points=NOTHING, table=-9.0)
+    found = clearances(ARM, poses.joined(spheres, held), HOME, points=NOTHING, table=-9.0)
 
     assert found[1] < 0
