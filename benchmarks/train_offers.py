@@ -56,7 +56,7 @@ RUN = 20  # neighbouring lines that stay together
 LEAST_SHAPES, LEAST_FEATURES = 40, 4
 """How many examples have a shape or a feature that is used."""
 
-KEPT = 1150
+KEPT = 1120
 """How many weights are kept, the greatest."""
 
 LEAST_WEIGHT = 0.35

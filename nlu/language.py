@@ -12,6 +12,7 @@ import gc
 from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache, partial
+from itertools import pairwise
 from pathlib import Path
 from typing import NamedTuple
 
@@ -202,6 +203,10 @@ class Language:
             if aside:
                 return replace(found, meaning=aside, discourse=context.discourse)
             found = self._by_phrase(text, context) or self._with_offers(found, context)
+        is_clear = not _is_not_understood(found.meaning, text)
+        if not is_clear and found.kind == "error" and self._is_by_the_way(text):
+            said = meanings.Misunderstanding(self.answers.say("only_chatter"))
+            found = replace(found, meaning=said)
         if found.kind in {"error", "ask_back"}:
             found = self._without_courtesies(found, context) or found
         is_guess = found.reading and context.discourse.has_failed  # of what "it" was
@@ -217,17 +222,14 @@ class Language:
         ends = courtesy and text.rstrip(" .!?").endswith(courtesy.rest.rstrip(" .!?"))
         if not courtesy or courtesy.rest == text or not (courtesy.kind or ends):
             return None
-        begins = self._courtesies.words.end("chatter", tokens.words)
-        if failed.kind == "error" and begins and not (courtesy.kind or courtesy.rest):
-            chatter = meanings.Misunderstanding(self.answers.say("only_chatter"))
-            return replace(failed, meaning=chatter)
         if not courtesy.rest:
             choices = failed.meaning.choices if isinstance(failed.meaning, AskBack) else ()
             is_other = courtesy.kind and choices and not isinstance(choices[0], str)
             said = replace(failed, meaning=Acknowledgement(courtesy.kind), reading=None)
             return replace(said, new_words=(), discourse=context.discourse) if is_other else None
         rest = self._understand(courtesy.rest, context, ())
-        control = self.control(courtesy.rest)
+        is_own = courtesy.kind or not self.offers.known.unknown(tokens)  # not "Rex, drop it"
+        control = self.control(courtesy.rest) if is_own else None
         if control:
             rest = replace(rest, meaning=control, discourse=context.discourse)
         is_harmless = rest.kind in {"question", "acknowledgement", "control"}
@@ -238,12 +240,38 @@ class Language:
             return replace(failed, meaning=replace(failed.meaning, message=said))
         return None
 
+    def _is_by_the_way(self, text: str) -> bool:
+        """Whether a text that is not understood is a report, of the past, or names nothing."""
+        tokens = self._tokens(text)
+        if (
+            tokens.asks
+            or not tokens.words[1:]
+            or self.utterance_parser.clarification.of_input(text, tokens)
+        ):
+            return False
+        reader, words = self.parser.features, tokens.words
+        said, agents = reader.of_words(words), frozenset({"addressee", "generic"})
+        is_of_others = words[0] in reader.words["owners"] and agents.isdisjoint(
+            said.get("agent", ())
+        )
+        if is_of_others or "source" in said or not _OVER.isdisjoint(said.get("tense", ())):
+            return True
+        lists, parts = self._courtesies.words, [tokens.part(*span) for span in tokens.parts]
+        teaching = lists.words("teaching")
+        uses = (other for one, other in pairwise(words) if one in teaching)  # "for cutting"
+        is_taught = any(each.endswith("ing") for each in (words[0], *uses))
+        if is_taught or any(lists.end("urging", words, n) > n for n in range(len(words))):
+            return False
+        if any(self._courtesies.has_content(each) for each in parts):
+            return False
+        return teaching.isdisjoint(words) or any(lists.end("chatter", p.words) for p in parts)
+
     def _with_offers(self, found: Understanding, context: UtteranceContext) -> Understanding:
         tokens = self._tokens(found.text)
         is_slip = isinstance(found.meaning, AskBack) and bool(found.meaning.choices)
         if is_slip and not is_misspelled(tokens, self.offers.known):
             return found
-        at_point = replace(context, discourse=context.discourse.accessible)
+        at_point = replace(context, discourse=replace(context.discourse, has_failed=False))
         question = self.offers.question(tokens, at_point)
         if isinstance(question, meanings.Question):
             asked = after_offer((question,), context.discourse)
@@ -419,6 +447,9 @@ class Session:
         for text in texts:
             _, session = session.hear(text, speaker=speaker)
         return session
+
+
+_OVER = frozenset({"past", "perfect"})
 
 
 def _is_not_understood(meaning: Meaning, text: str) -> bool:

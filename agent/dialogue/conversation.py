@@ -29,7 +29,7 @@ from .acquaintances import Acquaintances
 from .reply import OpenQuestion, Reply
 
 OPEN = ("error", "ask_back")  # the kinds of what is not understood
-_SENTENCE_END = re.compile(r"(?<=[.!?])\s+")
+SENTENCE_END = re.compile(r"(?<=[.!?])\s+")
 
 Answered = tuple[AnswerContent, tuple[Rule, ...]]  # an answer, and the rules that it rests on
 
@@ -124,7 +124,7 @@ class Conversation:
     def sentences(self, found: Understanding, kinds: Collection[str] = ()) -> list[Understanding]:
         """Return the sentences of what is not understood, if each stands alone; else just that."""
         session, said = Session(self.language, self.discourse), list[Understanding]()
-        for text in _SENTENCE_END.split(found.text.strip()) if found.kind in OPEN else ():
+        for text in SENTENCE_END.split(found.text.strip()) if found.kind in OPEN else ():
             each, session = session.hear(text, speaker=found.speaker)
             if not _stands_alone(each.meaning) or each.kind not in (kinds or {each.kind}):
                 return [found]

@@ -27,7 +27,7 @@ from ..execution.request import Request
 from .action_lessons import ActionLessons
 from .belief_revision import BeliefRevision
 from .clarification import ClarificationDialogue, PartAgreements
-from .conversation import OPEN, Conversation, UnderstoodTurn
+from .conversation import OPEN, SENTENCE_END, Conversation, UnderstoodTurn
 from .hearing import Alternative, SoundsLike, SpokenUtterance, meanings_heard, weigh
 from .norm_dialogue import NormDialogue
 from .questions import answer
@@ -143,16 +143,33 @@ class DialogueManager:
         self._accepted |= {*accepted}
         found = self.conversation.understand(text, speaker, heard=heard, accepted=self._accepted)
         kinds = (*KINDS[only], "acknowledgement") if only else ()
-        several = self.conversation.sentences(found, kinds)
-        if several[1:]:
-            hear = partial(self.hear, speaker=speaker, only=only, heard=heard, keep=keep)
-            return joined(text, [hear(each.text) for each in several])
+        hear = partial(self.hear, speaker=speaker, only=only, heard=heard, keep=keep)
+        answer = partial(self._clarification.short_answer, heard=heard, keep=keep)
+        replies = self._hear_sentences(found, kinds, hear, answer)
+        if replies:
+            return joined(text, replies)
         turn = UnderstoodTurn(found, heard, keep)
         if only and found.kind not in (*kinds, *OPEN):
             return self.conversation.answered(turn, f"only_{only}", "not_understood")
         if found.kind not in {"acknowledgement", "control"}:
             self.conversation.open_question = None
         return self._respond(turn)
+
+    def _hear_sentences(
+        self,
+        found: Understanding,
+        kinds: Collection[str],
+        hear: Callable[[str], Reply],
+        answer: Callable[[str, str], Reply | None],
+    ) -> list[Reply]:
+        """Return the replies to the sentences of an utterance, if it is heard one by one."""
+        if found.kind in OPEN:
+            first, *rest = SENTENCE_END.split(found.text.strip(), 1)
+            reply = answer(first, found.speaker) if rest else None
+            if reply:
+                return [reply, hear(*rest)]
+        several = self.conversation.sentences(found, kinds)
+        return [hear(each.text) for each in several] if several[1:] else []
 
     def hear_aside(
         self, text: str, said: meaning.Control, *, speaker: str, heard: float, keep: bool

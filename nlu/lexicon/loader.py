@@ -95,8 +95,7 @@ class LexiconBuilder:
     def read(self, path: Path) -> None:
         """Add all words of a file; `DataError` says where a line is not as expected."""
         parts = read_yaml(path).entries(optional=_KEYS)
-        for short, field in _entries(parts, "contractions"):
-            self.contractions[short] = tuple(field.text().split())
+        self._read_contractions(parts)
         for short, field in _entries(parts, "endings"):
             self._endings[short] = field.text()
         for key in ("closed", "naming", "joining", "denying", "denied", "homographs"):
@@ -123,6 +122,16 @@ class LexiconBuilder:
             self._add_constructions(self._spelt(field), category, _NOTHING, 0.0, field)
         for kind, field in _entries(parts, "discourse_markers"):
             self.discourse_markers = self.discourse_markers.with_phrases(kind, field)
+        alone = (phrase for phrase in self.discourse_markers.anywhere if len(phrase) == 1)
+        self.closed |= {word for (word,) in alone}
+
+    def _read_contractions(self, parts: Mapping[str, YamlNode]) -> None:
+        for short, field in _entries(parts, "contractions"):
+            for phrase in word_patterns.expand(word_patterns.compile_pattern(short)):
+                self.contractions[" ".join(phrase)] = tuple(field.text().split())
+        for short, words in tuple(self.contractions.items()):
+            if not short.startswith("'"):  # people leave the apostrophe out
+                self.contractions.setdefault(short.replace("'", ""), words)
 
     def insists_on(self, word: str, words: tuple[str, ...]) -> bool:
         """Whether some words insist on one that was taken for a slip: "no, lifting"."""

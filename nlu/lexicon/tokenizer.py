@@ -142,6 +142,10 @@ def tokenize(text: str, contractions: Mapping[str, tuple[str, ...]]) -> Tokens:
                 items.append(Token(BREAK, found.start(), found.end()))
         else:
             last = ""
+            pair = f"{items[-1].word} {found.group().lower()}" if items else ""
+            if pair in contractions:  # "its" in "its for cutting"
+                first = items.pop()
+                items += [replace(first, word=word) for word in contractions[pair]]
             items += _words(found, contractions)
     while items and items[-1].word == BREAK:
         items.pop()

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, cached_property, partial
 from itertools import islice, pairwise, permutations, product
 
@@ -34,6 +34,11 @@ class CandidateMeaning:
         """The spans of an utterance that say nothing of this meaning."""
         return mentions.asides(m for used in self.used.values() for m in used)
 
+    def resolved(self, mentions: Mentions) -> Mentions:
+        """The mentions, where the pronouns that this uses are names."""
+        said = (m for used in self.used.values() for m in used if m in mentions.references)
+        return replace(mentions, names=(*mentions.names, *(m for m in said if m.end > m.start)))
+
 
 def candidates(
     mentions: Mentions, shapes: Iterable[MeaningShape], tool_acts: Mapping[str, str]
@@ -64,9 +69,7 @@ def candidates(
 def _given(shape: MeaningShape, mentions: Mentions) -> dict[str, object] | None:
     values: dict[str, object] = {}
     for slot in shape.slots:
-        if slot == "?it":
-            values[slot] = mentions.it
-        elif slot in _DEGREES:
+        if slot in _DEGREES:
             said = list(dict.fromkeys(interval for _, _, interval in mentions.degrees))
             is_all = len(said) == sum(each in shape.slots for each in _DEGREES)
             values[slot] = list(said[_DEGREES.index(slot)]) if is_all else None
@@ -150,6 +153,8 @@ def utterance_features(mentions: Mentions, asides: Asides) -> Iterator[str]:
     yield from dict.fromkeys(f"{one} {other}" for one, other in pairwise((_START, *kept, _END)))
     yield from dict.fromkeys(f"~{label}" for label in beside if label)
     yield from (f"!{each}" for each in sorted(mentions.features))
+    yield f"words {min(len(kept) // 4, 6)}"
+    yield f"sentences {min(len(mentions.tokens.sentences), 3)}"
     if mentions.tokens.asks:
         yield "?"
     if mentions.last is not None:

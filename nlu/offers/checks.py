@@ -86,10 +86,11 @@ class OfferChecks:
 
     def is_apart(self, words: Sequence[str]) -> bool:
         """Whether a sentence takes back or limits nothing that another one says."""
-        told = any(self._has(kind, words) for kind in ("doubtful", "condition"))
-        return (
-            not told and not self.denies(words) and _TELLING.isdisjoint(self.reader.of_words(words))
-        )
+        return not self.limits(words) and _TELLING.isdisjoint(self.reader.of_words(words))
+
+    def limits(self, words: Sequence[str]) -> bool:
+        """Whether words deny or doubt something, or set a condition."""
+        return any(self._has(kind, words) for kind in (*_DENYING, "doubtful", "condition"))
 
     def clause_features(self, mentions: Mentions, asides: Sequence[Span]) -> UtteranceFeatures:
         """The features of the clauses of an utterance that names this."""
@@ -151,17 +152,28 @@ class OfferChecks:
         return not mentions.tokens.asks or not isinstance(meaning, Statement)
 
     def _keeps_recipient(self, meaning: Meaning, mentions: Mentions) -> bool:
+        if isinstance(meaning, SimpleCommand) and self._is_to_others(meaning, mentions):
+            return False
         if not isinstance(meaning, Command) or not self._has("recipient", mentions.tokens.words):
             return True
         return meaning.recipient in mentions.by_role.get("person", {})
+
+    def _is_to_others(self, meaning: SimpleCommand, mentions: Mentions) -> bool:
+        """Whether an utterance begins with the name of somebody else: "Anna, pass me the mug"."""
+        names = [m for m in mentions.names if m.start == 0 and m.is_unknown]
+        things = {str(leaf) for key, leaf in leaves(meaning.as_json()) if key != "recipient"}
+        return 1 in mentions.tokens.pauses and any(m.name not in things for m in names)
 
     def _keeps_scope(self, meaning: Meaning, mentions: Mentions) -> bool:
         rules = meaning.rules if isinstance(meaning, Statement) else ()
         denied = {_said_of(rule) for rule in rules if rule.denies}
         named = [m for m in mentions.names if m.name in set(map(_said_of, rules))]
-        places = self._places("negative", mentions.tokens.words)
+        places = list(self._places("negative", mentions.tokens.words))
+        if len(rules) < 2:  # "grab it by the rim and never grab it by the rim"
+            said = [m.start for m in named]
+            return not denied or not said or not min(said) < min(places, default=0) < max(said)
         after = (next((m.name for m in named if m.start > place), None) for place in places)
-        return len(rules) < 2 or denied.issuperset(filter(None, after))
+        return denied.issuperset(filter(None, after))
 
     def is_clause_of_its_own(self, words: Sequence[str]) -> bool:
         """Whether a clause has a doer or gives a reason, and is no speech or thought."""
@@ -206,10 +218,12 @@ class OfferChecks:
         if isinstance(meaning, SimpleCommand):
             kind = "supposing" if is_now else "condition"
             return not self.spoken(kind, mentions)
-        names = _names_in(meaning)
+        names, is_asked = _names_in(meaning), isinstance(meaning, Question)
         spoken = [each.start for each in mentions.names if each.name in names]
+        anything = [each.start for each in mentions.names]  # "if you had to choose" names nothing
         return all(
             any(place < other < end for other in spoken)
+            or (is_asked and not any(start <= other < end for other in anything))
             for place in self.spoken("condition", mentions)
             for start, end in mentions.pieces
             if start <= place < end

@@ -105,9 +105,8 @@ def shape_of(meaning: Json, mentions: Mentions, tool_acts: Mapping[str, str]) ->
                 return taken.setdefault((role, value), f"?{role}{number + 1 if number else ''}")
         if value == tool_acts.get(str(meaning.get("goal"))) and key == "usedFor":
             return "?tool"
-        if last and value == getattr(last, key, None):
-            return f"?last.{key}"
-        return "?it" if key == "object" and value == mentions.it else value
+        is_last = last is not None and value == getattr(last, key, None)
+        return f"?last.{key}" if is_last else value
 
     return shape_from(_changed(meaning, slotted))
 
@@ -159,10 +158,11 @@ def composed_shapes() -> tuple[MeaningShape, ...]:
 
 
 def _rules() -> Iterator[Json]:
-    materials = ({"material": "?material"}, {"material": "?object2"})
-    contexts = ({"context": act} for act in ("grasp", "pass", "pickUp"))
-    rules = (_USE, *(_USE | m for m in materials), _HOLDING, *(_HOLDING | c for c in contexts))
-    yield from (rule | {"confidence": degree} for rule, degree in product(rules, _DEGREES))
+    materials: tuple[Json, ...] = ({}, {"material": "?material"}, {"material": "?object2"})
+    contexts: tuple[Json, ...] = ({}, *({"context": act} for act in ("grasp", "pass", "pickUp")))
+    for degree in _DEGREES:
+        yield from (_USE | {"confidence": degree} | material for material in materials)
+        yield from (_HOLDING | context | {"confidence": degree} for context in contexts)
     for (one, other), degrees in product(_TWO_RULES, _OF_TWO):
         yield {"all": [one | {"confidence": degrees[0]}, other | {"confidence": degrees[1]}]}
 

@@ -12,7 +12,7 @@ from itertools import pairwise
 from ..lexicon.lexicon import Entry, Lexicon
 from ..lexicon.tokenizer import Tokens
 from ..lexicon.unknown_words import KnownWords
-from ..semantics.discourse import Discourse
+from ..semantics.discourse import SOMETHING, THIRD_PERSON, Discourse
 from ..semantics.interpretation import GOALS
 from ..semantics.meaning import Confidence, Rule
 
@@ -43,6 +43,7 @@ _USING = frozenset({"use", "uses", "using", "used"})
 _OWNERS = frozenset({"your", "my", "his", "her", "their", "the", "a", "one", "other", "our"})
 _ON = frozenset({"on", "off", "onto", "under"})
 _AT = _ON | {"at", "in", "from", "near", "behind", "beside"}
+_PRONOUNS = THIRD_PERSON | {"one", "ones", "that", "these", "this", "those"}
 _JOINING = frozenset({"and", "or", "not", "nor"})
 _BEFORE_PLACES = frozenset({"by", "of", "at", "with", "on", "in", "from"})
 _BEFORE_PEOPLE = frozenset({"the", "my", "our", "his", "her"})
@@ -74,7 +75,8 @@ class Mentions:
     names: tuple[Mention, ...]  #: the names, in the order of the utterance
     #: the places and intervals of words for a degree of confidence
     degrees: tuple[tuple[int, int, Confidence], ...] = ()
-    it: str | None = None  #: the object mentioned last before the utterance
+    #: the words for the object mentioned last before, or its place where no object is named
+    references: tuple[Mention, ...] = ()
     last: Rule | None = None  #: the last rule before the utterance
     features: frozenset[str] = frozenset()  #: what its words say of doer, time, source and sign
 
@@ -82,7 +84,7 @@ class Mentions:
     def by_role(self) -> Mapping[str, Mapping[str, tuple[Mention, ...]]]:
         """The mentions of each name, by role and name."""
         found: dict[str, dict[str, tuple[Mention, ...]]] = {}
-        for each in self.names:
+        for each in (*self.names, *self.references):
             names = found.setdefault(each.role, {})
             names[each.name] = (*names.get(each.name, ()), each)
         return found
@@ -169,8 +171,25 @@ def find_mentions(
     places = {m for m in things if _ON.intersection(words[max(0, m.start - 2) : m.start])}
     names = (each for each in whole if places == things or each not in places)
     ordered = tuple(sorted(names, key=lambda each: (each.start, each.end)))
-    it = discourse.object.said if discourse.object else None
-    return Mentions(tokens, ordered, tuple(_degrees(words, degrees)), it, discourse.rule)
+    references = tuple(_references(tokens, ordered, discourse))
+    return Mentions(tokens, ordered, tuple(_degrees(words, degrees)), references, discourse.rule)
+
+
+def _references(
+    tokens: Tokens, names: Sequence[Mention], discourse: Discourse
+) -> Iterator[Mention]:
+    thing = discourse.object
+    while thing and thing.arguments:
+        thing = thing.arguments[0]
+    if thing is None or thing.name in SOMETHING:
+        return
+    things = [each for each in names if each.role == "object" and not each.is_new]
+    first = min((each.start for each in things), default=len(tokens.words))
+    places = [place for place, word in enumerate(tokens.words[:first]) if word in _PRONOUNS]
+    for place in places:
+        yield Mention("object", thing.said, place, place + 1)
+    if not places and not things:
+        yield Mention("object", thing.said, 0, 0)
 
 
 def _label(names: Mapping[str, str], word: str) -> str:
@@ -224,7 +243,10 @@ def _new(tokens: Tokens, known: KnownWords) -> Iterator[Mention]:
                 may_be_person = second in _BEFORE_PEOPLE and first not in {"", *_BEFORE_PLACES}
                 if role == "object" and may_be_person:
                     yield Mention("person", entry.name, start, end, True, is_unknown)
-                if role == "object" and (first == "to" or second.endswith("ing")):
+                # Of a material there is much or there are many: "pancakes" are no "pancakes".
+                is_one = not any(e.role == "object" and e.name != e.says for e in entries)
+                is_material = first == "to" or second.endswith("ing")
+                if role == "object" and is_material and (is_one or entry.name != entry.says):
                     yield Mention("material", entry.name, start, end, True, is_unknown)
 
 

@@ -7,7 +7,7 @@ or acted on before its speaker has chosen it.
 
 import json
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 from itertools import islice, product
@@ -33,13 +33,19 @@ MAX_OFFERS = 3
 _QUOTES = frozenset('"“”„«»')
 _OFFERED = (meanings.Statement, Question, SimpleCommand)
 
-LEAST = 0.32  # the least probability of the first offer
-LEAST_OF_ONE = 0.5  # the same of a question without a name, and of another one with at most one
+LEAST = 0.5  # the least probability that one of the offers was meant, if not nothing
+LEAST_OF_ONE = 0.5  # the least of a question without a name, and of another one with at most one
 LEAST_ASKED = 0.8  # the least probability of a question that is answered at once
 LEAST_ASKED_BESIDE = 0.85  # the same beside words that may name something else
-LEAST_OTHER = 0.03  # the least probability of a further offer
+LEAST_OTHER = 0.03  # the least probability of any other offer
 MAX_TRIED = 6  # how many of the likeliest candidates are checked
 MAX_SENTENCES = 4  # how many sentences of an utterance are tried
+FRAGMENTS = {
+    "object": ("and the {}", "no, the {}"),
+    "part": ("by the {}", "no, by the {}"),
+    "affordance": ("and for {}", "no, for {}"),
+}
+MAX_FRAGMENT = 6  # how many words a fragment may have
 MAX_UNKNOWN = 5  # how many unknown words an utterance may have
 
 
@@ -90,9 +96,16 @@ class OfferFinder:
             return False
         last = tokens.beginnings[-1]
         asked = tokens.words[last:]
-        is_asked = not self.checks.words.words("interrogative").isdisjoint(asked)
+        reader = self.checks.reader
+        is_asked = not reader.words["interrogative"].isdisjoint(asked)
+        start = tokens.sentences[-1][0]
+        begins = (n for n in tokens.beginnings if tokens.words[n] in reader.words["asking"])
+        # A request may follow what is told: "I've nothing to cut with, can you help?"
+        is_asked |= tokens.asks and any(
+            n == start or tokens.words[n + 1 : n + 2] != ("you",) for n in begins
+        )
         is_over = any(each.endswith("=perfect") for each in mentions.features)
-        if is_over or not (is_asked or tokens.asks) or not best.used or self.checks.denies(asked):
+        if is_over or not is_asked or not best.used or self.checks.denies(asked):
             return False
         is_about = (all if left else any)(m.end > last for u in best.used.values() for m in u)
         is_likely = probability >= (LEAST_ASKED_BESIDE if left else LEAST_ASKED)
@@ -104,7 +117,7 @@ class OfferFinder:
             return ()
         mentions = self.mentions(tokens, context.discourse)
         found = self.of_corrected(tokens, context) or self.of_sentences(tokens, context)
-        return found or self.of_mentions(mentions, context)
+        return found or self.of_mentions(mentions, context) or self.of_fragment(mentions, context)
 
     def mentions(self, tokens: Tokens, discourse: Discourse) -> Mentions:
         """Return what an utterance names, with its features."""
@@ -131,19 +144,22 @@ class OfferFinder:
     def of_mentions(self, mentions: Mentions, context: UtteranceContext) -> tuple[Meaning, ...]:
         """Return the meanings to offer for an utterance that names this."""
         found: list[Meaning] = []
-        left = 1.0  # the probability of the candidates that deny just what the words deny
-        for probability, candidate in self.ranked(mentions):
+        ranked = self.ranked(mentions)
+        nothing = 1 - sum(chance for chance, _ in ranked)  # the probability that none was meant
+        offered = 0.0  # that one was meant which is offered
+        for chance, candidate in ranked if nothing <= 1 - LEAST else ():
             meaning = meaning_from_json(candidate.meaning)
             is_plain = len(candidate.used) + isinstance(meaning, Question) > 1
-            first = left * (LEAST if is_plain else LEAST_OF_ONE)
-            if probability < (LEAST_OTHER if found else first):
-                break
-            reason = self.rejected(candidate, mentions, context)
-            left -= probability if reason == "sign" else 0.0
-            checked = self.checks.weakened(meaning, mentions, candidate.asides(mentions))
-            if not reason and _uncorrecting(checked) not in map(_uncorrecting, found):
+            is_likely = chance >= (LEAST_OTHER if is_plain else LEAST_OF_ONE)
+            if not is_likely or len(found) == MAX_OFFERS:
+                continue
+            named = candidate.resolved(mentions)
+            checked = self.checks.weakened(meaning, named, candidate.asides(mentions))
+            is_new = _uncorrecting(checked) not in map(_uncorrecting, found)
+            if is_new and not self.rejected(candidate, mentions, context):
+                offered += chance
                 found.append(checked)
-        return tuple(found[:MAX_OFFERS])
+        return tuple(found) if offered >= LEAST * (offered + nothing) else ()
 
     def of_sentences(self, tokens: Tokens, context: UtteranceContext) -> tuple[Meaning, ...]:
         """Return the meaning of the one sentence understood beside others that say little."""
@@ -152,7 +168,10 @@ class OfferFinder:
             return ()
         last = tokens.text[tokens.items[spans[-1][0]].start :]  # with its question mark
         texts = [*(tokens.span(*each) for each in spans[:-1]), last]
-        said = {s: self.meaning_of(text, context) for s, text in zip(spans, texts, strict=True)}
+        said = {
+            span: self.meaning_of(text, self._after(tokens, span[0], context))
+            for span, text in zip(spans, texts, strict=True)
+        }
         known = [s for s, each in said.items() if isinstance(each, _OFFERED)]
         clear = [each for each in known if self._is_understood(said[each], context)]
         if all(isinstance(said[each], Question) for each in clear):
@@ -166,12 +185,38 @@ class OfferFinder:
             is_alone = all(map(self.checks.is_apart, others))
         return (meant,) if is_alone else ()
 
+    def _after(self, tokens: Tokens, end: int, context: UtteranceContext) -> UtteranceContext:
+        """Return a context in which "it" is what an utterance names before some place."""
+        names = self.mentions(tokens, Discourse()).names if end else ()
+        things = (m.name for m in names if m.role == "object" and not m.is_new and m.end <= end)
+        for thing in things:
+            context = replace(context, discourse=context.discourse.about(thing))
+        return context
+
+    def of_fragment(self, mentions: Mentions, context: UtteranceContext) -> tuple[Meaning, ...]:
+        """Return what the one name of a short utterance changes in what was said before it."""
+        names, words = mentions.names, mentions.tokens.words
+        is_one = len({each.start for each in names}) == 1 and not self.known.unknown(
+            mentions.tokens
+        )
+        names = [each for each in names if each.role in FRAGMENTS]
+        if not is_one or not names or len(words) > MAX_FRAGMENT or self.checks.limits(words):
+            return ()
+        said = mentions.tokens.span(names[0].start, names[0].end)
+        texts = (text.format(said) for text in FRAGMENTS[names[0].role])
+        found = dict.fromkeys(_uncorrecting(self.meaning_of(text, context)) for text in texts)
+        return tuple(each for each in found if self._is_understood(each, context))[:MAX_OFFERS]
+
     def rejected(self, one: CandidateMeaning, mentions: Mentions, context: UtteranceContext) -> str:
         """Return why a candidate is not offered, empty if it is."""
-        left, beside = left_over(one, mentions), _beside(one, mentions)
+        determiners = self.checks.reader.words["determiners"]
+        left, beside = left_over(one, mentions), _beside(one, mentions, determiners)
         if beside & {*left.get("new", ()), *left.get("person", ())}:
             return "names"
         meaning, asides = meaning_from_json(one.meaning), one.asides(mentions)
+        if meanings.is_used_on_itself(meaning):
+            return "itself"
+        mentions = one.resolved(mentions)
         lost = self.checks.lost(meaning, mentions, asides)
         if lost:
             return lost
@@ -183,8 +228,9 @@ class OfferFinder:
         some = tuple(candidates(mentions, self.model.shapes, self.tool_acts))
         found: dict[str, tuple[float, CandidateMeaning]] = {}  # by meaning, which shapes may share
         for chance, each in zip(self.model.probabilities(mentions, some), some, strict=True):
-            before, first = found.get(str(each.meaning), (0.0, each))
-            found[str(each.meaning)] = (before + chance, first)
+            said = json.dumps(each.meaning, sort_keys=True)
+            before, first = found.get(said, (0.0, each))
+            found[said] = (before + chance, first)
         return sorted(found.values(), key=lambda each: -each[0])[:MAX_TRIED]
 
     def is_text(self, tokens: Tokens) -> bool:
@@ -204,11 +250,14 @@ class OfferFinder:
         return found == meaning or (isinstance(found, AskBack) and found.choices == (meaning,))
 
 
-def _beside(candidate: CandidateMeaning, mentions: Mentions) -> set[int]:
-    pauses = mentions.tokens.pauses
+def _beside(
+    candidate: CandidateMeaning, mentions: Mentions, determiners: Collection[str]
+) -> set[int]:
+    pauses, words = mentions.tokens.pauses, mentions.tokens.words
     used = [each for mentions in candidate.used.values() for each in mentions]
     acts = [each for each in mentions.names if each.role == "act" and not each.is_new]
     before = {each.start - 1 for each in (*used, *acts) if each.start not in pauses}
+    before |= {place - 1 for place in before if words[place] in determiners}  # "praise the handle"
     return before | {each.end for each in used if each.end not in pauses}
 
 

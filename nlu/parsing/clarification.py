@@ -129,6 +129,7 @@ class Clarifier:
                 return AskBack(said)
             return Misunderstanding(said, nearest=self._nearest_examples(tokens))
         where, expected = self.parser.failure(chart, tokens)
+        where = "" if where == tokens.text.strip() else where  # that is no place in it
         key = "not_answered" if tokens.asks else "not_understood"
         message = self.answers.say(key, text=tokens.text)
         return Misunderstanding(message, where, expected, self._nearest_examples(tokens))

@@ -132,7 +132,10 @@ class SentenceParser:
         form = resolve(form, discourse)
         entries = lexical_entries(derivation)
         words, fragments = new_words(entries), predicates.load_predicates().fragments
-        if tokens.asks and (act == "FRAGMENT" or form.name in fragments):
+        begins = tokens.words[:2]  # "and what about a spoon" asks without a question mark, too
+        is_asked = not self.features.words["interrogative"].isdisjoint(begins)
+        is_asked = tokens.asks or (is_asked and act == "FRAGMENT")
+        if is_asked and (act == "FRAGMENT" or form.name in fragments):
             act, form = "FRAGMENT", PredicateForm("asked", (form,))
         act = "CORRECT" if form.name == "correctPart" else act
         is_denied_wish = form.name == "want" and form.arguments[-1].name == "not"

@@ -222,7 +222,7 @@ def features_of_names(
             for word in new_words
         ):
             yield "thing", frozenset({"abstract"})
-        elif "object" in new and _is_gerund_alone(words, new["object"].said):
+        elif any(w.role == "object" and _is_gerund_alone(reader, words, w.said) for w in new_words):
             yield "thing", frozenset({"bare"})
         elif "object" in new and "affordance" in new:
             yield "thing", frozenset({"new"})
@@ -247,10 +247,12 @@ def features_of_names(
             yield "thing", frozenset({"bare"})
 
 
-def _is_gerund_alone(words: Sequence[str], said: str) -> bool:
+def _is_gerund_alone(reader: FeatureReader, words: Sequence[str], said: str) -> bool:
     # "Turning screws! And hold it by the shaft" answers what something is for.
     first = (*said.split(), BREAK)
-    return len(first) > 2 and first[0].endswith("ing") and words[: len(first)] == first
+    is_gerund = len(first) > 2 and first[0].endswith("ing")
+    is_bare = reader.words["determiners"].isdisjoint(_before(words, said, 1))
+    return is_gerund and is_bare and any(True for _ in places_of(first, words))
 
 
 def _is_content(reader: FeatureReader, words: Sequence[str], material: str | None) -> bool:

@@ -19,6 +19,8 @@ from ..lexicon.discourse_markers import move_to_front
 from ..lexicon.tokenizer import BREAK, Tokens, tokenize
 from ..lexicon.unknown_words import MAX_NEW_WORDS, KnownWords
 from ..semantics import meaning as meanings
+from ..semantics.clause_features import FeatureReader
+from ..semantics.discourse import THIRD_PERSON
 from ..semantics.meaning import Acknowledgement, AskBack, Meaning, Plan, Question, Rule, Statement
 from ..semantics.predicates import PredicateForm, UnlearnableError
 from .chart import Chart
@@ -59,8 +61,9 @@ class UtteranceParser:
         if problem is not None:
             return _failed(Understanding.of(tokens, context, problem), ())
         found, before = _Attempt(self, accepted).understand(tokens, context), context.discourse
-        is_open = isinstance(found.meaning, AskBack) and not found.meaning.choices
-        if before.has_failed and is_open:
+        meant = found.meaning
+        is_open = isinstance(meant, AskBack) and not meant.choices
+        if before.has_failed and (is_open or isinstance(meant, meanings.Misunderstanding)):
             at_point = replace(context, discourse=replace(before, has_failed=False))
             again = _Attempt(self, accepted).understand(tokens, at_point)
             if again.reading and not isinstance(again.meaning, AskBack):
@@ -70,7 +73,10 @@ class UtteranceParser:
             known = self.known_words
             # If it may name an object, "it" no longer is the last one.
             may_name = any(not known.has(word) or known.names(word) for word in tokens.words)
-            named = [word for word in tokens.words if known.lexicon.is_name(word, ("N",))]
+            features = self.parser.features
+            named = [word for word in tokens.words if _is_object(word, known, features)]
+            if not named and not before.object:
+                named = list(_new_objects(tokens, known, features))[:1]
             return _failed(found, named) if may_name else found
         sure = found.reading.interval if found.reading else context.recognition
         if self.parser.pragmatics.is_enough(sure):
@@ -159,7 +165,9 @@ class _Attempt:
                 continue  # it may be a rule
             words = tuple(dict.fromkeys(word for each in found for word in each.new_words))
             whole = replace(found[main], meaning=meaning, new_words=words)
-            replies = [each.words for each in found if isinstance(each.meaning, Acknowledgement)]
+            after = (*(each.words[:2] for each in found[1:]), ())  # "sure, and a shoe is ..."
+            said = zip(found, after, strict=True)
+            replies = [e.words + n for e, n in said if isinstance(e.meaning, Acknowledgement)]
             if not replies or whole.reading is None or isinstance(meaning, AskBack):
                 return whole
             features = self._tools.parser.features.with_asides(whole.reading.features, replies)
@@ -309,9 +317,27 @@ def _is_procedure(found: Understanding) -> bool:
     return is_about or isinstance(meant, (Plan, meanings.ActionDefinition, meanings.ActionCommand))
 
 
+def _is_object(word: str, known: KnownWords, features: FeatureReader) -> bool:
+    categories = known.lexicon.name_categories(word)
+    is_thing = "N" in categories and {"P", "MS"}.isdisjoint(categories)
+    return is_thing and not features.is_elsewhere(word)
+
+
+def _new_objects(tokens: Tokens, known: KnownWords, features: FeatureReader) -> Iterator[str]:
+    kinds = (features.is_part, features.is_elsewhere, features.is_abstract)
+    for place, entries in known.guesses(tokens, known.unknown(tokens)).items():
+        names = [each.name for each in entries if each.role == "object"]
+        is_noun = tokens.words[place - 1 : place] in {("a",), ("an",), ("the",)}
+        if names and is_noun and not any(is_kind(tokens.words[place]) for is_kind in kinds):
+            yield max(names, key=len)
+
+
 def _failed(found: Understanding, things: Sequence[str]) -> Understanding:
-    named, discourse = tuple(map(PredicateForm.named, things)), found.discourse
-    discourse = discourse.naming(*named) if named else discourse
+    discourse = found.discourse
+    if things and THIRD_PERSON.isdisjoint(found.words):
+        discourse = discourse.naming(*map(PredicateForm.named, things))
+        if discourse.rule and discourse.rule.object not in things:
+            discourse = replace(discourse, rule=None, last=None)
     return replace(found, discourse=replace(discourse, has_failed=True))
 
 

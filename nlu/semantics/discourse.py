@@ -7,6 +7,7 @@ from . import meaning as meanings
 from .meaning import ANY_OBJECT, Command, Meaning, ObjectReference, Question, Retraction, Statement
 from .predicates import PredicateForm
 
+THIRD_PERSON = frozenset({"it", "its", "them", "they", "their"})
 SOMETHING = frozenset({"something", "anything"})
 
 
@@ -22,6 +23,7 @@ class Discourse:
     pair: tuple[PredicateForm, ...] = ()  # the last turn's objects, or two in a row
     person: PredicateForm | None = None  # the person named last, except the speaker
     asks_why: bool = False  # whether the last turn asked why a thing was held so, or just why
+    is_offered: bool = False  # whether `rule` was only offered as what may have been meant
     has_failed: bool = False  # whether the last turn was not understood: nothing is referred to
 
     def about(self, name: str) -> "Discourse":
@@ -59,7 +61,7 @@ def update_discourse(meaning: Meaning, content: PredicateForm, discourse: Discou
             asks_why = part is not None or thing is None
         case _:
             pass
-    discourse = replace(discourse.accessible, person=person, asks_why=asks_why)
+    discourse = replace(discourse.accessible, person=person, asks_why=asks_why, is_offered=False)
     named = list(_named_objects(meaning))
     if isinstance(meaning, Question) and not meaning.property:
         # It names a kind, but "it" is "the red mug".
@@ -83,15 +85,19 @@ def update_discourse(meaning: Meaning, content: PredicateForm, discourse: Discou
 
 
 def after_offer(choices: Sequence[Meaning | str], discourse: Discourse) -> Discourse:
-    """Return the discourse state after an offer: "it" is what all choices with a name have."""
+    """Return the discourse state after an offer: "it" is what all choices with a name have.
+
+    As long as it is open which of several choices was meant, nothing is sure to be referred to.
+    """
     offered = [tuple(_named_objects(choice)) for choice in choices if not isinstance(choice, str)]
     named = next(filter(None, offered), ())
     if not named or any(each not in {named, ()} for each in offered):
         return discourse
     discourse = discourse.accessible.naming(*dict.fromkeys(named))
+    discourse = replace(discourse, has_failed=len(choices) > 1)
     match choices:
         case (Statement(rules=(rule,)),):  # "no, by the handle" may correct it
-            return replace(discourse, rule=rule, last=rule)
+            return replace(discourse, rule=rule, last=rule, is_offered=True)
         case _:
             return discourse
 

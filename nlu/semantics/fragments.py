@@ -40,9 +40,15 @@ class FragmentValues:
         return self.mode in {"also", "same", "too"}
 
 
-def complete(fragment: FragmentValues, discourse: Discourse) -> meanings.Meaning:  # noqa: PLR0911, PLR0912
+def complete(fragment: FragmentValues, discourse: Discourse) -> meanings.Meaning:
     """Return the meaning of a fragment; `UninterpretableError` if no turn is completed by it."""
-    discourse = discourse.accessible
+    found = _complete(fragment, discourse.accessible)
+    is_added = isinstance(found, meanings.Statement) and fragment.mode != "instead"
+    # What is added to a rule that nobody has confirmed is asked about, too.
+    return meanings.AskBack(choices=(found,)) if is_added and discourse.is_offered else found
+
+
+def _complete(fragment: FragmentValues, discourse: Discourse) -> meanings.Meaning:  # noqa: PLR0911, PLR0912
     if fragment.mode == "keep":
         return _kept(discourse, fragment.default)
     if fragment.mode == "again":

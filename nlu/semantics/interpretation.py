@@ -244,6 +244,8 @@ class Interpreter:
             tool = ObjectReference(used_for=self.tool_acts[form.name])
         else:
             tool = self._reference(form.arguments[2])
+        if patient == tool.object:  # "poke the leather with it"
+            raise UninterpretableError("which_thing", asks=True)
         return meanings.ToolCommand(form.name, patient, tool)
 
     def _one_rule(

@@ -456,7 +456,8 @@ def with_rules(meaning: "Meaning", **changes: object) -> "Meaning":
 def is_used_on_itself(meaning: "Meaning") -> bool:
     """Return whether a thing is its own material: "tea is for drinking tea"."""
     rules = meaning.rules if isinstance(meaning, Statement) else ()
-    return any(isinstance(r, FunctionalRule) and r.material == r.object for r in rules)
+    uses = (rule for rule in rules if isinstance(rule, FunctionalRule))
+    return any(rule.material in {rule.object, rule.object.split()[-1]} for rule in uses)
 
 
 def only_revises(meaning: "Meaning") -> bool:

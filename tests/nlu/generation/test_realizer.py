@@ -75,7 +75,7 @@ commands = st.one_of(
     ),
     st.builds(
         ToolCommand, st.sampled_from(["cut", "pound", "poke"]), OBJECTS, targets, st.booleans()
-    ),
+    ).filter(lambda command: command.tool.object != command.patient),
 )
 HELD = st.sampled_from(["pass", "pickUp", "pointTo", "cut", "pound"])
 ACTS = st.sampled_from(["pass", "pickUp", "pointTo"])

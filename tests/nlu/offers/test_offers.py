@@ -104,8 +104,8 @@ def test_nothing_is_offered_that_loses_a_word_that_matters(language: Language, t
     ("text", "meant"),
     [
         ("The head is what one often held when passing hammers.", "hammer"),
-        ("From all these things on the shelf, please pick up the mug, good lad.", "mug"),
-        ("The mug is what I'd be glad to be handed.", "mug"),
+        ("The hammer, over there on the left, I'd like you to lift that for me.", "hammer"),
+        ("Sling that mug over here to me, would you.", "mug"),
         ("Stirring, everybody, that is what the spoon is all about.", "spoon"),
     ],
 )

@@ -15,7 +15,7 @@ EMPTY = (
     "nouns: {part: [], elsewhere: [], abstract: []}\n"
     "part_words: []\nholding_words: []\nowners: []\nembedding: []\n"
     "determiners: []\nacts: []\nendings: {abstract: [], nameless: []}\ncarrying: []\nbeing: []\n"
-    "containing: []\ndefinite: []\n"
+    "containing: []\ndefinite: []\ninterrogative: []\nasking: []\n"
 )
 
 
