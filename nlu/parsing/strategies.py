@@ -13,7 +13,7 @@
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, partial
-from itertools import combinations, islice
+from itertools import combinations, islice, takewhile
 
 from ..lexicon.discourse_markers import move_to_front
 from ..lexicon.tokenizer import BREAK, Tokens, tokenize
@@ -74,9 +74,11 @@ class UtteranceParser:
             # If it may name an object, "it" no longer is the last one.
             may_name = any(not known.has(word) or known.names(word) for word in tokens.words)
             features = self.parser.features
-            named = [word for word in tokens.words if _is_object(word, known, features)]
+            own = [*takewhile(lambda word: word not in THIRD_PERSON, tokens.words)]
+            named = [word for word in own if _is_object(word, known, features)]
             if not named and not before.object:
-                named = list(_new_objects(tokens, known, features))[:1]
+                new = _new_objects(tokens.part(0, len(own)), known, features)
+                named = list(islice(new, 1))
             return _failed(found, named) if may_name else found
         sure = found.reading.interval if found.reading else context.recognition
         if self.parser.pragmatics.is_enough(sure):
@@ -334,7 +336,7 @@ def _new_objects(tokens: Tokens, known: KnownWords, features: FeatureReader) -> 
 
 def _failed(found: Understanding, things: Sequence[str]) -> Understanding:
     discourse = found.discourse
-    if things and THIRD_PERSON.isdisjoint(found.words):
+    if things:
         discourse = discourse.naming(*map(PredicateForm.named, things))
         if discourse.rule and discourse.rule.object not in things:
             discourse = replace(discourse, rule=None, last=None)
