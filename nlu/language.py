@@ -241,7 +241,7 @@ class Language:
         return None
 
     def _is_by_the_way(self, text: str) -> bool:
-        """Whether a text that is not understood is a report, of the past, or names nothing."""
+        """Whether a text reports something, tells of the past, or names nothing that is learned."""
         tokens = self._tokens(text)
         if (
             tokens.asks

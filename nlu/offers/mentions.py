@@ -243,7 +243,7 @@ def _new(tokens: Tokens, known: KnownWords) -> Iterator[Mention]:
                 may_be_person = second in _BEFORE_PEOPLE and first not in {"", *_BEFORE_PLACES}
                 if role == "object" and may_be_person:
                     yield Mention("person", entry.name, start, end, True, is_unknown)
-                # Of a material there is much or there are many: "pancakes" are no "pancakes".
+                # A material goes by its singular: "pancake" for "flipping pancakes".
                 is_one = not any(e.role == "object" and e.name != e.says for e in entries)
                 is_material = first == "to" or second.endswith("ing")
                 if role == "object" and is_material and (is_one or entry.name != entry.says):

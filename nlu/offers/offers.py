@@ -33,11 +33,11 @@ MAX_OFFERS = 3
 _QUOTES = frozenset('"“”„«»')
 _OFFERED = (meanings.Statement, Question, SimpleCommand)
 
-LEAST = 0.5  # the least probability that one of the offers was meant, if not nothing
-LEAST_OF_ONE = 0.5  # the least of a question without a name, and of another one with at most one
+LEAST = 0.5  # the least probability of all offers together, beside that of "none"
+LEAST_OF_ONE = 0.5  # the least of a question without a name, or of another meaning with at most one
 LEAST_ASKED = 0.8  # the least probability of a question that is answered at once
 LEAST_ASKED_BESIDE = 0.85  # the same beside words that may name something else
-LEAST_OTHER = 0.03  # the least probability of any other offer
+LEAST_OTHER = 0.03  # the least probability of any other meaning
 MAX_TRIED = 6  # how many of the likeliest candidates are checked
 MAX_SENTENCES = 4  # how many sentences of an utterance are tried
 FRAGMENTS = {
@@ -146,7 +146,7 @@ class OfferFinder:
         found: list[Meaning] = []
         ranked = self.ranked(mentions)
         nothing = 1 - sum(chance for chance, _ in ranked)  # the probability that none was meant
-        offered = 0.0  # that one was meant which is offered
+        offered = 0.0  # the probability that one of those offered was meant
         for chance, candidate in ranked if nothing <= 1 - LEAST else ():
             meaning = meaning_from_json(candidate.meaning)
             is_plain = len(candidate.used) + isinstance(meaning, Question) > 1
@@ -194,7 +194,7 @@ class OfferFinder:
         return context
 
     def of_fragment(self, mentions: Mentions, context: UtteranceContext) -> tuple[Meaning, ...]:
-        """Return what the one name of a short utterance changes in what was said before it."""
+        """Return what was said before with the one name of a short utterance put into it."""
         names, words = mentions.names, mentions.tokens.words
         is_one = len({each.start for each in names}) == 1 and not self.known.unknown(
             mentions.tokens

@@ -32,19 +32,8 @@ NAMED: Values = {
 """The features of what is named: a person's `own` part, a recipient that is a `place`, ..."""
 
 _BESIDE_NOUNS = ("part_words", "holding_words", "owners", "determiners")
-_WORDS = (
-    *_BESIDE_NOUNS,
-    *(
-        "embedding",
-        "acts",
-        "carrying",
-        "being",
-        "containing",
-        "definite",
-        "asking",
-        "interrogative",
-    ),
-)
+_SINGLE = "embedding acts carrying being containing definite asking interrogative"
+_WORDS = (*_BESIDE_NOUNS, *_SINGLE.split())
 
 
 @dataclass(frozen=True)
