@@ -63,8 +63,9 @@ class ReadingFilter:
                 participle = self.known_words.origins(said.get("context", ""), "participle")
                 names_agent = "part" in said and participle
                 no_material = (self._may_be_no_material(rule, words, tokens) for rule in rules)
-                is_agent = any(w.role == "object" and self._is_agent(w, tokens) for w in words)
-                return not (are_too_many or names_agent or is_agent or any(no_material))
+                things = [word for word in words if word.role == "object"]
+                no_thing = (self._is_agent(w, tokens) or self._is_use(w, tokens) for w in things)
+                return not (are_too_many or names_agent or any(no_thing) or any(no_material))
             case meanings.KindStatement():
                 return self._may_introduce_kinds(reading)
             case meanings.TopicStatement() | meanings.PartNaming():
@@ -79,6 +80,10 @@ class ReadingFilter:
                 return len(words) <= MAX_NEW_NAMES and not are_people and all(may_be_asked)
             case _:
                 return False
+
+    def _is_use(self, word: NewWord, tokens: Tokens) -> bool:
+        is_bare = self.features.words["determiners"].isdisjoint(_before(tokens.words, word.said, 1))
+        return is_bare and self.known_words.lexicon.is_name(word.said, ("K",))  # "and cutting"
 
     def _is_agent(self, word: NewWord, tokens: Tokens) -> bool:
         said = tokens.words
