@@ -166,12 +166,14 @@ class _Plan:
         self.delete = [q for q in change.delete if (q.graph, split(q.subject)[0]) != _RULE]
         self.asserted = list[Rule]()
         self.ended: dict[str, list[str]] = {"retracted": [], "superseded": []}
-        self._after = _ChangedStore(store, change)
-        self._both = (store, self._after)
+        self._before, self._after = store, _ChangedStore(store, change)
         changes = change.insert | change.delete
         touched = sorted({(quad.subject, cast(Iri, quad.graph)) for quad in changes})
-        kept = _KEPT_BY_HILT.keys() & {graph for _, graph in touched}
-        raise_findings(ValidationFinding(shortened(each), _KEPT_BY_HILT[each]) for each in kept)
+        raise_findings(
+            ValidationFinding(shortened(graph), _KEPT_BY_HILT[graph])
+            for _, graph in touched
+            if graph in _KEPT_BY_HILT
+        )
         laws, by_laws = Invariants(self._after, whole=True), list[ValidationFinding]()
         for node, graph in touched:
             self._take(node, graph)
@@ -184,7 +186,7 @@ class _Plan:
         raise_findings(causes(by_shapes, by_laws))
 
     def _rule_findings(self, node: Iri) -> Iterator[ValidationFinding]:
-        name, (before, after) = shortened(node), (_rule(store, node) for store in self._both)
+        name, before, after = shortened(node), _rule(self._before, node), _rule(self._after, node)
         if not self._after.properties(node, BELIEFS):
             yield ValidationFinding(name, _MUST_KEEP)
         if after is None:
@@ -197,8 +199,10 @@ class _Plan:
             yield ValidationFinding(name, _ONLY_STATUS)
 
     def _speaker_findings(self, node: Iri, graph: Iri) -> Iterator[ValidationFinding]:
-        known = (store.properties(node, graph) for store in self._both)
-        was, now = (any(key in TRUST for key, _ in properties) for properties in known)
+        was, now = (
+            any(key in TRUST for key, _ in store.properties(node, graph))
+            for store in (self._before, self._after)
+        )
         if was and not now:
             yield ValidationFinding(shortened(node), _NO_TRUST)
         elif was or now:
@@ -212,8 +216,10 @@ class _Plan:
         if (graph, split(node)[0]) != _RULE:
             self.insert += (quad for quad in inserted[node] if quad.graph == graph)
         if graph == EPISODES:
-            known = (store.properties(node, graph) for store in self._both)
-            before, after = ({*observation_quads(node, properties)} for properties in known)
+            before, after = (
+                {*observation_quads(node, store.properties(node, graph))}
+                for store in (self._before, self._after)
+            )
             self.insert += after - before
             self.delete += before - after
 

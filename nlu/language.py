@@ -12,7 +12,6 @@ import gc
 from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache, partial
-from itertools import pairwise
 from pathlib import Path
 from typing import NamedTuple
 
@@ -203,8 +202,8 @@ class Language:
             if aside:
                 return replace(found, meaning=aside, discourse=context.discourse)
             found = self._by_phrase(text, context) or self._with_offers(found, context)
-        is_clear = not _is_not_understood(found.meaning, text)
-        if not is_clear and found.kind == "error" and self._is_by_the_way(text):
+        is_lost = found.kind == "error" and _is_not_understood(found.meaning, text)
+        if is_lost and self._is_by_the_way(text):
             said = meanings.Misunderstanding(self.answers.say("only_chatter"))
             found = replace(found, meaning=said)
         if found.kind in {"error", "ask_back"}:
@@ -241,30 +240,9 @@ class Language:
         return None
 
     def _is_by_the_way(self, text: str) -> bool:
-        """Whether a text reports something, tells of the past, or names nothing that is learned."""
         tokens = self._tokens(text)
-        if (
-            tokens.asks
-            or not tokens.words[1:]
-            or self.utterance_parser.clarification.of_input(text, tokens)
-        ):
-            return False
-        reader, words = self.parser.features, tokens.words
-        said, agents = reader.of_words(words), frozenset({"addressee", "generic"})
-        is_of_others = words[0] in reader.words["owners"] and agents.isdisjoint(
-            said.get("agent", ())
-        )
-        if is_of_others or "source" in said or not _OVER.isdisjoint(said.get("tense", ())):
-            return True
-        lists, parts = self._courtesies.words, [tokens.part(*span) for span in tokens.parts]
-        teaching = lists.words("teaching")
-        uses = (other for one, other in pairwise(words) if one in teaching)  # "for cutting"
-        is_taught = any(each.endswith("ing") for each in (words[0], *uses))
-        if is_taught or any(lists.end("urging", words, n) > n for n in range(len(words))):
-            return False
-        if any(self._courtesies.has_content(each) for each in parts):
-            return False
-        return teaching.isdisjoint(words) or any(lists.end("chatter", p.words) for p in parts)
+        is_text = not self.utterance_parser.clarification.of_input(text, tokens)
+        return is_text and self._courtesies.is_by_the_way(tokens, self.parser.features)
 
     def _with_offers(self, found: Understanding, context: UtteranceContext) -> Understanding:
         tokens = self._tokens(found.text)
@@ -308,7 +286,12 @@ class Language:
     def offers(self) -> OfferFinder:
         """What is offered for an utterance that is not understood."""
         words = load_word_lists(self.folder / "offers.yaml")
-        intervals = self.degrees.intervals
+        intervals, understand = self.degrees.intervals, self.utterance_parser.understand
+
+        @lru_cache(maxsize=32)  # several steps ask for the meaning of the same text
+        def meaning_of(text: str, at: UtteranceContext) -> Meaning:
+            return understand(text, at, ()).meaning
+
         return OfferFinder(
             load_model(self.folder / "offers.json"),
             OfferChecks(words, self.parser.features, self.parser.licence),
@@ -316,7 +299,8 @@ class Language:
             {phrase: intervals[degree] for phrase, degree in self.builder.degree_of.items()},
             self.tool_acts,
             self.realizer,
-            lambda text, at: self.utterance_parser.understand(text, at, ()).meaning,
+            self.usual,
+            meaning_of,
         )
 
     def chosen(self, text: str, count: int) -> int | None:
@@ -447,9 +431,6 @@ class Session:
         for text in texts:
             _, session = session.hear(text, speaker=speaker)
         return session
-
-
-_OVER = frozenset({"past", "perfect"})
 
 
 def _is_not_understood(meaning: Meaning, text: str) -> bool:

@@ -7,7 +7,7 @@ to recordings (`calibration.yaml`, by `benchmarks/speech.py`).
 
 import json
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from difflib import SequenceMatcher
 from functools import cache
@@ -99,13 +99,14 @@ class Listener:
 
     def meanings(
         self, found: Found, speech_to_noise_db: float, discourse: Discourse | None = None
-    ) -> "Iterator[HeardMeaning]":
-        """Yield the meanings that may have been said, those of the first recogniser first."""
+    ) -> "list[HeardMeaning]":
+        """Return the meanings that may have been said, those of the first recogniser first."""
         texts = dict.fromkeys(each.text for listed in found.values() for each in listed)
         understood = {text: self.language.understand(text, discourse=discourse) for text in texts}
         best = [each[0].text if each else "" for each in found.values()]
         means = {text: meaning_key(each) for text, each in understood.items()} | {"": "nothing"}
         first = {means[text]: text for text in reversed(texts) if means[text]}
+        heard: list[HeardMeaning] = []
         for meaning, text in first.items():
             voting = [means[each] for each in best]
             others, for_it = max(1, len(best) - 1), voting.count(meaning)
@@ -119,7 +120,8 @@ class Listener:
                 "noise": min(1.0, speech_to_noise_db / 30),
                 "new_words": float(bool(understood[text].unknown)),
             }
-            yield HeardMeaning(text, 1 < len(best) == for_it, signs)
+            heard.append(HeardMeaning(text, 1 < len(best) == for_it, signs))
+        return heard
 
 
 @dataclass(frozen=True)

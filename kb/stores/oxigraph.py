@@ -137,9 +137,12 @@ class OxigraphStore:
         graph: Iri | None = None,
     ) -> Iterator[Quad]:
         """All statements that match."""
-        pattern = (subject, predicate, object, graph)
-        terms = (None if part is None else to_engine(part) for part in pattern)
-        found = self._engine().quads_for_pattern(*cast(Any, terms))
+        found = self._engine().quads_for_pattern(
+            None if subject is None else named_node(subject),
+            None if predicate is None else named_node(predicate),
+            None if object is None else to_engine(object),
+            None if graph is None else named_node(graph),
+        )
         with translated_errors(self.location):
             try:
                 for quad in found:
@@ -150,9 +153,10 @@ class OxigraphStore:
     def properties(self, subject: Iri, graph: Iri) -> Properties:
         """The properties of a node."""
         # The most frequent read: only predicates and objects are converted.
-        about, place = named_node(subject), named_node(graph)
         with translated_errors(self.location):
-            found = self._engine().quads_for_pattern(about, None, None, place)
+            found = self._engine().quads_for_pattern(
+                named_node(subject), None, None, named_node(graph)
+            )
             return [(Iri(quad.predicate.value), from_engine(quad.object)) for quad in found]
 
     def apply(self, *, insert: Iterable[Quad] = (), delete: Iterable[Quad] = ()) -> None:
@@ -234,7 +238,7 @@ class OxigraphStore:
             self._worker.close()
             if self._inner is not None and self._log and self._log.changes:
                 with contextlib.suppress(OSError):  # the log has it all
-                    self._write_tables(self._inner, self._log)
+                    self._write_tables(self._inner)
             self._inner = self._snapshot = None
 
     def save(self, target: Path) -> None:
@@ -259,9 +263,10 @@ class OxigraphStore:
         snapshot.number = last_utterance(self)
         return snapshot
 
-    def _write_tables(self, store: engine.Store, log: WriteAheadLogSync) -> None:
+    def _write_tables(self, store: engine.Store) -> None:
         store.flush()
-        log.reset(last_utterance(self))
+        if self._log:
+            self._log.reset(last_utterance(self))
 
     def _run(self, query: str, *, is_union: bool = True, **options: Any) -> _Found:
         # As a union, pyoxigraph ignores the graphs that a query itself chooses (FROM).
@@ -291,7 +296,7 @@ class OxigraphStore:
             yield store
             self.changes += 1
             if self._log and not self._log.sync(last_utterance(self)):
-                self._write_tables(store, self._log)
+                self._write_tables(store)
 
 
 def open_memory(*, read_only: bool = False) -> OxigraphStore:

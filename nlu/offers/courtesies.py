@@ -11,6 +11,7 @@ from itertools import pairwise, takewhile
 from ..grammar.word_patterns import Phrase, WordLists
 from ..lexicon.tokenizer import Token, Tokens
 from ..lexicon.unknown_words import KnownWords
+from ..semantics.clause_features import FeatureReader
 from ..semantics.discourse import Discourse
 from ..semantics.interpretation import GOALS
 from ..semantics.meaning import TrustStatement
@@ -22,6 +23,8 @@ _LONGEST_ADDRESS = 3  # words of "my little helper"
 _LONGEST_COMPLEMENT = 6  # words of "for all your help this morning"
 _FORMAL = frozenset({"greeting", "thanks", "farewell"})
 _PEOPLE = ("RN", "HN")
+_HERE = frozenset({"addressee", "generic"})  # the agents of what Hilt may be to do
+_OVER = frozenset({"past", "perfect"})
 
 _REPLIES = {"thanks": "welcome", "praise": "praised", "apology": "no_problem", "blame": "regrets"}
 """The answers to acknowledgements that are not called like them."""
@@ -80,6 +83,28 @@ class CourtesyPhrases:
         rest = text[starts[kept[0][0]] : starts[kept[-1][1]]].strip(" ,:-–—") if kept else ""
         is_within = kept and kept[0][0] < introduced[0] < kept[-1][0]
         return Courtesy(kind, rest, found <= _FORMAL, "" if is_within else name)
+
+    def is_by_the_way(self, tokens: Tokens, features: FeatureReader) -> bool:
+        """Whether an utterance reports something, is of the past, or names nothing to learn or do.
+
+        It asks nothing, and is not understood.
+        """
+        words, lists = tokens.words, self.words
+        if tokens.asks or len(words) < 2:
+            return False
+        said = features.of_words(words)
+        is_of_others = words[0] in features.words["owners"] and _HERE.isdisjoint(
+            said.get("agent", ())
+        )
+        if is_of_others or "source" in said or not _OVER.isdisjoint(said.get("tense", ())):
+            return True
+        teaching, parts = lists.words("teaching"), [tokens.part(*span) for span in tokens.parts]
+        uses = (other for one, other in pairwise(words) if one in teaching)  # "for cutting"
+        is_taught = any(each.endswith("ing") for each in (words[0], *uses))
+        is_urged = any(lists.end("urging", words, place) > place for place in range(len(words)))
+        if is_taught or is_urged or any(map(self.has_content, parts)):
+            return False
+        return teaching.isdisjoint(words) or any(lists.end("chatter", p.words) for p in parts)
 
     def introduction(self, tokens: Tokens) -> Courtesy | None:
         """Return the courtesy in which a speaker introduces himself or herself, None without."""

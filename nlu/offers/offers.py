@@ -8,6 +8,7 @@ or acted on before its speaker has chosen it.
 import json
 import re
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 from itertools import islice, product
@@ -22,7 +23,9 @@ from ..lexicon.unknown_words import MAX_NEW_WORDS, KnownWords
 from ..parsing.understanding import UtteranceContext
 from ..semantics import meaning as meanings
 from ..semantics.discourse import Discourse
+from ..semantics.fragments import FragmentValues, complete
 from ..semantics.meaning import AskBack, Meaning, Question, SimpleCommand
+from ..semantics.predicates import UninterpretableError
 from .candidates import CandidateMeaning, OfferModel, candidates, left_over
 from .checks import OfferChecks
 from .meaning_shapes import composed_shapes, meaning_from_json, shape_from
@@ -40,11 +43,9 @@ LEAST_ASKED_BESIDE = 0.85  # the same beside words that may name something else
 LEAST_OTHER = 0.03  # the least probability of any other meaning
 MAX_TRIED = 6  # how many of the likeliest candidates are checked
 MAX_SENTENCES = 4  # how many sentences of an utterance are tried
-FRAGMENTS = {
-    "object": ("and the {}", "no, the {}"),
-    "part": ("by the {}", "no, by the {}"),
-    "affordance": ("and for {}", "no, for {}"),
-}
+FRAGMENT_SLOTS = {"object": "target", "part": "part", "affordance": "use"}
+"""The slot of the last meaning that a fragment of one name fills, by the role of the name."""
+
 MAX_FRAGMENT = 6  # how many words a fragment may have
 MAX_UNKNOWN = 5  # how many unknown words an utterance may have
 
@@ -61,6 +62,7 @@ class OfferFinder:
     #: the acts done with a tool, each with the affordance that the tool must have
     tool_acts: Mapping[str, str]
     realizer: Realizer
+    usual: meanings.Confidence  #: the confidence of a rule without a word for it
     #: returns the meaning of a text that somebody says at some point
     meaning_of: Callable[[str, UtteranceContext], Meaning]
 
@@ -195,17 +197,22 @@ class OfferFinder:
 
     def of_fragment(self, mentions: Mentions, context: UtteranceContext) -> tuple[Meaning, ...]:
         """Return what was said before with the one name of a short utterance put into it."""
-        names, words = mentions.names, mentions.tokens.words
-        is_one = len({each.start for each in names}) == 1 and not self.known.unknown(
-            mentions.tokens
-        )
-        names = [each for each in names if each.role in FRAGMENTS]
-        if not is_one or not names or len(words) > MAX_FRAGMENT or self.checks.limits(words):
+        tokens, names = mentions.tokens, mentions.names
+        one = next((each for each in names if each.role in FRAGMENT_SLOTS), None)
+        is_one = len({each.start for each in names}) == 1 and not self.known.unknown(tokens)
+        is_short = len(tokens.words) <= MAX_FRAGMENT and not self.checks.limits(tokens.words)
+        if one is None or not is_one or not is_short:
             return ()
-        said = mentions.tokens.span(names[0].start, names[0].end)
-        texts = (text.format(said) for text in FRAGMENTS[names[0].role])
-        found = dict.fromkeys(_uncorrecting(self.meaning_of(text, context)) for text in texts)
-        return tuple(each for each in found if self._is_understood(each, context))[:MAX_OFFERS]
+        value = meanings.ObjectReference(one.name) if one.role == "object" else one.name
+        slot = {FRAGMENT_SLOTS[one.role]: value}
+        found: list[Meaning] = []
+        for mode in ("fill", "also", "instead"):
+            with suppress(UninterpretableError):
+                said = complete(FragmentValues(mode, self.usual, **slot), context.discourse)  # pyright: ignore
+                offered = said.choices if isinstance(said, AskBack) else (said,)
+                found += [_uncorrecting(each) for each in offered if not isinstance(each, str)]
+        clear = (each for each in dict.fromkeys(found) if self._is_understood(each, context))
+        return tuple(islice(clear, MAX_OFFERS))
 
     def rejected(self, one: CandidateMeaning, mentions: Mentions, context: UtteranceContext) -> str:
         """Return why a candidate is not offered, empty if it is."""
