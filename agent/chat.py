@@ -125,8 +125,7 @@ def _history() -> History:
 
 def _first_speaker(agent: Agent, name: str | None, out: Console | None) -> str:
     conversation = agent.dialogue.conversation
-    owner = conversation.people.owner
-    if owner is None:
+    if (owner := conversation.people.owner) is None:
         owner = name or (_ask_name(agent, out) if out else DEFAULT_SPEAKER)
         owner = agent.base.match_speaker(owner)
         if not conversation.people.trusts(owner):
@@ -322,8 +321,7 @@ def _scene(chat: Chat, _: str) -> RenderableType:
 
 
 def _why(chat: Chat, _: str) -> RenderableType:
-    last = chat.agent.dialogue.conversation.last_done
-    if last is None or last.result is None:
+    if (last := chat.agent.dialogue.conversation.last_done) is None or last.result is None:
         return Text("I have not done anything yet.")
     said, made = Text(printable(last.said)), last.result.decision
     return Group(said, shown.reasons(made, chat.agent.quote)) if made else said

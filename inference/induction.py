@@ -190,8 +190,7 @@ def _transferred(
         alike = max(alike, LEAST_SIMILARITY)  # what matters for the use is the same
     if rule.part:
         source, target = objects[rule.object].parts, objects[name].parts
-        part = _matching(source, target).get(rule.part)
-        if part is None:
+        if (part := _matching(source, target).get(rule.part)) is None:
             return None
         alike_part, shared_part = similarity(*map(_part_traits, (source[rule.part], target[part])))
         argument = Atom("part", part)

@@ -70,8 +70,7 @@ def fuse_dempster(intervals: Sequence[Interval]) -> Interval:
     if len(intervals) == 1:
         return intervals[0]
     true, false, either = evidence_operators.commonalities(intervals)
-    agreement = true + false - either
-    if agreement <= 0:
+    if (agreement := true + false - either) <= 0:
         problem = f"The sources {', '.join(map(str, intervals))} contradict each other fully."
         raise ConflictError(f'{problem} Discount one of them, or fuse by "yager".')
     return _bounded((true - either) / agreement, true / agreement)

@@ -217,8 +217,7 @@ class NodeRules:
         """Return the rules of a key whose contexts hold and (past the find node) object fits."""
         if key not in self._selected:
             rules = [rule for rule in self._rules_at(key) if rule.applies_to(self._material)]
-            name = self.goal.target.object
-            if name is not None and self.action != FIND:
+            if (name := self.goal.target.object) is not None and self.action != FIND:
                 wanted = {None, *self.taxonomy.names_above("object", name)}
                 rules = [rule for rule in rules if rule.object in wanted]
             holds = self._held.issuperset

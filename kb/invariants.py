@@ -148,8 +148,7 @@ def written(store: ReadableStore, node: Iri, graph: Iri, said: Properties) -> di
     literals are equal by value and may differ in their datatype.
     """
     refuse_blank_nodes((node, *(value for _, value in said)))
-    read = _READERS.get((graph, split(node)[0]))
-    if read is None or not said:
+    if (read := _READERS.get((graph, split(node)[0]))) is None or not said:
         return {}
     try:
         return {quad: quad for quad in read(store, node, said)}

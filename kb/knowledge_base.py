@@ -94,8 +94,7 @@ class KnowledgeBase(RuleWriter, AbstractContextManager["KnowledgeBase"]):
         if base_format(store) == FORMAT and any(store.quads(*MARK)):
             return  # without waiting for others who write
         with store.writing():
-            found = base_format(store)
-            if found is None:
+            if (found := base_format(store)) is None:
                 if any(store.quads()):
                     raise StoreError(f'"{store.location}" holds other data, not a base of Hilt.')
                 is_base = Quad(BASE_NODE, TYPE, term("Base"), BASE_GRAPH)

@@ -106,8 +106,7 @@ class RuleReader:
 
     def utterance(self, sequence: int) -> history.Utterance:
         """The utterance with a number; UnknownNameError if there is none."""
-        found = self.store.properties(history.utterance_iri(sequence), history.HISTORY)
-        if not found:
+        if not (found := self.store.properties(history.utterance_iri(sequence), history.HISTORY)):
             last = self.sequence
             raise NotFoundError("utterance", str(sequence), [f"1 to {last}"] if last else [])
         return history.read_utterance(found)

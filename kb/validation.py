@@ -177,8 +177,7 @@ def _rename(staging: Store) -> None:
         with suppress(ValidationError):  # validation will say it
             rule = rule_mapping.read_rule(staging.properties(node, BELIEFS))
             names[node] = rule_mapping.rule_iri(rule.id)
-    names = {node: name for node, name in names.items() if node != name}
-    if names:
+    if names := {node: name for node, name in names.items() if node != name}:
         old = [q for q in staging.quads() if q.subject in names or q.object in names]
         new = [Quad(*(names.get(part, part) for part in quad)) for quad in old]
         staging.apply(insert=new, delete=old)

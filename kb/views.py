@@ -219,8 +219,7 @@ def compare_bases(before: RuleReader, after: RuleReader) -> BaseDifference:
 
 def find_rule(base: RuleReader, name: str) -> Rule:
     """The rule with an id, or its first digits; UnknownNameError or ValidationError if not one."""
-    digits = _RULE_NAME.fullmatch(name)
-    if digits is None:
+    if (digits := _RULE_NAME.fullmatch(name)) is None:
         return base.rule(name)  # which says what there is
     if len(digits[1]) < 4:  # could be the number of an utterance
         raise ValidationError([f'"{name}" is too short for a rule: expected 4 digits of its id.'])

@@ -166,8 +166,7 @@ class RuleWriter(RuleReader):
         that forgets them, for the history. A NotFoundError says that there are none.
         """
         with self.store.writing():
-            found = list(trial_nodes(self.store, of, part))
-            if not found:
+            if not (found := list(trial_nodes(self.store, of, part))):
                 raise NotFoundError("experience", " ".join(filter(None, (of, part))) or "any", ())
             by = utterance_iri(self.sequence + 1)
             forgotten = [Quad(node, FORGOTTEN_BY, by, EPISODES) for node in found]

@@ -270,8 +270,7 @@ class _TreeReader:
         action = key.text(choices=self.signatures)
         if argument.value is None:
             return Step(action, {})
-        wanted = self.signatures[action]
-        if not wanted:
+        if not (wanted := self.signatures[action]):
             raise argument.fail(f'"{action}" takes no argument.')
         if isinstance(argument.value, dict):
             given = argument.entries(optional=wanted)
@@ -299,8 +298,7 @@ def _reached(
     seen: set[str] = set()
     waiting = following(trees[name])
     while waiting:
-        action = waiting.pop()
-        if action in trees and action not in seen:
+        if (action := waiting.pop()) in trees and action not in seen:
             seen.add(action)
             waiting += following(trees[action])
     return seen

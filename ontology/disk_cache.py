@@ -21,8 +21,7 @@ T = TypeVar("T")
 
 def cache_folder() -> Path:
     """Return the folder of the cache."""
-    given = os.environ.get("HILT_CACHE")
-    if given:
+    if given := os.environ.get("HILT_CACHE"):
         return Path(given).expanduser()
     from platformdirs import user_cache_path
 

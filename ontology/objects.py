@@ -175,8 +175,7 @@ class _ObjectReader:
             required={"is_a", "parts", "rests"}, optional={"properties", "graspable", "mount"}
         )
         others = {*self.declared.objects, *self.defined} - {name}
-        parts = keys["parts"].entries()
-        if not parts:
+        if not (parts := keys["parts"].entries()):
             raise keys["parts"].fail("expected at least one part.")
         return ObjectType(
             name,

@@ -28,8 +28,7 @@ def call_plugin(
     """
     from importlib.metadata import entry_points
 
-    found = next(iter(entry_points(group=group, name=name)), None)
-    if found is None:
+    if (found := next(iter(entry_points(group=group, name=name)), None)) is None:
         raise UnknownNameError(f"plug-in of {group}", name, plugin_names(group))
     source = f"{found.dist.name} {found.dist.version}" if found.dist else found.value
     try:
@@ -39,8 +38,7 @@ def call_plugin(
     except Exception as error:
         problem = f"{type(error).__name__}: {error}".splitlines()[0]
         raise PluginError(group, name, source, problem) from error
-    missing = ", ".join(each for each in methods if not hasattr(made, each))
-    if missing:
+    if missing := ", ".join(each for each in methods if not hasattr(made, each)):
         problem = f"it makes a {type(made).__name__}, which lacks {missing}"
         raise PluginError(group, name, source, problem)
     return made

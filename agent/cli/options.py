@@ -120,8 +120,7 @@ def with_config(*names: str) -> Callable[[Callable[..., None]], Callable[..., No
             file: Path | None = given.pop("config")
             values = {**lasting_values(), **(read_values(file) if file else {})}
             for name in names:
-                value = given.pop(name)
-                if value is not None and value != []:
+                if (value := given.pop(name)) is not None and value != []:
                     values[name] = tuple(value) if isinstance(value, list) else value
             config = AgentConfig(**values)
             moves = "simulate" in names and config.simulate and not given.get("bare")

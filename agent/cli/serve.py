@@ -92,8 +92,7 @@ def add(
     as_json: AsJson = False,
 ) -> None:
     """Make a token, which is shown this once; it stands for a speaker and roles."""
-    found = re.fullmatch(r"(\d{1,5})([dhm])", expires or "0d")
-    if found is None:
+    if (found := re.fullmatch(r"(\d{1,5})([dhm])", expires or "0d")) is None:
         raise typer.BadParameter(f'"{expires}" is no duration: expected 30d, 12h or 15m.')
     lasts = timedelta(**{_UNITS[found[2]]: int(found[1])}) if expires else None
     made, secret = _tokens(kb).add(name, speaker, role, lasts)

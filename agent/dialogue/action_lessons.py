@@ -51,8 +51,7 @@ class ActionLessons:
         if said.action in actions.used_by(said.action):
             return conversation.answered(turn, "calls_itself", "refused", goal=said.action)
         acts = (*said.steps, *(step for each in said.if_fails for step in each.steps))
-        unknown = next((each for each in acts if each.goal not in actions.trees), None)
-        if unknown:
+        if unknown := next((each for each in acts if each.goal not in actions.trees), None):
             return self._ask(turn, said, unknown)
         spoken = " ".join(map(conversation.say, self._echo(said)))
         nodes = tuple(each for each in actions.nodes if each.split("/")[0] == said.action)

@@ -62,8 +62,7 @@ class BeliefRevision:
             new = tuple(word.word for word in words)
             answers.append(AnswerContent("learned_words", {"words": new}))
         reasons = conversation.language.reasons(turn.understood.text)
-        grounds = _reason_rules(rules, reasons)
-        if grounds:
+        if grounds := _reason_rules(rules, reasons):
             answers.append(AnswerContent("learned_reason", {"reasons": reasons}))
         spoken = " ".join(map(conversation.say, answers))
         old, kind = [rule.id for rule in replaced], turn.understood.kind

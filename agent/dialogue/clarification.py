@@ -49,8 +49,7 @@ class ClarificationDialogue:
                 dismissal = Understanding(text, speaker, "self", meaning.Acknowledgement("no"))
                 turn = UnderstoodTurn(dismissal, heard, keep)
                 return conversation.answered(turn, "dismissed", "done")
-            reply = open_question.reply_to(answered)
-            if reply:
+            if reply := open_question.reply_to(answered):
                 if conversation.open_question is open_question:
                     conversation.open_question = None
                 return reply
@@ -63,8 +62,7 @@ class ClarificationDialogue:
             return self.respond(replace(turn, understood=replace(turn.understood, meaning=act)))
         reply = self.conversation.recorded(turn, said.question, "asked")
         text, speaker, wait_for = turn.understood.text, turn.speaker, self.conversation.wait_for
-        choices = [each for each in said.choices if not isinstance(each, str)]
-        if choices:
+        if choices := [each for each in said.choices if not isinstance(each, str)]:
             heard = tuple(partial(self._take, turn, each) for each in choices)
             only = heard[0] if len(heard) == 1 else partial(self.ask_back, turn, said)
             wait_for(turn, only, choices=heard)

@@ -142,8 +142,7 @@ def _said(
         number = language.chosen(text, len(pending.choices)) if pending.choices else None
         if number is not None:
             return meaning.Answer(number=number)
-        answers = language.short_answers(text, conversation.discourse)
-        if answers:
+        if answers := language.short_answers(text, conversation.discourse):
             return answers[0]
     if understood.kind != "error" and (understood.kind != "ask_back" or understood.reading):
         return understood.meaning
@@ -163,8 +162,7 @@ class SpokenUtterance:
 
     def reply(self) -> Reply:
         """Carry out what is sure, or ask; return the reply."""
-        halts = [each for each in self.found if _is_halt(each.said)]
-        if halts:
+        if halts := [each for each in self.found if _is_halt(each.said)]:
             stop = meaning.Control("stop")
             return self._carry_out(next((each for each in halts if each.said == stop), halts[0]))
         answer = self._answer(self.pending) if self.pending else None

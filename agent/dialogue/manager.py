@@ -129,8 +129,7 @@ class DialogueManager:
             hear = partial(self.hear, speaker=speaker, only=only, keep=keep)
             parts = (meant, self.conversation, pending, hear, self._sounds_like, keep)
             return SpokenUtterance(*parts).reply()
-        reply = self._clarification.short_answer(text, speaker, heard=heard, keep=keep)
-        if reply:
+        if reply := self._clarification.short_answer(text, speaker, heard=heard, keep=keep):
             self.conversation.last_said = reply.said
             return reply
         introduction = self.conversation.language.introduction(text)
@@ -145,8 +144,7 @@ class DialogueManager:
         kinds = (*KINDS[only], "acknowledgement") if only else ()
         hear = partial(self.hear, speaker=speaker, only=only, heard=heard, keep=keep)
         answer = partial(self._clarification.short_answer, heard=heard, keep=keep)
-        replies = self._hear_sentences(found, kinds, hear, answer)
-        if replies:
+        if replies := self._hear_sentences(found, kinds, hear, answer):
             return joined(text, replies)
         turn = UnderstoodTurn(found, heard, keep)
         if only and found.kind not in (*kinds, *OPEN):
@@ -207,8 +205,7 @@ class DialogueManager:
 
     def _carry_out_command(self, turn: UnderstoodTurn, said: meaning.SimpleCommand) -> Reply:
         if said.negated:
-            reading = turn.understood.reading
-            if reading and "lasting" in reading.features.main:
+            if (reading := turn.understood.reading) and "lasting" in reading.features.main:
                 return self._norms.forbid(turn, said)
             self._norms.forbid_for_now(turn, said)
             self.conversation.reason = turn.understood
@@ -235,8 +232,7 @@ class DialogueManager:
         for each in requests:
             if self.lessons.lacks_objects(each):
                 return conversation.answered(turn, "on_what", "asked", goal=each.action)
-            other = self.lessons.other_kind(each, self._goals().affordances.taxonomy)
-            if other:
+            if other := self.lessons.other_kind(each, self._goals().affordances.taxonomy):
                 conversation.wait_for(turn, lambda: self._carry_out(turn, first, rest))
                 return conversation.answered(turn, "taught_for", "asked", **other)
         return self._carry_out(turn, first, rest)
@@ -300,11 +296,9 @@ class DialogueManager:
             question = self._agreements.question(result.doubt, request, turn.speaker, again)
             conversation.open_question = question
             return reply
-        verdict = result.forbidding
-        if verdict and verdict.forbidding:
+        if (verdict := result.forbidding) and verdict.forbidding:
             conversation.set_topic((verdict.forbidding,))
-        first = self._norms.first_request(request, result)
-        if first:
+        if first := self._norms.first_request(request, result):
             conversation.wait_for(turn, lambda: self._carry_out(turn, first, (request, *rest)))
         elif reply.ending == "asked":
             self._wait_for_answer(turn, request, result, rest)

@@ -163,8 +163,7 @@ class NormDialogue:
             verdict = self._judge(replace(request, contexts=contexts, momentary=self.momentary))
         except UnknownNameError:
             return spoken("cannot", goal=request.action), ()
-        rule = verdict.forbidding
-        if rule:
+        if rule := verdict.forbidding:
             told = self._told("may_not", rule)
             return replace(told, ending="done"), (rule,) if rule.utterance else ()
         return spoken("may", done=True), ()

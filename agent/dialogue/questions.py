@@ -45,8 +45,7 @@ def answer(question: Question, known: Conversation) -> Answered:
 
 def _uses_of(question: Question, known: Conversation) -> Answered:
     strongest = (_strongest(rules, "affordance") for rules in _by_kind(question, known))
-    rules = next(filter(None, map(_believed, strongest)), [])
-    if not rules:
+    if not (rules := next(filter(None, map(_believed, strongest)), [])):
         return spoken("no_uses_of", object=question.object), ()
     if any(_properties(rule) for rule in rules):
         return spoken("about", done=True, rules=tuple(map(known.quote, rules))), tuple(rules)
@@ -56,8 +55,7 @@ def _uses_of(question: Question, known: Conversation) -> Answered:
 
 
 def _objects_for(question: Question, known: Conversation) -> Answered:
-    rules = _believed(_functional(question, known))
-    if not rules:
+    if not (rules := _believed(_functional(question, known))):
         return spoken("nothing_known_for", affordance=_use(question)), ()
     on, asked = known.language.answers.object_for, {None, question.material}
     named = ((_kind(r) if r.material in asked else on(_kind(r), r.material or "")) for r in rules)
@@ -76,8 +74,7 @@ def _best_for(question: Question, known: Conversation) -> Answered:
     seen = [Observation(name, name, features) for name, features in told.items()]
     kinds = Taxonomy.from_base(known.base)
     inference = Affordances(known.base, taxonomy=kinds).infer(FIND, goal, seen)
-    best = inference.best
-    if best is None:
+    if (best := inference.best) is None:
         return spoken("nothing_known_for", affordance=_use(question)), ()
     if sum(each.certainty == best.certainty for each in inference.candidates) > 1:
         return _objects_for(question, known)
@@ -92,8 +89,7 @@ def _parts(question: Question, known: Conversation) -> Answered:
     told = [rule.part for rule in known.base.rules(object=name) if rule.asserts and rule.part]
     shown = [part for word in known.base.words() for part in word.parts if word.atom.name == name]
     defined = [atom_from_iri(cast(Iri, row[0])).name for row in found]
-    parts = tuple(dict.fromkeys([*defined, *shown, *told]))
-    if not parts:
+    if not (parts := tuple(dict.fromkeys([*defined, *shown, *told]))):
         return spoken("no_parts", done=True, object=name), ()
     key = "has_part" if question.part in parts else "lacks_part" if question.part else "parts"
     return spoken(key, done=True, object=name, parts=parts, part=question.part), ()
@@ -110,8 +106,7 @@ def _how(question: Question, known: Conversation) -> Answered:
     if not rules and question.context == "grasp":  # "where do you hold it?": whatever for
         return _how(Question("how", question.object, question.affordance), known)
     grasps = _strongest(rules, "part")
-    taught = {each.name: each for each in known.base.actions()}.get(question.context or "")
-    if taught:
+    if taught := {each.name: each for each in known.base.actions()}.get(question.context or ""):
         said = spoken("source", done=True, speaker=taught.speaker, texts=taught.said)
         return said, tuple(grasps[:1])
     goal = question.context or "grasp"
@@ -137,8 +132,7 @@ def _is_used_for(question: Question, known: Conversation) -> Answered:
     rules: Sequence[Rule] = next(filter(None, found), ())
     if not rules:
         slots = {"object": question.object, "affordance": _use(question)}
-        others = known.base.rules(object=question.object, affordance=question.affordance)
-        if not others:
+        if not (others := known.base.rules(object=question.object, affordance=question.affordance)):
             return spoken("is_not_used_for", done=True, **slots), ()
         said = tuple(known.quote(rule) for rule in others)
         return spoken("is_used_otherwise", done=True, rules=said, **slots), tuple(others)
@@ -183,15 +177,13 @@ def _state(question: Question, known: Conversation) -> Answered:
         things = {*known.visible(), *known.noted}
         names = tuple(sorted(each for each in things if _is_like(each, prop, known)))
         return spoken("all_so" if names else "none_so", done=True, objects=names), ()
-    is_so = _is_like(name, prop, known)
-    if is_so is None:
+    if (is_so := _is_like(name, prop, known)) is None:
         return spoken("is_it_so", object=name, property=prop), ()
     return spoken("yes_is" if is_so else "no_is", done=True, object=name, properties=prop), ()
 
 
 def _is_like(name: str, prop: str, known: Conversation) -> bool | None:
-    told = known.noted[name].get(Atom("property", prop))
-    if told is not None:
+    if (told := known.noted[name].get(Atom("property", prop))) is not None:
         return told.lower > 0
     found = known.base.select(_PROPERTIES, {"object": [atom_iri(Atom("object", name))]})
     return prop in {atom_from_iri(cast(Iri, row[0])).name for row in found} or None
@@ -201,8 +193,7 @@ def _confidence(question: Question, known: Conversation) -> Answered:
     if known.retracted and question == Question("confidence"):
         said = tuple(known.describe(rule) for rule in known.retracted)
         return spoken("no_longer_sure", done=True, rules=said), ()
-    rules = _meant(question, known)
-    if not rules and known.reason:
+    if not (rules := _meant(question, known)) and known.reason:
         return _source(question, known)
     if not rules and known.unanswered and question == Question("confidence"):
         return spoken("unsure_as_said", said=known.unanswered), ()
@@ -224,8 +215,7 @@ def _source(question: Question, known: Conversation) -> Answered:
     asked = rules if question == Question("source") else rules[:1]  # "who told you that?": of all
     told = (each for each in asked if each.utterance and each.speaker == rule.speaker)
     said = tuple(dict.fromkeys(known.base.utterance(each.utterance or 0).text for each in told))
-    reporter = known.people.reporter_of(rule)
-    if reporter == rule.speaker:
+    if (reporter := known.people.reporter_of(rule)) == rule.speaker:
         return spoken("source", done=True, speaker=reporter, texts=said), (rule,)
     people = {"source": rule.speaker, "speaker": reporter}
     return spoken("source_of_report", done=True, texts=said, **people), (rule,)
@@ -235,8 +225,7 @@ def _what_if(question: Question, known: Conversation) -> Answered:
     argument = Atom("affordance", question.affordance or "")
     given = frozenset([Atom("material", question.material)] if question.material else ())
     rules = _functional(question, known)
-    found = find_hypotheses(rules, Conclusion(USED_FOR, argument), given=given)
-    if not found:
+    if not (found := find_hypotheses(rules, Conclusion(USED_FOR, argument), given=given)):
         return spoken("nothing_known_for", affordance=_use(question)), ()
     things = tuple(dict.fromkeys(_thing(each, known) for each in found))
     key = "what_if_one" if len(things) == 1 else "what_if"
@@ -303,8 +292,7 @@ def why(question: Question, known: Conversation) -> Answered:
         return spoken("because_alike" if is_alike else "because_told", done=True, **told), rules
     if last is None or is_open:
         return spoken("no_source" if is_open else "nothing_done"), ()
-    wrong = _not_so(question, known.decision)
-    if wrong:
+    if wrong := _not_so(question, known.decision):
         return spoken(wrong, object=question.object, part=question.part), ()
     if question.object or question.part or (known.decision and known.decision.object.best):
         # What the command itself names needs no rule.
@@ -313,8 +301,7 @@ def why(question: Question, known: Conversation) -> Answered:
 
 
 def _because_of_decision(known: Conversation, last: Reply) -> AnswerContent:
-    reason = _reason(known.decision, None)
-    if reason:
+    if reason := _reason(known.decision, None):
         return spoken("because", done=True, reason=reason)
     if last.is_done:
         return spoken("not_known")
@@ -368,8 +355,7 @@ def _why_not_thing(name: str, last: Reply, known: Conversation) -> Answered:
 
 
 def _why_not_part(part: str, known: Conversation) -> Answered:
-    decision = known.decision
-    if decision is not None and decision.chosen_part == part:
+    if (decision := known.decision) is not None and decision.chosen_part == part:
         return spoken("is_so_part", done=True, part=part), ()
     spoken_of = _grasps(known.topic)
     denied = tuple(rule for rule in spoken_of if rule.part == part and not rule.asserts)
@@ -425,8 +411,7 @@ def _not_so(question: Question, decision: Decision | None) -> str:
 def _reason(decision: Decision | None, name: str | None) -> str | None:
     if decision is None:
         return None
-    tried = next((each for each in decision.rejected if each.object == name), None)
-    if tried:
+    if tried := next((each for each in decision.rejected if each.object == name), None):
         return tried.reason
     found = next((each for each in decision.object.candidates if name in {None, each.object}), None)
     return rejection_reason(decision.object, found) if found else None
@@ -484,8 +469,7 @@ def _by_strength(rules: Iterable[Rule]) -> list[Rule]:
 def _strongest(rules: Iterable[Rule], argument: str) -> list[Rule]:
     best: dict[tuple[str, str | None], Rule] = {}
     for rule in _by_strength(rules):
-        concluded = getattr(rule, argument)
-        if concluded:
+        if concluded := getattr(rule, argument):
             best.setdefault((concluded, rule.material), rule)
     return list(best.values())
 

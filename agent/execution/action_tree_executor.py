@@ -229,8 +229,7 @@ class TreeExecutor:
 
     def _act(self, arguments: Arguments, seen: Sequence[Percept], inference: Inference) -> Failure:
         node, target = inference.node, self._target(arguments)
-        action = _action(node)
-        if action == FIND:
+        if (action := _action(node)) == FIND:
             return self._find(arguments, seen, inference)
         found = self._found.get(target)
         percept, part = found and found.percept, None
@@ -258,8 +257,7 @@ class TreeExecutor:
         failure = next(filter(None, unmet), None) or self._walk_steps(node, tree.steps, arguments)
         tries = [branch.again for branch in tree.otherwise]
         while failure:
-            index = self._branch(tree, failure, arguments, tries)
-            if index is None:
+            if (index := self._branch(tree, failure, arguments, tries)) is None:
                 return failure
             branch = tree.otherwise[index]
             if branch.steps:

@@ -103,8 +103,7 @@ class Embodiment:
     def open_vision(self, body: "Body | None") -> Vision:
         """Return the vision of a body, or perfect vision without one; noise included."""
         vision = body or PerfectVision(self.scene, self.household.objects)
-        noise = self.noise_model()
-        if noise is None:
+        if (noise := self.noise_model()) is None:
             return vision
         from ...sim.vision.perception_noise import NoisyDetector
 

@@ -77,8 +77,7 @@ def not_found(target: Target, inference: Inference) -> AnswerContent:
     first = inference.candidates[0] if inference.candidates else None
     if first is None or first.verdict != "unsure" or first.interval.is_vacuous:
         return _no_candidate(target, inference)
-    wanted = _wanted(target)
-    if wanted is None:
+    if (wanted := _wanted(target)) is None:
         return AnswerContent("not_sure_seen", {"object": _description(target)}, "asked", "not_sure")
     if is_guess(first):
         return guessed(target, first)

@@ -153,8 +153,7 @@ class PrimitiveExecutor:
 
     def _move_above(self, task: PrimitiveTask) -> Failure:
         name = named(task.arguments.get("patient"))
-        seen = self._vision.search([f"object:{name}"])
-        if not seen:
+        if not (seen := self._vision.search([f"object:{name}"])):
             return _nothing_seen(name)
         report = self._motion.move_above(seen[0])
         self._depth_before_mm = report.depth_m * MM

@@ -61,8 +61,7 @@ class Film:
         if step.action:
             self._recorder.grasps = {}
             return
-        bound = step.constraint
-        if bound:  # what the hand is bound to goes on holding
+        if bound := step.constraint:  # what the hand is bound to goes on holding
             what = " by the ".join(filter(None, (bound.object, bound.part)))
             self._bound = f"{what} {bound.interval}"
         self._write(node=step.node)

@@ -140,8 +140,7 @@ def utterances(blocks: Iterable[bytes], began: Callable[[], object]) -> Iterator
     # Its window is also what it keeps of the time before the first word.
     endpointer, spoken = Endpointer(window=0.6, sample_rate=RATE), bytearray()
     for block in blocks:
-        voiced = endpointer.process(block)
-        if voiced and not spoken:
+        if (voiced := endpointer.process(block)) and not spoken:
             began()
         spoken += voiced or b""
         is_full = len(spoken) + len(block) > LONGEST_S * RATE * 2

@@ -163,8 +163,7 @@ async def scene(service: TheService, _: Reader) -> Json:
 @talk.get("/scene.glb", response_class=Response)
 def picture(service: TheService, _: Reader) -> Response:
     """The shapes of all that can be seen, as glTF; another scene has another address."""
-    live_scene = service.live_scene
-    if live_scene is None:
+    if (live_scene := service.live_scene) is None:
         raise Problem(404, "no-body", "No body", "There is no simulated robot to be seen.")
     headers = {"Cache-Control": "private, max-age=31536000, immutable", "Content-Encoding": "gzip"}
     packed = gzip.compress(live_scene.model.file.read_bytes(), 6)

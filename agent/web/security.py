@@ -103,8 +103,7 @@ class Gate:
         address, failures = address_of(asked), parse(self.settings.failures)
         if not self._limiter.test(failures, address):
             raise self._too_many(failures, address)
-        found = self.tokens.find(secret)
-        if found is None:
+        if (found := self.tokens.find(secret)) is None:
             self._limiter.hit(failures, address)
             raise _unknown("No such key or token, or it has expired.")
         return found.caller

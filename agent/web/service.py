@@ -286,8 +286,7 @@ class Service:
 
     async def confirm(self, id: str, caller: Caller, *, yes: bool) -> Json:  # noqa: A002 - in JSON
         """Answer a question of Hilt by the name that it was given; Problem 410 if it is over."""
-        asked = self._asked
-        if not asked or (asked.id, asked.caller.id) != (id, caller.id):
+        if not (asked := self._asked) or (asked.id, asked.caller.id) != (id, caller.id):
             raise Problem(410, "over", "Over", "There is no such question to you any more.")
         said = Said(text="yes" if yes else "no", speaker=asked.question.asked)
         job = Job(f"c{next(self._numbers)}", said, caller, None, self._stops)

@@ -246,8 +246,7 @@ def _block(graph: Iri, pattern: str) -> str:
 
 
 async def _triples(request: Request) -> str:
-    media_type = _content_type(request)
-    if media_type == _MULTIPART:
+    if (media_type := _content_type(request)) == _MULTIPART:
         async with request.form() as form:
             parts = [part for _, part in form.multi_items() if isinstance(part, UploadFile)]
             documents = [(_content_type(part), await part.read()) for part in parts]

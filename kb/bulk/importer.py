@@ -185,8 +185,7 @@ class _Import:
             for quad in self.base.store.quads(None, rule_mapping.STATUS, None, BELIEFS)
         }
         for rule in rules:
-            number = _number(rule.id)
-            if number in there:
+            if (number := _number(rule.id)) in there:
                 self.known += 1
                 if there[number] != term(rule.status):
                     self.kept += [rule][: MAX_LISTED - len(self.kept)]

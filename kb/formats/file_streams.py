@@ -80,8 +80,7 @@ class CheckedStream(io.RawIOBase):
     def _check(self, found: bytes) -> None:
         self._read += len(found)
         self._since_statement += len(found)
-        most = self._chosen.most
-        if most is not None and self._read > most:
+        if (most := self._chosen.most) is not None and self._read > most:
             raise self._refused(
                 f"is larger than {most // 2**20} MB, which is too much for this format. "
                 "Take CSV, N-Quads or Turtle."

@@ -64,8 +64,7 @@ def import_ontology(
     A file without statements removes the graph. DataError if it cannot be read; nothing changes.
     """
     graph = ontology_graph(name or Path(file).name.partition(".")[0])
-    new = set(_named(_read(file, format, graph), graph))
-    if new:
+    if new := set(_named(_read(file, format, graph), graph)):
         new.add(Quad(graph, TYPE, external("owl:Ontology"), graph))
     with base.store.writing():
         old = set(base.store.quads(None, None, None, graph))

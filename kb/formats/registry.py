@@ -53,8 +53,7 @@ def format_of(file: str, given: str | None, default: str) -> FileFormat:
         return FORMATS[given]
     if file == STREAM:
         return FORMATS[default]
-    suffix = Path(file.lower().removesuffix(PACKED)).suffix
-    if suffix not in SUFFIXES:
+    if (suffix := Path(file.lower().removesuffix(PACKED)).suffix) not in SUFFIXES:
         raise DataError(
             f'the extension "{suffix}" names no format; expected {", ".join(SUFFIXES)}, or name '
             "the format.",

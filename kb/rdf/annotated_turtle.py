@@ -97,8 +97,7 @@ def _pairs(found: Iterable[tuple[Iri, Term]]) -> str:
 
 def _short(value: Term) -> str:
     if isinstance(value, Iri):
-        name = prefixed(value)
-        if name != value and _LOCAL.fullmatch(name.partition(":")[2]):
+        if (name := prefixed(value)) != value and _LOCAL.fullmatch(name.partition(":")[2]):
             return name
         if shortened(value) == "rdf:type":
             return "a"

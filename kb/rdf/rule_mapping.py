@@ -150,8 +150,7 @@ def _relations(rule: Rule) -> Iterator[tuple[Quad, Iri, frozenset[Atom]]]:
     contexts = [f"{atom.kind}-{atom.name}" for atom in sorted(rule.contexts)]
     for plain in plain_edges(rule):
         more = rule.features - {atom_from_iri(plain.subject)}
-        conditions = [*contexts, *(f"with-{atom.kind}-{atom.name}" for atom in sorted(more))]
-        if conditions:
+        if conditions := [*contexts, *(f"with-{atom.kind}-{atom.name}" for atom in sorted(more))]:
             name = f"{plain.predicate.rpartition('#')[2]}.{'--'.join(conditions)}"
             yield plain, iri("relation", name), more
 
@@ -217,8 +216,7 @@ def _shared_content(properties: tuple[Property, ...]) -> Rule:
     arguments: list[Any] = [value for key in ARGUMENTS for value in found[key]]
     functor: Iri = _one(found, FUNCTOR)
     status_node: Iri = _one(found, STATUS)
-    status = status_node.removeprefix(HILT)
-    if status not in STATUSES:
+    if (status := status_node.removeprefix(HILT)) not in STATUSES:
         expected = ", ".join(STATUSES)
         raise ValidationError([f"{shortened(status_node)} is no status; expected {expected}."])
     return Rule(
@@ -243,8 +241,7 @@ def _interval(lower: Any, upper: Any) -> Interval:
 
 
 def _one(found: Mapping[Iri, list[Any]], predicate: Iri) -> Any:
-    values = found.get(predicate)
-    if not values:
+    if not (values := found.get(predicate)):
         raise KeyError(predicate)
     if len(values) > 1:
         raise ValueError(f"{shortened(predicate)} stands there {len(values)} times.")

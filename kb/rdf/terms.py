@@ -156,8 +156,7 @@ def write_time(time: datetime) -> str:
 
 def read_time(text: str) -> datetime:
     """The time of an xsd:dateTime with a zone, to the microsecond; ValueError if it is none."""
-    match = _TIME.fullmatch(text)
-    if not match:
+    if not (match := _TIME.fullmatch(text)):
         raise ValueError(f"{text!r} is no time with a zone.")
     moment, fraction, zone = match.groups()
     time = datetime.fromisoformat(moment + zone.replace("Z", "+00:00")).astimezone(timezone.utc)

@@ -150,8 +150,7 @@ def syntax_message(message: str, text: str) -> str:
     for prefix in _undeclared_prefixes(text):
         if prefix and prefix not in PREFIXES:
             return f'The prefix "{prefix}:" is not declared.'
-    match = _POSITION.search(message)
-    if not match:
+    if not (match := _POSITION.search(message)):
         return f"The query is wrong: {message.strip().splitlines()[0]}"
     line, column = int(match["line"]), int(match["column"])
     lines = text.splitlines() or [""]
@@ -169,8 +168,7 @@ def errors_as_typed(typed: str, sent: str) -> Generator[None]:
     try:
         yield
     except QueryError as error:
-        match = _POSITION.search(str(error))
-        if match is None:
+        if (match := _POSITION.search(str(error))) is None:
             raise
         line, column = int(match["line"]), int(match["column"])
         start = sum(map(len, sent.splitlines(keepends=True)[: line - 1])) + column - 1

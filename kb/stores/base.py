@@ -129,8 +129,7 @@ class ChunkReader:
     def read(self, size: int = -1) -> bytes:
         """At most `size` bytes, or those of a chunk; none at the end."""
         while not self._held:
-            chunk = next(self._chunks, None)
-            if chunk is None:
+            if (chunk := next(self._chunks, None)) is None:
                 return b""
             self._held = memoryview(chunk)
         end = len(self._held) if size < 0 else size

@@ -110,8 +110,7 @@ class OxigraphStore:
             graphs = {key: list(map(named_node, given)) for key, given in names}
             found: Any = self._run(query, base_iri=base, is_union=is_union and not graphs, **graphs)
             kinds = (engine.QuerySolutions, engine.QueryBoolean, engine.QueryTriples)
-            media_type = formats[kinds.index(type(found))]
-            if media_type is None:
+            if (media_type := formats[kinds.index(type(found))]) is None:
                 return "", b""
             is_graph = isinstance(found, engine.QueryTriples)
             known = engine.RdfFormat if is_graph else engine.QueryResultsFormat

@@ -105,8 +105,7 @@ class QueryPool:
     async def _wait_long(
         self, asking: asyncio.Future[Any], process_id: int, limits: QueryLimits, gone: Gone
     ) -> None:
-        left_s = limits.seconds - LONG_S
-        if left_s > 0 and self._long >= PROCESSES - 1:
+        if (left_s := limits.seconds - LONG_S) > 0 and self._long >= PROCESSES - 1:
             raise BusyError("Other queries that take long are running. Ask again later.")
         if hasattr(os, "setpriority"):  # for good, so that this process is ended after the query
             with suppress(OSError):

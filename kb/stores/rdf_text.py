@@ -185,8 +185,7 @@ def write_rdf_to(
     prefixes: Mapping[str, str] = PREFIXES,
 ) -> None:
     """Write statements into a stream, as `write_rdf`; DataError if XML cannot hold a character."""
-    chosen = RDF_FORMATS[format]
-    if chosen == engine.RdfFormat.RDF_XML:
+    if (chosen := RDF_FORMATS[format]) == engine.RdfFormat.RDF_XML:
         statements = map(_checked_for_xml, statements)
     if not chosen.supports_datasets:
         statements = (quad.triple for quad in statements)

@@ -101,8 +101,7 @@ class PickAndPlace:
         return self._moved("point_at", lambda: self._point_at(percept))
 
     def _act(self, action: str, act: HeldMotion) -> MotionReport:
-        held = self.in_hand
-        if held is None:
+        if (held := self.in_hand) is None:
             return MotionReport(action, ok=False, reason="nothing_held")
         return self._moved(action, lambda: act(held))
 
@@ -147,8 +146,7 @@ class PickAndPlace:
 
     def _put(self, held: HeldObject, action: str) -> MotionReport:
         put = self._motion.put_back if action == "put_back" else self._motion.put_down
-        reason = put(held)
-        if not reason:
+        if not (reason := put(held)):
             self.in_hand = None
         return self._report(action, reason)
 
@@ -168,8 +166,7 @@ class PickAndPlace:
 
     def _point_at(self, percept: Percept) -> MotionReport:
         self._clear_hand()
-        context = self._observe(percept.name, None)
-        if context is None:
+        if (context := self._observe(percept.name, None)) is None:
             return MotionReport("point_at", ok=False, reason="nothing_seen")
         planner = PathPlanner(self.robot, context.scene, context.obstacles)
         reason = self._motion.point_at(context.percept.cloud, planner)
@@ -178,8 +175,7 @@ class PickAndPlace:
     def _let_go(self, held: HeldObject) -> MotionReport:
         if not held.is_offered:
             return self._drop(held)
-        is_taken = self._motion.give(held)
-        if not is_taken and self.robot.is_holding:
+        if not (is_taken := self._motion.give(held)) and self.robot.is_holding:
             return self._report("release", "not_taken")
         return replace(self._drop(held), taken=is_taken)
 
@@ -198,8 +194,7 @@ class PickAndPlace:
         return True
 
     def _observe(self, name: str, part: str | None) -> GraspContext | None:
-        percept = self._vision.find(name)
-        if percept is None:
+        if (percept := self._vision.find(name)) is None:
             return None
         kind = self._vision.kinds[percept.object]
         return GraspContext(percept, kind, part, self._vision.obstacles(name))
@@ -219,8 +214,7 @@ class PickAndPlace:
             if path is None:
                 reason = "blocked" if self._barred_by and reason != "too_wide" else reason
                 break
-            reason = self._close_on(path, context, planner)
-            if not reason:
+            if not (reason := self._close_on(path, context, planner)):
                 break
             self._task = replace(self._task, failures=(*self._task.failures, reason))
             self._motion.release(planner, path.grasp.opening)

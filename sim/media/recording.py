@@ -98,8 +98,7 @@ class WorldRecorder:
 
     def _with_captions(self) -> list[Picture]:
         broken = (pictures.wrap_caption(*each) for each in self._taken if each[1])
-        lines = max(map(len, broken), default=0)
-        if not lines:
+        if not (lines := max(map(len, broken), default=0)):
             return [picture for picture, _ in self._taken]
         return [pictures.add_caption(*each, lines=lines) for each in self._taken]
 

@@ -76,12 +76,10 @@ def _redirected(number: int, target: BinaryIO) -> Generator[None]:
 
 
 def _has_display() -> bool:
-    library = find_library("X11")
-    if library is None:
+    if (library := find_library("X11")) is None:
         return True
     x11 = ctypes.CDLL(library)
     x11.XOpenDisplay.restype = ctypes.c_void_p
-    display = x11.XOpenDisplay(None)
-    if display:
+    if display := x11.XOpenDisplay(None):
         x11.XCloseDisplay(ctypes.c_void_p(display))
     return bool(display)

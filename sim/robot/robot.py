@@ -243,8 +243,7 @@ def time_path(
         speeds = np.diff(positions, axis=0, prepend=points[:1]) / step
         speeds[-1] = 0.0
         changes = np.diff(speeds, axis=0, prepend=0 * points[:1]) / step
-        excess = float(np.max(np.abs(changes) / acceleration))
-        if excess <= 1:
+        if (excess := float(np.max(np.abs(changes) / acceleration))) <= 1:
             return positions, speeds
         duration *= max(LEAST_STRETCH, excess**0.5)
 

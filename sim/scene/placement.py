@@ -61,8 +61,7 @@ def _place_loose(
     for _ in range(MAX_ROUNDS):
         spots: dict[str, DropPose] = {}
         for piece in pieces:
-            spot = _find_spot(piece, spots.values(), scene.gap, rng)
-            if spot is None:
+            if (spot := _find_spot(piece, spots.values(), scene.gap, rng)) is None:
                 break
             spots[piece.placement.name] = spot
         else:

@@ -207,13 +207,11 @@ def _mounted(given: Sequence[Placement], kinds: Mapping[str, ObjectType]) -> tup
     names = numbered((placement.name for placement in given), taken=RESERVED)
     result = [replace(each, name=name) for each, name in zip(given, names, strict=True)]
     for index, placement in enumerate(result.copy()):
-        mount = kinds[placement.object].mount
-        if mount is None or placement.rest is not None:
+        if (mount := kinds[placement.object].mount) is None or placement.rest is not None:
             continue
         taken = {each.within for each in result}
         free = (p for p in result if p.object == mount.support and p.name not in taken)
-        support = next(free, None)
-        if support is None:
+        if (support := next(free, None)) is None:
             taken = {each.name for each in result}
             name = next(n for n in numbered(repeat(mount.support)) if n not in taken)
             support = Placement(name, mount.support, placement.at, placement.yaw)

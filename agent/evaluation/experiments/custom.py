@@ -133,8 +133,7 @@ class _ScenarioReader:
         seen: set[str] = set()
         for level, names in found.items():
             for item in names.items():
-                name = item.text(choices=graspable(self.kinds.objects))
-                if name in seen:
+                if (name := item.text(choices=graspable(self.kinds.objects))) in seen:
                     raise item.fail(f'"{name}" has two levels of {use}.')
                 seen.add(name)
                 rule = self._taught_rule(item, rule_sentence(name, use, "", level))

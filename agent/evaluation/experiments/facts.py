@@ -128,8 +128,7 @@ class FactsExperiment(Experiment):
     def _facts(self) -> list[Fact]:
         if not self.file:
             raise DataError("expected a file of object, use and share.", source=self.name)
-        facts = read_facts(Path(self.file))
-        if not facts:
+        if not (facts := read_facts(Path(self.file))):
             raise DataError("expected at least one row.", source=self.file)
         return facts
 

@@ -79,8 +79,7 @@ def judge_command(case: Case, truth: CorrectChoices, reply: Reply) -> CaseResult
         "decided": right,
     }
     found_words = describe_choice(chosen, part)
-    achieved = reply.result
-    if achieved and achieved.world.executed:
+    if (achieved := reply.result) and achieved.world.executed:
         facts |= _execution_facts(achieved, truth, is_done=reply.is_done)
         if not facts["success"]:
             right, found_words = False, f"{found_words}, not carried out"
