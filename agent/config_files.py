@@ -69,8 +69,7 @@ def project_file() -> Path | None:
     """Return the file of the project; None when there is none."""
     here = Path.cwd()
     files = (folder / FILE for folder in (here, *here.parents))
-    found = next(filter(Path.is_file, files), None)
-    return None if found == user_file() else found
+    return None if (found := next(filter(Path.is_file, files), None)) == user_file() else found
 
 
 def parse_value(option: ConfigOption, text: str, source: str) -> YamlNode:

@@ -241,8 +241,7 @@ class DecisionRule:
     def best_index(self, intervals: Sequence[Interval]) -> int | None:
         """Return the index of the first of the best accepted intervals; None if there are none."""
         accepts = self.operators.accepts
-        sure = [i for i, each in enumerate(intervals) if accepts(each, self.threshold)]
-        if not sure:
+        if not (sure := [i for i, each in enumerate(intervals) if accepts(each, self.threshold)]):
             return None
         best = max(self.operators.rank(intervals[i]) for i in sure)
         return next(i for i in sure if self.operators.rank(intervals[i]) > best - EPSILON)

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 from ..kb.interval import CERTAIN, Interval
+from ..ontology.confidence import distance
 from .affordance import DecisionRule
 from .proof import Json, Proof
 from .settings import Settings
@@ -37,7 +38,7 @@ class Counterfactual:
     @property
     def size(self) -> float:
         """The size of the change: the sum of the changes of both bounds."""
-        return _distance(self.evidence.interval, self.after)
+        return distance(self.evidence.interval, self.after)
 
     def as_json(self) -> Json:
         """Return the JSON object that `hilt explain --json` prints."""
@@ -120,16 +121,12 @@ class _CounterfactualSearch:
 
 
 def _along(path: Sequence[Interval], share: float) -> Interval:
-    left = share * sum(_distance(*pair) for pair in pairwise(path))
+    left = share * sum(distance(*pair) for pair in pairwise(path))
     for start, end in pairwise(path):
-        if left < (length := _distance(start, end)):
+        if left < (length := distance(start, end)):
             part = left / length
             lower = start.lower + part * (end.lower - start.lower)
             upper = start.upper + part * (end.upper - start.upper)
             return Interval(min(lower, upper), upper)
         left -= length
     return path[-1]
-
-
-def _distance(one: Interval, other: Interval) -> float:
-    return abs(one.lower - other.lower) + abs(one.upper - other.upper)

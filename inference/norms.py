@@ -106,8 +106,7 @@ class NormChecker:
             if one.argument == rule.argument or not one.argument or one.argument.kind != "action"
         )
         lifted = {each.overruled.id for each in conflicts}
-        standing = [rule for rule in against if rule.id not in lifted]
-        if not standing:
+        if not (standing := [rule for rule in against if rule.id not in lifted]):
             return NormVerdict(conflicts=conflicts)
         strongest = max(standing, key=lambda rule: (not judged.unseen(rule), _rank(rule)))
         operators = self.affordances.settings.operators

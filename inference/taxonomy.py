@@ -82,8 +82,7 @@ class Taxonomy:
             if rule.object and rule.argument:
                 said[Atom("object", rule.object), rule.argument].append(rule.support)
         fused = ((pair, fuse_yager(supports)) for pair, supports in said.items())
-        told = [pair for pair, interval in fused if interval.lower + interval.upper > 1]
-        if not told:
+        if not (told := [pair for pair, interval in fused if interval.lower + interval.upper > 1]):
             return self
         known = ((kind, above) for kind, each in self._parents.items() for above in each)
         found = Taxonomy(foreign=known)  # without looking for cycles

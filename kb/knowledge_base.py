@@ -139,8 +139,7 @@ class KnowledgeBase(RuleWriter, AbstractContextManager["KnowledgeBase"]):
         after which it is stopped, none by default, for queries that are known to end. QueryError if
         the query is wrong, reads anything else, or was stopped.
         """
-        bound = _prepared(text, bindings)
-        if not query_text.query_form(bound):
+        if not query_text.query_form(bound := _prepared(text, bindings)):
             raise QueryError("Expected a SELECT, ASK, CONSTRUCT or DESCRIBE query.")
         with query_text.errors_as_typed(text, bound):
             return self.store.run(bound, limits)

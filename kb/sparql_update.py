@@ -78,8 +78,7 @@ def update(
     """
     refuse_external_access(text)
     with base.store.writing():
-        change = find_difference(base.store, text, limits or QueryLimits())
-        if not any(change):
+        if not any(change := find_difference(base.store, text, limits or QueryLimits())):
             return None
         plan = _Plan(base.store, change)
         said = Utterance(

@@ -62,11 +62,9 @@ def stage(quads: Iterable[Quad], *, source: str) -> Store:
 def check_graph(graph: Iri | None, *, source: str) -> None:
     """Raise a DataError for a graph that a base has not."""
     if graph not in BASE_GRAPHS and not is_ontology(graph):
-        raise DataError(
-            f"the graph {shortened(str(graph))} is none of a base's; expected "
-            f"{', '.join(sorted(map(shortened, BASE_GRAPHS)))}.",
-            source=source,
-        )
+        problem = f"the graph {shortened(str(graph))} is none of a base's;"
+        expected = ", ".join(sorted(map(shortened, BASE_GRAPHS)))
+        raise DataError(f"{problem} expected {expected}.", source=source)
 
 
 def findings(

@@ -190,8 +190,7 @@ class RuleWriter(RuleReader):
         """
         with self.store.writing():
             known = mapping.active(self.store)
-            found = [record for record in known if name in mapping.names(record)]
-            if not found:
+            if not (found := [record for record in known if name in mapping.names(record)]):
                 others = (each for one in known for each in mapping.names(one))
                 raise NotFoundError(mapping.what.removeprefix("A "), name, others)
             change = _Change()

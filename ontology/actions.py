@@ -167,10 +167,7 @@ class Actions:
 def iterate_steps(steps: tuple[Step | Loop, ...]) -> Iterator[Step]:
     """Yield the steps, including those inside loops, once each."""
     for step in steps:
-        if isinstance(step, Loop):
-            yield from step.steps
-        else:
-            yield step
+        yield from step.steps if isinstance(step, Loop) else (step,)
 
 
 def load_actions(path: Path = ACTIONS_FILE, *, added_to: Actions | None = None) -> Actions:
@@ -239,8 +236,7 @@ class _TreeReader:
 
     def _branch(self, item: YamlNode) -> FailureBranch:
         keys = item.entries(required={"after"}, optional=_BRANCHES)
-        given = [key for key in _BRANCHES if key in keys]
-        if len(given) != 1:
+        if len(given := [key for key in _BRANCHES if key in keys]) != 1:
             found = " and ".join(given) or "none"
             raise item.fail(f"expected one of {', '.join(_BRANCHES)}, found {found}.")
         after, is_any = keys["after"], keys["after"].value == ANY_FAILURE
@@ -255,8 +251,7 @@ class _TreeReader:
         return tuple(self._step(item) for item in field.items())
 
     def _step(self, item: YamlNode) -> Step | Loop:
-        keys = item.entries()
-        if "repeat" not in keys:
+        if "repeat" not in (keys := item.entries()):
             return self._plain_step(item)
         item.entries(required={"repeat", "steps"}, optional={"until"})
         return Loop(
@@ -286,8 +281,7 @@ class _TreeReader:
 
 
 def _single_entry(item: YamlNode, what: str) -> tuple[YamlNode, YamlNode]:
-    keys = item.entries()
-    if len(keys) != 1:
+    if len(keys := item.entries()) != 1:
         raise item.fail(f"expected one {what} with its argument, found {len(keys)} keys.")
     return item.keys[0], keys[item.keys[0].value]
 

@@ -4,7 +4,7 @@ The words that express a degree ("often", "sometimes") belong to a language; the
 as in the predicate forms of the paper (sections 3.2 and 4.1).
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -25,9 +25,9 @@ class Degrees:
         return min(self.intervals, key=lambda each: distance(self.intervals[each], interval))
 
 
-def distance(one: tuple[float, float], other: tuple[float, float]) -> float:
+def distance(one: Iterable[float], other: Iterable[float]) -> float:
     """Return how far the bounds of two intervals are apart in all."""
-    return abs(one[0] - other[0]) + abs(one[1] - other[1])
+    return sum(abs(a - b) for a, b in zip(one, other, strict=True))
 
 
 def load_degrees(path: Path = QUALIFIERS_FILE) -> Degrees:

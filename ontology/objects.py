@@ -96,8 +96,7 @@ class ObjectType:
 
     def rest(self, name: str) -> RestingPose:
         """Return the rest (the way to lie or stand) of a name; `UnknownNameError` without it."""
-        known = {rest.name: rest for rest in self.rests}
-        if name not in known:
+        if name not in (known := {rest.name: rest for rest in self.rests}):
             raise UnknownNameError(f"rest of {self.name}", name, known)
         return known[name]
 

@@ -90,8 +90,7 @@ class PlacedSolid:
 def read_solid(field: YamlNode) -> PlacedSolid:
     """Return a solid, read from its form, place and look; `DataError` where a value is wrong."""
     keys = field.entries(optional={*_READERS, "at", "turn_deg", "colour", "only"})
-    forms = [key for key in keys if key in _READERS]
-    if len(forms) != 1:
+    if len(forms := [key for key in keys if key in _READERS]) != 1:
         raise field.fail(f"expected exactly one of {', '.join(_READERS)}; found {len(forms)}.")
     only = keys["only"].text(choices={"seen", "felt"}) if "only" in keys else None
     return PlacedSolid(
@@ -193,8 +192,7 @@ def _read_sweep(field: YamlNode) -> Sweep:
 
 def _read_mesh(field: YamlNode) -> MeshFile:
     keys = field.entries(required={"file"}, optional={"scale", "cut", "points", "other_points"})
-    path = Path(field.source).parent / keys["file"].text()
-    if not path.is_file():
+    if not (path := Path(field.source).parent / keys["file"].text()).is_file():
         raise keys["file"].fail(f'there is no file "{path}".')
     scale = keys["scale"].number(low=1e-6, high=1e6) if "scale" in keys else 1.0
     planes = keys["cut"].items() if "cut" in keys else ()

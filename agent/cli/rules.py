@@ -125,12 +125,9 @@ def graph(
         common.print_json(graph_as_json(rules))
         return
     if len(rules) > MOST_RULES:
-        raise DataError(
-            f"{len(rules)} rules are too many for a picture (at most {MOST_RULES}). Choose some "
-            'with --object, --affordance, --context or --speaker, or run "hilt export" for '
-            "GraphML.",
-            source=file,
-        )
+        problem = f"{len(rules)} rules are too many for a picture (at most {MOST_RULES})."
+        choice = "Choose some with --object, --affordance, --context or --speaker,"
+        raise DataError(f'{problem} {choice} or run "hilt export" for GraphML.', source=file)
     suffix = ".svg" if file == common.STDIN else Path(file).suffix.lower()
     if suffix not in {".svg", ".png"}:
         raise DataError(f'the extension "{suffix}" is no picture; use .svg or .png.', source=file)

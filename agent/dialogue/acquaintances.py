@@ -38,8 +38,7 @@ class Acquaintances:
 
     def trust_in(self, speaker: str) -> float:
         """Return the lower bound of the trust in a speaker, 0 where nobody has set it."""
-        trust = self._base.trust(speaker)
-        return trust.lower if trust else 0.0
+        return trust.lower if (trust := self._base.trust(speaker)) else 0.0
 
     def reporter_of(self, rule: Rule) -> str:
         """Return who told Hilt a rule: its speaker, or who reported what its speaker said."""

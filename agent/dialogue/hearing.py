@@ -100,8 +100,7 @@ class MeaningHeard:
     @property
     def is_choice(self) -> bool:
         """Whether it is a "yes", a "no" or a number."""
-        said = self.said
-        if isinstance(said, meaning.Acknowledgement):
+        if isinstance(said := self.said, meaning.Acknowledgement):
             return said.ack in {"yes", "okay", "no"}
         return self.is_refusal or (isinstance(said, meaning.Answer) and said.number is not None)
 

@@ -132,8 +132,7 @@ class DialogueManager:
         if reply := self._clarification.short_answer(text, speaker, heard=heard, keep=keep):
             self.conversation.last_said = reply.said
             return reply
-        introduction = self.conversation.language.introduction(text)
-        if introduction and introduction.rest:
+        if (introduction := self.conversation.language.introduction(text)) and introduction.rest:
             hello = self.conversation.people.meet(speaker, introduction.name)
             said = partial(self.hear, introduction.rest, only=only, heard=heard, keep=keep)
             speaker = self.conversation.people.speaker(speaker)
@@ -375,8 +374,7 @@ class DialogueManager:
 
     def _answer(self, turn: UnderstoodTurn, said: meaning.Question) -> Reply:
         conversation = self.conversation
-        about_norms = self._norms.answer(turn, said)
-        found, rules = about_norms or answer(said, conversation)
+        found, rules = self._norms.answer(turn, said) or answer(said, conversation)
         if not rules and (said.object or said.affordance):
             conversation.topic = ()
         if said.ask not in {"why", "why_not", "source", "confidence", "repeated"}:

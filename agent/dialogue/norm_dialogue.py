@@ -132,8 +132,7 @@ class NormDialogue:
 
     def first_request(self, request: Request, result: GoalResult) -> Request | None:
         """Return the request for what must be done before another one; None for nothing."""
-        first = result.answer.slots.get("first")
-        if not first or result.answer.ending != "asked":
+        if not (first := result.answer.slots.get("first")) or result.answer.ending != "asked":
             return None
         about = {"object": Target(object=str(result.answer.slots["thing"]))}
         return replace(request, action=str(first), arguments=about, part=None, assumed=frozenset())

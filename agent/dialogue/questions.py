@@ -61,8 +61,7 @@ def _objects_for(question: Question, known: Conversation) -> Answered:
     named = ((_kind(r) if r.material in asked else on(_kind(r), r.material or "")) for r in rules)
     best = dict(reversed([*zip(named, rules, strict=True)]))  # of each the surest
     names = tuple(known.quote(best[name], name) for name in reversed(best))
-    said = spoken("objects_for", done=True, objects=names, affordance=_use(question))
-    return said, tuple(rules)
+    return spoken("objects_for", done=True, objects=names, affordance=_use(question)), tuple(rules)
 
 
 def _best_for(question: Question, known: Conversation) -> Answered:

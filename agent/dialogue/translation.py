@@ -81,8 +81,7 @@ def meaning_from_rule(rule: Rule) -> meaning.Rule | meaning.KindRelation | meani
 def _norm_from_rule(
     rule: Rule, target: meaning.ObjectReference, sure: meaning.Confidence
 ) -> meaning.Norm | None:
-    names = {atom.kind: atom.name for atom in rule.contexts}
-    if len(names) != len(rule.contexts):
+    if len(names := {atom.kind: atom.name for atom in rule.contexts}) != len(rule.contexts):
         return None
     goal, recipient = names["action"], names.get("role")
     act: meaning.SimpleCommand = meaning.Command(goal, target, rule.part, recipient)

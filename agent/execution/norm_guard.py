@@ -46,8 +46,7 @@ class NormGuard:
 
         That is told before anything is looked for, by what the command itself names.
         """
-        recipient = arguments.get("recipient")
-        if isinstance(recipient, str):
+        if isinstance(recipient := arguments.get("recipient"), str):
             self._recipients[node] = recipient
         if "/" in node:
             return None
@@ -111,8 +110,7 @@ class NormGuard:
         yield action
 
     def _refused(self, act: Act, *, is_named: bool = False) -> Failure:
-        verdict = self._checker.judge(act)
-        if verdict != ALLOWED and verdict not in self.verdicts:
+        if (verdict := self._checker.judge(act)) != ALLOWED and verdict not in self.verdicts:
             self.verdicts.append(verdict)
         if verdict.forbidding is None or (is_named and verdict.unseen):
             return None

@@ -68,8 +68,7 @@ def decided(action: str, decision: Decision, speaker: str, recipient: str) -> An
 
 def use_slot(affordance: str, *materials: str | None) -> str | tuple[str, ...]:
     """Return a use for a slot of the form `use`: the affordance, and what it is used on."""
-    named = tuple(name for name in materials if name)
-    return (affordance, *named) if named else affordance
+    return (affordance, *named) if (named := tuple(filter(None, materials))) else affordance
 
 
 def not_found(target: Target, inference: Inference) -> AnswerContent:

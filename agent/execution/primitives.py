@@ -160,8 +160,7 @@ class PrimitiveExecutor:
         return self._struck(report)
 
     def _skill(self, task: PrimitiveTask) -> Failure:
-        motion = self._motion
-        if not isinstance(motion, ExtraPrimitives):
+        if not isinstance(motion := self._motion, ExtraPrimitives):
             slots = {"goal": task.action, "object": self.tool or "thing", "ability": task.action}
             return AnswerContent("not_able", slots, "failed", "unable")
         meant: dict[str, Percept | str] = dict(task.found)

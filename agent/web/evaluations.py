@@ -79,8 +79,7 @@ class Evaluations:
     def as_json(self, name: str) -> Json:
         """How far one is, and its result; UnknownNameError if there is none."""
         folder = self.folder / name
-        names = [each.name for each in self.folder.glob("*")]
-        if name not in names:
+        if name not in (names := [each.name for each in self.folder.glob("*")]):
             raise NotFoundError("evaluation", name, names)
         journal = (folder / JOURNAL).read_bytes() if (folder / JOURNAL).exists() else b""
         lines = journal.split(b"\n")[:-1]  # those that are whole

@@ -318,8 +318,7 @@ def episodes(service: TheService, _: Reader, limit: Limit = 100) -> Documents:
 @knowledge.get("/episodes/{id}")
 def episode(service: TheService, _: Reader, id: str) -> Json:  # noqa: A002
     """One command, with its decision, steps and result."""
-    found = {each.id: each for each in service.base.episodes()}
-    if id not in found:
+    if id not in (found := {each.id: each for each in service.base.episodes()}):
         raise NotFoundError("episode", id, found)
     return documents.episode_as_json(found[id])
 

@@ -51,8 +51,7 @@ class Said(BaseModel):
             return isinstance(said, meaning.Control) and said.is_halt
 
         own = Alternative(text=self.text, heard=self.heard)
-        kept = [each for each in (own, *self.alternatives) if halts(each.text)]
-        if not kept:
+        if not (kept := [each for each in (own, *self.alternatives) if halts(each.text)]):
             return self
         return self.model_copy(update={**dict(kept[0]), "alternatives": kept[1:]})
 

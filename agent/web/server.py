@@ -329,7 +329,6 @@ def _cookie_secret(tokens: Path | None) -> str:
     """What signs cookies; kept beside the tokens, so that a session outlives the process."""
     if tokens is None:
         return secrets.token_urlsafe(32)
-    file = tokens.with_suffix(".cookies")
-    if not file.exists():
+    if not (file := tokens.with_suffix(".cookies")).exists():
         write_atomically(file, secrets.token_urlsafe(32), mode=OWNER_ONLY)
     return file.read_text(encoding="ascii")

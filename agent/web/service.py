@@ -183,8 +183,7 @@ class Service:
     async def _answered(self, job: Job) -> Json:
         def is_control() -> bool:
             language = self.agent.dialogue.conversation.language
-            text = job.said.halting(language).text
-            return isinstance(language.understand(text).meaning, Control)
+            return isinstance(language.understand(job.said.halting(language).text).meaning, Control)
 
         def decided() -> Json:
             with self.deciding(job.said.context) as agent:

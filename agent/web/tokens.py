@@ -106,8 +106,7 @@ class TokenFile:
     def remove(self, name: str) -> AccessToken:
         """Remove a token, by its id or name, and return it; UnknownNameError if there is none."""
         with self._changing() as tokens:
-            found = [each for each in tokens if name in {each.id, each.name}]
-            if not found:
+            if not (found := [each for each in tokens if name in {each.id, each.name}]):
                 raise NotFoundError("token", name, [each.id for each in tokens])
             tokens.remove(found[0])
         return found[0]
@@ -116,8 +115,7 @@ class TokenFile:
         """The token that somebody shows, unless it has expired; None if there is none."""
         digest, now = _digest(secret), _now()
         known = (e for e in self.tokens() if hmac.compare_digest(e.digest, digest) and e.is_valid)
-        found = next(known, None)
-        if found and (found.used is None or found.used < now - _NOTED):
+        if (found := next(known, None)) and (found.used is None or found.used < now - _NOTED):
             with self._changing() as tokens:
                 tokens[:] = [replace(e, used=now) if e.id == found.id else e for e in tokens]
         return found

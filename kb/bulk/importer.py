@@ -140,11 +140,9 @@ class _Import:
             else:
                 self.rest += self._besides_rules(group)
             if len(self.rest) > MAX_REST:
-                raise DataError(
-                    f"has more than {MAX_REST} statements besides its rules; import the rules "
-                    "alone (hilt export --rules), or restore a backup.",
-                    source=self.source,
-                )
+                problem = f"has more than {MAX_REST} statements besides its rules;"
+                advice = "import the rules alone (hilt export --rules), or restore a backup."
+                raise DataError(f"{problem} {advice}", source=self.source)
 
     def _besides_rules(self, group: terms.StatementGroup) -> Iterator[Quad]:
         node, graph, pairs = group

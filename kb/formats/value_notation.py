@@ -41,8 +41,7 @@ def read_atom(text: str, kind: str | None) -> Atom:
 
     `kind` is that of a bare name; None where it must be written. ValidationError if it is no atom.
     """
-    name = text.strip()
-    if ":" in name:
+    if ":" in (name := text.strip()):
         before, _, after = name.partition(":")
         return Atom(before.strip(), after.strip())
     if kind is None:
@@ -211,10 +210,7 @@ def _header(names: Sequence[str], source: str) -> list[str]:
     missing = [name for name in REQUIRED if name not in found]
     unknown = [name for name in found if name not in COLUMNS]
     if missing or unknown or len(set(found)) < len(found):
-        raise DataError(
-            f"the first line names the columns; expected {', '.join(COLUMNS)} "
-            f"({', '.join(REQUIRED)} at least), found {', '.join(found)[:200] or 'none'}.",
-            source=source,
-            line=1,
-        )
+        expected = f"{', '.join(COLUMNS)} ({', '.join(REQUIRED)} at least)"
+        problem = f"expected {expected}, found {', '.join(found)[:200] or 'none'}."
+        raise DataError(f"the first line names the columns; {problem}", source=source, line=1)
     return found

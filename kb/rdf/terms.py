@@ -164,8 +164,7 @@ def read_time(text: str) -> datetime:
 
 
 def _read_decimal(text: str) -> Decimal:
-    value = Decimal(text)
-    if not value.is_finite():
+    if not (value := Decimal(text)).is_finite():
         raise ValueError(text)
     return value
 

@@ -258,8 +258,7 @@ def _undeclared_prefixes(text: str) -> list[str]:
 
 
 def _forbidden_words(text: str) -> Iterator[str]:
-    suspects = [word for word in EXTERNAL_ACCESS if word in text.upper()]
-    if not suspects:
+    if not (suspects := [word for word in EXTERNAL_ACCESS if word in text.upper()]):
         return
     brackets, before = list[str](), ""
     found = list(tokens(text))
@@ -298,5 +297,4 @@ def _is_ambiguous(token: re.Match[str], before: str, bracket: str) -> bool:
 
 
 def _decoded(match: re.Match[str]) -> str:
-    code = int(match[1] or match[2], 16)
-    return chr(code) if code <= 0x10FFFF else ""
+    return chr(code) if (code := int(match[1] or match[2], 16)) <= 0x10FFFF else ""

@@ -117,8 +117,7 @@ def read_solutions(body: bytes) -> SelectResult:
 
 def read_boolean(body: bytes) -> bool:
     """The boolean of a JSON results document; errors as for `read_solutions`."""
-    answer = _parsed(body).get("boolean")
-    if isinstance(answer, bool):
+    if isinstance(answer := _parsed(body).get("boolean"), bool):
         return answer
     found = read_solutions(body)
     if found.variables == (_ASK_COLUMN,):

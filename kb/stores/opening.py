@@ -25,8 +25,7 @@ def open_store(location: str | Path, *, read_only: bool = False) -> Store:
         return open_remote(text, read_only=read_only)
     if _SCHEME.match(text) and text != MEMORY and not Path(text).exists():
         group, name = "hilt.stores", text.partition(":")[0]
-        known = plugin_names(group)
-        if name not in known:
+        if name not in (known := plugin_names(group)):
             others = f" (plug-ins: {', '.join(known)})" if known else ""
             raise StoreError(
                 f'"{text}" is not a store: expected memory:, a folder, or http(s)://...{others}'

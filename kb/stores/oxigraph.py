@@ -118,8 +118,7 @@ class OxigraphStore:
 
     def _evaluate(self, query: str) -> results.QueryResult:
         with timed(__name__, "query %s", query), translated_errors(self.location, query):
-            found = self._run(query)
-            if isinstance(found, engine.QueryBoolean):
+            if isinstance(found := self._run(query), engine.QueryBoolean):
                 return results.BooleanResult(bool(found))
             if isinstance(found, engine.QueryTriples):
                 parts = (tuple(map(from_engine, triple)) for triple in found)
@@ -211,10 +210,9 @@ class OxigraphStore:
             for patterns in by_index:
                 found = map(self._engine().quads_for_pattern, *zip(*patterns, strict=True))
                 if sum(1 for some in found for _ in some) != count:
-                    raise StoreError(
-                        f'The knowledge base "{self.location}" is damaged: its indexes differ. '
-                        "Restore it from a backup or an export."
-                    )
+                    damage = f'The knowledge base "{self.location}" is damaged:'
+                    advice = "Restore it from a backup or an export."
+                    raise StoreError(f"{damage} its indexes differ. {advice}")
 
     def checked(self, number: int) -> "OxigraphStore":
         """The store, marked as acknowledged; StoreError if it ends before this utterance."""

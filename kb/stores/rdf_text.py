@@ -222,12 +222,9 @@ class _RecentLines(ChunkReader):
 def _checked_for_xml(quad: engine.Quad) -> engine.Quad:
     value = quad.object
     if isinstance(value, engine.Literal) and (found := _NOT_IN_XML.search(value.value)):
-        raise DataError(
-            f"XML cannot hold the character U+{ord(found[0]):04X} of "
-            f"{shortened(cast(Iri, from_engine(quad.subject)))}. "
-            "Choose Turtle, N-Quads or another format.",
-            source="RDF/XML",
-        )
+        place = shortened(cast(Iri, from_engine(quad.subject)))
+        problem = f"XML cannot hold the character U+{ord(found[0]):04X} of {place}."
+        raise DataError(f"{problem} Choose Turtle, N-Quads or another format.", source="RDF/XML")
     return quad
 
 

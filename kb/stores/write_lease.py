@@ -183,11 +183,9 @@ class WriteLease:
         for one in self.claims() if claims is None else claims:
             if one.node == self.node and one.age_s is not None:
                 return one
-        raise StoreError(
-            f'This process lost the right to write to "{self._location}", because it did not '
-            f"answer for more than {LEASE_S:.0f} s. Look at the history, and repeat what is "
-            "missing."
-        )
+        problem = f'This process lost the right to write to "{self._location}",'
+        reason = f"because it did not answer for more than {LEASE_S:.0f} s."
+        raise StoreError(f"{problem} {reason} Look at the history, and repeat what is missing.")
 
     def claims(self) -> list[Claim]:
         """All claims, and what is left of those that were ended."""

@@ -41,8 +41,7 @@ def grasps_on_cloud(
     finite or not in metres, UnknownNameError for labels without points and for robots,
     SimulationError for a robot without gripper.
     """
-    kind = find_robot(robot)
-    if kind.gripper is None:
+    if (kind := find_robot(robot)).gripper is None:
         raise SimulationError(f"The {kind.label} has no gripper.")
     at = np.eye(4) if base_from_camera is None else base_from_camera
     _check("points", points, (*points.shape[:1], 3))

@@ -95,8 +95,7 @@ def merge(pieces: Sequence[Array], *, tolerance: float) -> list[Array]:
         piece, volume = waiting.pop()
         for i, (other, other_volume) in enumerate(merged):
             both = np.vstack([piece, other])
-            joint = ConvexHull(both)
-            if joint.volume <= (1 + tolerance) * (volume + other_volume):
+            if (joint := ConvexHull(both)).volume <= (1 + tolerance) * (volume + other_volume):
                 # The union may now fit to one that did not fit its halves: try it again.
                 waiting.append((both[joint.vertices], volume + other_volume))
                 del merged[i]
@@ -137,11 +136,10 @@ def read_mesh(form: MeshFile) -> Trimesh:
         raise DataError("has no faces.", source=source)
     largest = float(np.ptp(mesh.vertices, axis=0).max())
     if not MIN_SIZE <= largest <= MAX_LENGTH:
-        raise DataError(
-            f"is {largest:g} m long with the scale {form.scale:g}; expected {MIN_SIZE:g} to "
-            f"{MAX_LENGTH:g} m. Many files are in millimetres: their scale is 0.001.",
-            source=source,
-        )
+        problem = f"is {largest:g} m long with the scale {form.scale:g};"
+        advice = "Many files are in millimetres: their scale is 0.001."
+        expected = f"expected {MIN_SIZE:g} to {MAX_LENGTH:g} m."
+        raise DataError(f"{problem} {expected} {advice}", source=source)
     return mesh
 
 
@@ -151,11 +149,10 @@ def convex_pieces(form: MeshFile) -> list[Array]:
     for number, body in enumerate(bodies, start=1):
         if _thickness(body.vertices) < MIN_THICKNESS:
             at = ", ".join(f"{value:.4g}" for value in body.vertices.mean(axis=0))
-            raise DataError(
-                f"piece {number} of {len(bodies)}, round ({at}) m, is flat: expected pieces "
-                f"{MIN_THICKNESS * 1e3:g} mm thick or more. Give it a thickness, or remove it.",
-                source=str(form.path),
-            )
+            problem = f"piece {number} of {len(bodies)}, round ({at}) m, is flat:"
+            expected = f"expected pieces {MIN_THICKNESS * 1e3:g} mm thick or more."
+            advice = "Give it a thickness, or remove it."
+            raise DataError(f"{problem} {expected} {advice}", source=str(form.path))
     return [piece for body in bodies for piece in _decomposed(body)]
 
 

@@ -158,8 +158,7 @@ def _attached_elements(root: ElementTree.Element, hand: HandFile) -> list[Elemen
 
 def child_attribute(element: ElementTree.Element, child: str, key: str) -> str:
     """Return an attribute of the first child of that name; empty without one."""
-    found = element.find(child)
-    return "" if found is None else found.get(key, "")
+    return "" if (found := element.find(child)) is None else found.get(key, "")
 
 
 def child_triple(

@@ -237,9 +237,8 @@ class Joints:
     ) -> None:
         """Let a motor turn a joint at a speed [rad/s] or [m/s], up to a position `to` if given."""
         number, (index,) = self._bodies.joint_ids(body, [joint])
-        options = {"targetVelocity": speed}
-        if to is not None:
-            options = {"targetPosition": to, "maxVelocity": speed}
+        limit = {"targetPosition": to, "maxVelocity": speed}
+        options = {"targetVelocity": speed} if to is None else limit
         mode = self._client.constant("VELOCITY_CONTROL" if to is None else "POSITION_CONTROL")
         self._client.call("setJointMotorControl2", number, index, mode, force=force, **options)
 

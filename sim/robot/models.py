@@ -158,8 +158,7 @@ def _read_attachment(field: YamlNode) -> HandFile:
 
 
 def _find_urdf(field: YamlNode) -> Path:
-    path = Path(field.source).parent / field.text()
-    if not path.is_file():
+    if not (path := Path(field.source).parent / field.text()).is_file():
         from importlib.util import find_spec
 
         # Only the folder of this package is needed, and importing it costs time.

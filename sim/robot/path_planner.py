@@ -92,8 +92,7 @@ class PathPlanner:
         on = self._straight(back, at, before.joints)
         joints = np.concatenate([before.joints[:, None], on.joints], axis=1)
         found = before.found & on.found
-        lost = np.flatnonzero(~found)
-        if len(lost):
+        if len(lost := np.flatnonzero(~found)):
             # Near joint limits a path may be found from its end and not from its beginning.
             there = self.inverse_kinematics(at[lost])
             off = self._straight(at[lost], back[lost], there.joints)

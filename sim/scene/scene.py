@@ -129,13 +129,11 @@ def _drawn(names: Sequence[str], count: int, rng: "np.random.Generator") -> list
 
 
 def _read_scene(spec: str, seed: int, objects: Mapping[str, ObjectType]) -> Scene:
-    path = Path(spec)
-    if path.suffix not in {".yaml", ".yml"}:
+    if (path := Path(spec)).suffix not in {".yaml", ".yml"}:
         known = '"objects:knife,mug", "random:SEED" or "all"'
         raise DataError(f'expected a YAML file, {known}, found "{spec}".', source="--scene")
     keys = read_yaml(path).entries(required={"objects"}, optional={"seed", "clutter", "unknown"})
-    items = keys["objects"].items()
-    if len(items) > MAX_OBJECTS:
+    if len(items := keys["objects"].items()) > MAX_OBJECTS:
         raise keys["objects"].fail(f"expected at most {MAX_OBJECTS} objects, found {len(items)}.")
     placements = [_read_placement(item, objects) for item in items]
     seen: set[str] = set(RESERVED)

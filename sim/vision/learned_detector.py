@@ -185,11 +185,9 @@ class LearnedDetector(ObjectDetector):
     def __post_init__(self) -> None:
         self._places = {name: self.world.top(name)[:2] for name in self.world.kinds}
         if missing := [kind for kind in self.recogniser.kinds if kind not in self.world.objects]:
-            raise DataError(
-                f"the classifiers were trained on {', '.join(missing)}, which is not among the "
-                "objects. Name the file that defines them with --objects.",
-                source="classifiers",
-            )
+            problem = f"were trained on {', '.join(missing)}, which is not among the objects."
+            advice = "Name the file that defines them with --objects."
+            raise DataError(f"the classifiers {problem} {advice}", source="classifiers")
 
     @property
     def kinds(self) -> Mapping[str, ObjectType]:

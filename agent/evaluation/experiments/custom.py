@@ -150,8 +150,7 @@ class _ScenarioReader:
         return {context: part.text() for context, part in spec.entries().items()}
 
     def _taught_rule(self, where: YamlNode, sentence: str) -> meaning.Rule:
-        said = self.language.understand(sentence).meaning
-        if isinstance(said, meaning.Statement):
+        if isinstance(said := self.language.understand(sentence).meaning, meaning.Statement):
             return said.rules[0]
         if isinstance(said, meaning.Misunderstanding):
             raise where.fail(f'"{sentence}" is not understood: {said.message}')

@@ -89,8 +89,7 @@ def judge_command(case: Case, truth: CorrectChoices, reply: Reply) -> CaseResult
 
 def _first_choice(reply: Reply, action: str) -> Candidate | None:
     steps = reply.result.steps if reply.result else ()
-    best = (step.inference.best for step in steps if step.node.endswith(f"/{action}"))
-    return next(best, None)
+    return next((step.inference.best for step in steps if step.node.endswith(f"/{action}")), None)
 
 
 def _execution_facts(achieved: GoalResult, truth: CorrectChoices, *, is_done: bool) -> Json:

@@ -56,8 +56,7 @@ def check_words(space: ScenarioSpace) -> CheckResult:
 
 
 def _command(space: ScenarioSpace, text: str) -> list[str | int]:
-    said = space.language.understand(text).meaning
-    if not isinstance(said, meaning.Command):
+    if not isinstance(said := space.language.understand(text).meaning, meaning.Command):
         return [text, -1, -1]
     request = request_from_command(said, DEFAULT_SPEAKER)
     wanted = getattr(request.arguments["object"], "used_for", None)
@@ -66,8 +65,7 @@ def _command(space: ScenarioSpace, text: str) -> list[str | int]:
 
 
 def _differences(found: Sequence[object], wanted: Sequence[object]) -> list[str]:
-    pairs = zip(found, wanted, strict=True)
-    return [f"{one}, not {other}" for one, other in pairs if one != other]
+    return [f"{one}, not {other}" for one, other in zip(found, wanted, strict=True) if one != other]
 
 
 def check_scores(space: ScenarioSpace, shift: int) -> CheckResult:
@@ -86,8 +84,7 @@ def check_scores(space: ScenarioSpace, shift: int) -> CheckResult:
             decided = _decide_about(taught, cell, [cell.object])
             found = _candidate_of(cell, decided)
             full = _candidate_of(cell, _decide_about(taught, cell, space.objects))
-            only = [code if each == cell else 0 for each in space.cells]
-            with space.taught_agent(only) as other:
+            with space.taught_agent([code if each == cell else 0 for each in space.cells]) as other:
                 alone = _candidate_of(cell, _decide_about(other, cell, [cell.object]))
             proven = map(RuleKey.from_rule, found.rules if found else ())
             sets = (proven, decided.read, decided.listed)
@@ -201,8 +198,7 @@ def _read_back(space: ScenarioSpace, rules: Sequence[Rule]) -> list[int]:
 
 def _commanded(space: ScenarioSpace, agent: Agent, mask: int, action: int, wanted: int) -> Choice:
     text = command([*ACTIONS][action], space.affordances[wanted])
-    scene = scene_with(space.scene(mask), seed=0, objects=agent.objects)
-    with agent.in_scene(scene) as other:
+    with agent.in_scene(scene_with(space.scene(mask), seed=0, objects=agent.objects)) as other:
         decision = other.hear(text, only="do", keep=False).decision
     chosen = (decision.object, decision.part) if decision else (None, None)
     return [mask, action, wanted, *_masks(space, *chosen)]

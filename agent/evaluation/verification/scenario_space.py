@@ -75,8 +75,7 @@ class ScenarioSpace:
         return {(cell, level): self._rule(rule_sentence(*cell, level)) for cell, level in cells}
 
     def _rule(self, text: str) -> Rule:
-        said = self.language.understand(text).meaning
-        if not isinstance(said, meaning.Statement):
+        if not isinstance(said := self.language.understand(text).meaning, meaning.Statement):
             raise TypeError(f'"{text}" is not understood as a statement: {said}.')
         (rule,) = said.rules
         return rule_from_meaning(rule, DEFAULT_SPEAKER)

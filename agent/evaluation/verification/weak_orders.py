@@ -136,5 +136,4 @@ def surjections(places: int, levels: int) -> tuple[tuple[int, ...], ...]:
 
 
 def _candidate(proof: Proof) -> Candidate:
-    verdict = "unknown" if proof is NO_RULE else "accepted"
-    return Candidate("", "", None, proof, 0.0, verdict, "")
+    return Candidate("", "", None, proof, 0.0, "unknown" if proof is NO_RULE else "accepted", "")
