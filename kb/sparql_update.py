@@ -9,7 +9,6 @@ history says who changed what and when. The graphs that Hilt makes cannot be cha
 import contextlib
 import tempfile
 import time
-from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, closing
 from dataclasses import replace
@@ -26,6 +25,7 @@ from .invariants import Invariants, ValidationFinding, trust_findings, written
 from .knowledge_base import KnowledgeBase
 from .rdf import rule_mapping
 from .rdf.domain import DOMAIN
+from .rdf.record_mapping import group_pairs
 from .rdf.rule_mapping import BELIEFS, DERIVED
 from .rdf.terms import BASE_GRAPH, Quad, Term
 from .rule import DEFAULT_SPEAKER, Rule
@@ -228,9 +228,7 @@ class _ChangedStore(ReadableStore):
 
     def __init__(self, store: Store, change: Difference) -> None:
         self._store, self._change = store, change
-        self.inserted: dict[Iri, list[Quad]] = defaultdict(list)
-        for quad in change.insert:
-            self.inserted[quad.subject].append(quad)
+        self.inserted = group_pairs((quad.subject, quad) for quad in change.insert)
 
     def quads(
         self,

@@ -21,6 +21,7 @@ from .invariants import BASE_GRAPHS, ValidationFinding, check_invariants, is_nam
 from .knowledge_base import DERIVATION
 from .learned import ACTIONS, LEXICON
 from .rdf import rule_mapping
+from .rdf.record_mapping import group_pairs
 from .rdf.rule_mapping import BELIEFS, DERIVED, TYPE
 from .rdf.terms import BASE_GRAPH, Quad
 from .stores.base import MEMORY, ReadableStore, Store, batched
@@ -96,10 +97,8 @@ def causes(
         # A rule that a person named has no name of its own where something else is wrong.
         if one.node not in shaped or not one.problem.startswith(_WRONG_NAME):
             shaped.setdefault(one.node, {}).setdefault(one.key, one)
-    lawless: dict[str, list[ValidationFinding]] = {}
-    for one in dict.fromkeys(by_laws):
-        if one.node not in shaped:
-            lawless.setdefault(one.node, []).append(one)
+    laws = dict.fromkeys(by_laws)
+    lawless = group_pairs((one.node, one) for one in laws if one.node not in shaped)
     found = [one for several in shaped.values() for one in several.values()]
     for first, *others in lawless.values():
         more = f" ({len(others)} more about it.)" if others else ""

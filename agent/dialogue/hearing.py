@@ -13,6 +13,7 @@ from functools import partial
 from math import fsum
 from typing import TypeGuard
 
+from ...kb.rdf.record_mapping import group_pairs
 from ...nlu.language import Language
 from ...nlu.offers.checks import is_negative
 from ...nlu.parsing.understanding import Understanding
@@ -46,9 +47,7 @@ def weigh(text: str, heard: float, alternatives: Iterable[Alternative]) -> dict[
 
     One is `text` with `heard`, if not an alternative. ValidationError for a score not in [0, 1].
     """
-    scores: dict[str, list[float]] = {}
-    for said, score in alternatives:
-        scores.setdefault(said, []).append(score)
+    scores = group_pairs(alternatives)
     scores.setdefault(text, [heard])
     given = [score for each in scores.values() for score in each]
     if not all(0 <= score <= 1 for score in given):

@@ -1,7 +1,6 @@
 """Questions answered from the graph, each with the interval and the source it rests on."""
 
 from bisect import bisect
-from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import cast
 
@@ -13,6 +12,7 @@ from ...inference.rule_analysis import Hypothesis, find_hypotheses
 from ...inference.taxonomy import Taxonomy
 from ...inference.types import Conclusion, Goal, Inference, Observation, Target
 from ...kb.interval import CERTAIN
+from ...kb.rdf.record_mapping import group_pairs
 from ...kb.rdf.rule_mapping import atom_from_iri, atom_iri, rule_id
 from ...kb.rule import GRASP_OBJECT, KIND_OF, USED_FOR, Atom, Rule
 from ...nlu.parsing.understanding import Understanding
@@ -233,9 +233,8 @@ def _what_if(question: Question, known: Conversation) -> Answered:
 
 
 def _thing(hypothesis: Hypothesis, known: Conversation) -> str:
-    named, words = defaultdict[str, list[str]](list), known.language.answers
-    for atom in sorted(hypothesis.features | hypothesis.contexts):
-        named[atom.kind].append(atom.name)
+    atoms, words = sorted(hypothesis.features | hypothesis.contexts), known.language.answers
+    named = group_pairs((atom.kind, atom.name) for atom in atoms)
     thing = " ".join([*named["property"], *(named["object"] or ["thing"])])
     for material in named["material"]:
         thing = words.object_for(thing, material)

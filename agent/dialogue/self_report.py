@@ -1,9 +1,9 @@
 """Questions about Hilt itself: what it is, holds, did, and was told by whom."""
 
-from collections import defaultdict
 from collections.abc import Callable, Collection, Mapping
 from functools import partial
 
+from ...kb.rdf.record_mapping import group_pairs
 from ...kb.rule import Rule
 from ...nlu.semantics.meaning import Question, SimpleCommand
 from .conversation import Answered, Conversation, spoken
@@ -103,9 +103,8 @@ def _last_said(_: Question, known: Conversation, *, kinds: Collection[str]) -> A
 
 def _exceptions(question: Question, known: Conversation) -> Answered:
     others = known.base.rules(object=question.object) if question.object else known.base.rules()
-    rules, alike = others if question.object else known.topic or others, defaultdict(list[Rule])
-    for other in others:
-        alike[other.argument].append(other)
+    rules = others if question.object else known.topic or others
+    alike = group_pairs((other.argument, other) for other in others)
     pairs = ((other, rule) for rule in rules for other in alike[rule.argument])
     found = tuple(dict.fromkeys(other for other, rule in pairs if _is_exception(other, rule)))
     said = tuple(map(known.describe, found))

@@ -5,7 +5,7 @@ about a rule (that it was retracted, say) stays. Utterances come after those of 
 order; one that is there already, word for word and to the millisecond, is not repeated.
 """
 
-from collections import Counter, defaultdict
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
@@ -17,6 +17,7 @@ from ..interval import EPSILON
 from ..knowledge_base import KnowledgeBase, derived_quads
 from ..learned import ACTIONS, LEXICON
 from ..rdf.domain import DOMAIN, DOMAIN_HASH
+from ..rdf.record_mapping import group_pairs
 from ..rdf.rule_mapping import BELIEFS
 from ..rdf.terms import BASE_GRAPH, BASE_NODE, Quad, Term
 from ..reader import RuleReader
@@ -94,10 +95,7 @@ class AncillaryWrites:
 
 def believed_rules(base: KnowledgeBase, node: str) -> Mapping[object, Sequence[Rule]]:
     """The active rules at a node of an action tree, by their premises and conclusion (`claim`)."""
-    found: dict[object, list[Rule]] = defaultdict(list)
-    for rule in base.rules_at_nodes([node]):
-        found[claim(rule)].append(rule)
-    return found
+    return group_pairs((claim(rule), rule) for rule in base.rules_at_nodes([node]))
 
 
 def claim(rule: Rule) -> tuple[object, ...]:

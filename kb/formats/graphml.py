@@ -14,7 +14,6 @@ so that no label covers another. All lengths are in points.
 """
 
 import io
-from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import cycle, groupby, zip_longest
 from operator import attrgetter
@@ -22,6 +21,7 @@ from statistics import fmean
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 from ...ontology.errors import DataError, HiltError, extra_required
+from ..rdf.record_mapping import group_pairs
 from ..rule import Rule
 from . import value_notation
 from .value_notation import COLUMNS
@@ -182,9 +182,7 @@ def _ordered_columns(arrows: Sequence[_Arrow]) -> tuple[list[str], list[str]]:
     for _ in range(_SWEEPS):
         for own, other in ((1, 0), (0, 1)):
             height = {node: i / len(columns[other]) for i, node in enumerate(columns[other])}
-            reached: dict[str, list[float]] = defaultdict(list)
-            for arrow in arrows:
-                reached[arrow[own]].append(height[arrow[other]])
+            reached = group_pairs((arrow[own], height[arrow[other]]) for arrow in arrows)
             columns[own].sort(key=lambda node: (fmean(reached[node]), node))
     return columns
 

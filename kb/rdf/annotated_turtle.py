@@ -8,7 +8,6 @@ An annotation without a name becomes a rule with one.
 """
 
 import re
-from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import groupby
 
@@ -16,6 +15,7 @@ from ...ontology.errors import DataError
 from ...ontology.vocabulary import PREFIXES, Iri, external, iri, prefixed, shortened, split, term
 from ..rule import DEFAULT_SPEAKER, GRASP_OBJECT, USED_FOR
 from . import rule_mapping
+from .record_mapping import group_pairs
 from .rule_mapping import BELIEFS
 from .terms import AnnotatedEdge, Properties, Quad, ReifyingTriple, Term, as_sparql, is_blank
 
@@ -41,10 +41,7 @@ def expand_annotations(statements: Iterable[Quad | ReifyingTriple], *, source: s
             raise DataError(problem, source=source)
         else:
             edges.setdefault(one.subject, []).append(one.edge)
-    about: dict[Iri, Properties] = defaultdict(list)
-    for quad in plain:
-        if quad.subject in edges:
-            about[quad.subject].append((quad.predicate, quad.object))
+    about = group_pairs((q.subject, (q.predicate, q.object)) for q in plain if q.subject in edges)
     annotated = {edge for several in edges.values() for edge in several}
     kept = [q for q in plain if q.subject not in edges and AnnotatedEdge(*q[:3]) not in annotated]
     for number, (node, several) in enumerate(edges.items()):

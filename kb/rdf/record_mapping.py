@@ -12,6 +12,8 @@ from .terms import Quad, Term
 
 TYPE = external("rdf:type")
 Record = TypeVar("Record")
+Key = TypeVar("Key")
+Value = TypeVar("Value")
 PropertyValues: TypeAlias = "defaultdict[Iri, list[Term]]"
 REQUIRED = object()  # the default of a field that is always stored
 
@@ -29,12 +31,17 @@ class FieldProperty:
     default: object = field(default=REQUIRED, repr=False)
 
 
+def group_pairs(pairs: Iterable[tuple[Key, Value]]) -> defaultdict[Key, list[Value]]:
+    """The values of each key, in order."""
+    found = defaultdict[Key, list[Value]](list)
+    for key, value in pairs:
+        found[key].append(value)
+    return found
+
+
 def group_properties(properties: Iterable[tuple[Iri, Term]]) -> PropertyValues:
     """The values of each property of a node."""
-    found: PropertyValues = defaultdict(list)
-    for predicate, value in properties:
-        found[predicate].append(value)
-    return found
+    return group_pairs(properties)
 
 
 @dataclass(frozen=True)

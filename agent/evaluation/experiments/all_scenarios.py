@@ -7,7 +7,6 @@ checks test the hypotheses. The certificate contains all results in one file tha
 `examples/check_certificate.py` computes it again from the definition, without Hilt.
 """
 
-from collections import defaultdict
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -16,6 +15,7 @@ from typing import ClassVar
 
 from ....inference.interval_operators import EPSILON
 from ....inference.settings import Settings
+from ....kb.rdf.record_mapping import group_pairs
 from ..experiment import Case, CaseResult, Experiment, Json
 from ..learning_scenarios import ACTIONS, CONTEXTS, LEVELS
 from ..verification import checks
@@ -120,11 +120,9 @@ class AllScenariosExperiment(Experiment):
 
     @staticmethod
     def _facts(results: Sequence[CaseResult]) -> dict[str, list[Json]]:
-        found: dict[str, list[Json]] = defaultdict(list)
-        for result in results:
-            if result.kind == "check":  # errors are left out: then the certificate is incomplete
-                found[result.key.partition("/")[0]].append(result.facts)
-        return found
+        # Errors are left out: then the certificate is incomplete.
+        checked = (result for result in results if result.kind == "check")
+        return group_pairs((result.key.partition("/")[0], result.facts) for result in checked)
 
 
 @dataclass(frozen=True)
