@@ -11,7 +11,6 @@ from .common import exit_with, print_json, terminal
 from .options import AsJson, Seed, app, example
 
 _WHAT = "paper, situations, grasps, all-scenarios, random, noise, custom, facts, or module:Class."
-What = Annotated[str, typer.Argument(help=_WHAT)]
 Sim = Annotated[bool, typer.Option("--sim", help="Have a simulated robot carry out each command.")]
 Scenes = Annotated[int | None, typer.Option(min=1, max=255, help="Scenes of the paper's run.")]
 Drawn = Annotated[int | None, typer.Option(min=1, help="Learning scenarios of the random run.")]
@@ -19,14 +18,8 @@ Gap = Annotated[
     float | None,
     typer.Option(min=0.01, max=0.2, help="Least distance between things on a robot's table [m]."),
 ]
-Poses = Annotated[int | None, typer.Option(min=1, help="Random poses of each grasp.")]
 Trials = Annotated[int | None, typer.Option(min=1, help="Trials at each point of a noise curve.")]
 Curves = Annotated[str | None, typer.Option(help="Noise curves, with commas between them.")]
-File = Annotated[Path | None, typer.Option(help="The YAML file of a custom experiment.")]
-FileArgument = Annotated[
-    Path | None,
-    typer.Argument(metavar="[FILE]", help="The file of facts or of a custom experiment."),
-]
 Workers = Annotated[
     int | None,
     typer.Option(min=1, help="Cases at once, each in its process. Default: 1, or all of --ray."),
@@ -46,16 +39,19 @@ OPTIONS = ("sim", "scenes", "scenarios", "gap", "poses", "trials", "curves", "fi
 
 @app.command(epilog=example("evaluate paper --report paper.html"))
 def evaluate(  # noqa: PLR0917 - every option is a parameter
-    what: What,
-    data: FileArgument = None,
+    what: Annotated[str, typer.Argument(help=_WHAT)],
+    data: Annotated[
+        Path | None,
+        typer.Argument(metavar="[FILE]", help="The file of facts or of a custom experiment."),
+    ] = None,
     sim: Sim = False,
     scenes: Scenes = None,
     scenarios: Drawn = None,
     gap: Gap = None,
-    poses: Poses = None,
+    poses: Annotated[int | None, typer.Option(min=1, help="Random poses of each grasp.")] = None,
     trials: Trials = None,
     curves: Curves = None,
-    file: File = None,
+    file: Annotated[Path | None, typer.Option(help="The YAML file of a custom experiment.")] = None,
     seed: Seed = 0,
     workers: Workers = None,
     ray: Ray = None,
