@@ -56,10 +56,13 @@ RUN = 20  # neighbouring lines that stay together
 LEAST_SHAPES, LEAST_FEATURES = 40, 4
 """How many examples have a shape or a feature that is used."""
 
-KEPT = 1120
-"""How many weights are kept, the greatest."""
+KEPT = 1600
+"""How many weights are kept, the greatest; of equal ones those of more choices."""
 
-LEAST_WEIGHT = 0.35
+NAMED = 0.75
+"""How much less a weight needs whose feature has another one: it takes fewer bytes in the file."""
+
+LEAST_WEIGHT = 0.4
 """Smaller weights are left out after the second fit."""
 
 PENALTY = 0.5
@@ -310,13 +313,22 @@ def trained(examples: Sequence[Example], acts: Mapping[str, str]) -> OfferModel:
     shapes = shapes_of(examples, acts)
     data = choices(examples, shapes, acts)
     whole = design(data, used_features(data))
-    order = np.argsort(-np.abs(_fit(data, whole, 20)))[:KEPT]
-    part = whole.only(order)
+    part = whole.only(_greatest(whole, _fit(data, whole, 30)))
     found: dict[str, dict[str, float]] = defaultdict(dict)
     for (feature, trait), weight in zip(part.names, _fit(data, part, 40), strict=True):
         if abs(weight) >= LEAST_WEIGHT:
             found[feature][trait] = round(float(weight), 1)
     return OfferModel(shapes, found)
+
+
+def _greatest(whole: Design, weights: np.ndarray) -> np.ndarray:
+    uses = np.bincount(whole.of_shape, minlength=whole.shapes.shape[0])
+    count = whole.shapes.T @ uses + np.asarray(whole.fillings.sum(axis=0)).ravel()
+    size = np.abs(weights) * count**0.1
+    least = np.sort(size)[-min(KEPT, len(size))]
+    named = {name for (name, _), each in zip(whole.names, size, strict=True) if each >= least}
+    is_named = np.array([name in named for name, _ in whole.names])
+    return np.argsort(-size / np.where(is_named, NAMED, 1.0))[:KEPT]
 
 
 def _count(example: Example) -> float:

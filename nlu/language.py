@@ -242,7 +242,8 @@ class Language:
     def _is_by_the_way(self, text: str) -> bool:
         tokens = self._tokens(text)
         is_text = not self.utterance_parser.clarification.of_input(text, tokens)
-        return is_text and self._courtesies.is_by_the_way(tokens, self.parser.features)
+        is_nothing = partial(self.offers.is_nothing, tokens)
+        return is_text and self._courtesies.is_by_the_way(tokens, self.parser.features, is_nothing)
 
     def _with_offers(self, found: Understanding, context: UtteranceContext) -> Understanding:
         tokens = self._tokens(found.text)
@@ -286,12 +287,9 @@ class Language:
     def offers(self) -> OfferFinder:
         """What is offered for an utterance that is not understood."""
         words = load_word_lists(self.folder / "offers.yaml")
-        intervals, understand = self.degrees.intervals, self.utterance_parser.understand
-
-        @lru_cache(maxsize=32)  # several steps ask for the meaning of the same text
-        def meaning_of(text: str, at: UtteranceContext) -> Meaning:
-            return understand(text, at, ()).meaning
-
+        intervals = self.degrees.intervals
+        # Several steps ask for the meaning of the same text.
+        understand = lru_cache(maxsize=32)(partial(self.utterance_parser.understand, accepted=()))
         return OfferFinder(
             load_model(self.folder / "offers.json"),
             OfferChecks(words, self.parser.features, self.parser.licence),
@@ -300,7 +298,7 @@ class Language:
             self.tool_acts,
             self.realizer,
             self.usual,
-            meaning_of,
+            understand,
         )
 
     def chosen(self, text: str, count: int) -> int | None:

@@ -6,7 +6,7 @@ sentence. Doers, sources, times and modality are features, on which the licence 
 for the other checks are data (`offers.yaml`).
 """
 
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -23,6 +23,9 @@ from .mentions import Mentions, Span
 
 OPERATORS = ("negative", "implied_negation", "weak_negation", "condition", "exception", "doubtful")
 """The lists of words on which a meaning may depend."""
+
+LESS_LIKELY = frozenset({"names", "completeness", "sign", "degree", "doubt", "licence"})
+"""What may only seem to be lost, so that a meaning that loses it is less likely, but possible."""
 
 _DENYING = ("negative", "implied_negation", "weak_negation", "exception")
 _SIGNS = (*OPERATORS, "by", "before_part")
@@ -46,19 +49,21 @@ class OfferChecks:
         """Return a meaning as sure as the utterance says it."""
         return self.licence.weakened(meaning, self.clause_features(mentions, asides))
 
-    def lost(self, meaning: Meaning, mentions: Mentions, asides: Sequence[Span]) -> str:
-        """Return what a meaning would lose of an utterance beside some asides, empty if nothing."""
+    def lost(self, meaning: Meaning, mentions: Mentions, asides: Sequence[Span]) -> tuple[str, ...]:
+        """Return what a meaning would lose of an utterance beside some asides."""
         kept: Mapping[str, Callable[[], bool]] = {
             "completeness": lambda: self._is_complete(meaning, mentions.tokens),
             "sign": lambda: self._keeps_sign(meaning, mentions, asides),
             "scope": lambda: self._keeps_scope(meaning, mentions),
             "degree": lambda: self._keeps_degree(meaning, mentions),
+            "exception": lambda: not self.spoken("exception", mentions),
+            "doubt": lambda: self._is_meant(meaning, mentions),
             "condition": lambda: self._keeps_condition(meaning, mentions),
             "recipient": lambda: self._keeps_recipient(meaning, mentions),
             "question": lambda: self._keeps_question(meaning, mentions),
             "licence": lambda: self._is_licensed(meaning, mentions, asides),
         }
-        return next((name for name, keeps in kept.items() if not keeps()), "")
+        return tuple(name for name, keeps in kept.items() if not keeps())
 
     def _is_licensed(self, meaning: Meaning, mentions: Mentions, asides: Sequence[Span]) -> bool:
         features = self.clause_features(mentions, asides)
@@ -87,6 +92,11 @@ class OfferChecks:
     def is_apart(self, words: Sequence[str]) -> bool:
         """Whether a sentence takes back or limits nothing that another one says."""
         return not self.limits(words) and _TELLING.isdisjoint(self.reader.of_words(words))
+
+    def frames(self, words: Sequence[str]) -> bool:
+        """Whether a sentence makes what follows it doubtful, somebody else's, or a condition."""
+        is_doubtful = self._has("doubtful", words) or self._has("condition", words)
+        return is_doubtful or not _TELLING.isdisjoint(self.reader.of_words(words))
 
     def limits(self, words: Sequence[str]) -> bool:
         """Whether words deny or doubt something, or set a condition."""
@@ -205,16 +215,19 @@ class OfferChecks:
             said -= {(1.0, 1.0)}  # "you are always allowed to"
         return all(is_negative(meaning) and upper < meanings.LIKELY for _, upper in said)
 
-    def _keeps_condition(self, meaning: Meaning, mentions: Mentions) -> bool:
-        words = mentions.tokens.words
-        is_doubted = not isinstance(meaning, Question) and self.spoken("doubtful", mentions)
-        if is_doubted or self.spoken("exception", mentions):
-            return False
+    def _is_meant(self, meaning: Meaning, mentions: Mentions) -> bool:
+        """Whether no word puts it in doubt or somewhere else."""
+        if isinstance(meaning, Question):
+            return True
+        usual: Iterable[int] = ()
+        if isinstance(meaning, Statement):
+            usual = self._places("usual_place", mentions.tokens.words)
         is_now = isinstance(meaning, SimpleCommand) and not meaning.negated
-        usual = self._places("usual_place", words) if isinstance(meaning, Statement) else ()
-        is_placed = not set(self.spoken("placed", mentions)) <= set(usual)
-        if is_placed and not (is_now or isinstance(meaning, Question)):
-            return False
+        is_placed = not is_now and not set(self.spoken("placed", mentions)) <= set(usual)
+        return not is_placed and not self.spoken("doubtful", mentions)
+
+    def _keeps_condition(self, meaning: Meaning, mentions: Mentions) -> bool:
+        is_now = isinstance(meaning, SimpleCommand) and not meaning.negated
         if isinstance(meaning, SimpleCommand):
             kind = "supposing" if is_now else "condition"
             return not self.spoken(kind, mentions)

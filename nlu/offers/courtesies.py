@@ -5,6 +5,7 @@ between pauses is a courtesy or chatter only where it names nothing that a rule 
 about, denies nothing and asks nothing. Whom to trust is found here, too.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise, takewhile
 
@@ -84,10 +85,12 @@ class CourtesyPhrases:
         is_within = kept and kept[0][0] < introduced[0] < kept[-1][0]
         return Courtesy(kind, rest, found <= _FORMAL, "" if is_within else name)
 
-    def is_by_the_way(self, tokens: Tokens, features: FeatureReader) -> bool:
+    def is_by_the_way(
+        self, tokens: Tokens, features: FeatureReader, is_nothing: Callable[[], bool]
+    ) -> bool:
         """Whether an utterance reports something, is of the past, or names nothing to learn or do.
 
-        It asks nothing, and is not understood.
+        It asks nothing, and is not understood; `is_nothing` says whether it hardly means anything.
         """
         words, lists = tokens.words, self.words
         if tokens.asks or len(words) < 2:
@@ -104,7 +107,8 @@ class CourtesyPhrases:
         is_urged = any(lists.end("urging", words, place) > place for place in range(len(words)))
         if is_taught or is_urged or any(map(self.has_content, parts)):
             return False
-        return teaching.isdisjoint(words) or any(lists.end("chatter", p.words) for p in parts)
+        is_chatter = teaching.isdisjoint(words) or any(lists.end("chatter", p.words) for p in parts)
+        return is_chatter or is_nothing()
 
     def introduction(self, tokens: Tokens) -> Courtesy | None:
         """Return the courtesy in which a speaker introduces himself or herself, None without."""

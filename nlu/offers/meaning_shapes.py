@@ -138,7 +138,12 @@ _TARGETS: tuple[Json, ...] = (
     {"notUsedFor": "?affordance"},
 )
 _ADDED: tuple[Json, ...] = ({}, {"part": "?part"}, {"recipient": "?person"}, {"negated": True})
-_TOOLS = ({"object": "?object2"}, {"usedFor": "?affordance"}, {"usedFor": "?tool"})
+_TOOLS: tuple[Json, ...] = (
+    {"object": "?object2"},
+    {"object": "?object2", "props": ["?property"]},
+    {"usedFor": "?affordance"},
+    {"usedFor": "?tool"},
+)
 _SLOTS = {k: f"?{k}" for k in ("object", "affordance", "part", "material")} | {"context": "?act"}
 _ASKED: Mapping[str, Sequence[str]] = {
     "uses_of about see why why_not confidence source": ("object",),

@@ -10,11 +10,13 @@ from functools import cached_property
 from itertools import pairwise
 
 from ..lexicon.lexicon import Entry, Lexicon
+from ..lexicon.loader import NOUN_ROLES
 from ..lexicon.tokenizer import Tokens
 from ..lexicon.unknown_words import KnownWords
 from ..semantics.discourse import SOMETHING, THIRD_PERSON, Discourse
 from ..semantics.interpretation import GOALS
 from ..semantics.meaning import Confidence, Rule
+from ..semantics.predicates import PredicateForm
 
 _ROLES = {
     **dict.fromkeys(("N", "NS"), "object"),
@@ -32,6 +34,8 @@ _BEFORE_VERBS = frozenset(
 )
 _BEFORE_PARTICIPLES = frozenset({"be", "been", "being", "get", "gets", "is", "are"})
 
+_SUBJECTS = frozenset({"it", "one", "who", "that", "which", "everybody", "everyone", "usually"})
+
 _LABELS = ("degree", "object", "part", "property", "material", "person", "act", "affordance", "new")
 """Of the roles of one word the first of these is its label."""
 
@@ -44,6 +48,7 @@ _OWNERS = frozenset({"your", "my", "his", "her", "their", "the", "a", "one", "ot
 _ON = frozenset({"on", "off", "onto", "under"})
 _AT = _ON | {"at", "in", "from", "near", "behind", "beside"}
 _PRONOUNS = THIRD_PERSON | {"one", "ones", "that", "these", "this", "those"}
+_PEOPLE = frozenset({"him", "her", "he", "she", "them", "they"})
 _JOINING = frozenset({"and", "or", "not", "nor"})
 _BEFORE_PLACES = frozenset({"by", "of", "at", "with", "on", "in", "from"})
 _BEFORE_PEOPLE = frozenset({"the", "my", "our", "his", "her"})
@@ -113,16 +118,21 @@ class Mentions:
     def required_beside(self, used: Iterable[Sequence[Mention]]) -> Iterator[frozenset[str]]:
         """Yield what a meaning must use that is no part of the longer names it uses.
 
-        Beside one part another one need not be used that is not joined to it: "hold the blade, so
-        that he can take the handle".
+        It may leave out what stands between pauses without any name that it uses. Beside one part
+        another one need not be used that is not joined to it: "hold the blade, so that he can take
+        the handle".
         """
         given = [m for some in used for m in some]
+        places = {m.start for m in given}
+        asides = [each for each in self.pieces if places.isdisjoint(range(*each))]
         parts = {m.name for m in given if m.role == "part"}
         longer = [m for m in given if m.end - m.start > 1]
         for (start, end), names in self.required.items():
             is_joined = not _JOINING.isdisjoint(self.tokens.words[max(0, start - 3) : start])
             is_beside = parts and not is_joined and "part" in self._roles[start, end]
-            if not is_beside and not any(m.start <= start and end <= m.end for m in longer):
+            is_aside = bool(given) and any(one <= start < other for one, other in asides)
+            is_within = any(m.start <= start and end <= m.end for m in longer)
+            if not (is_beside or is_aside or is_within):
                 yield names
 
     @cached_property
@@ -163,33 +173,39 @@ def find_mentions(
     """Return what an utterance names; `degrees` has the words for degrees of confidence."""
     words = tokens.words
     found = dict.fromkeys((*_known(words, known.lexicon), *_new(tokens, known)))
-    found |= dict.fromkeys(_as_acts(found, known.lexicon))
+    found |= dict.fromkeys(_as_acts(found, known))
     # Of what stands within a longer known name, and of objects behind "on" and the like, none.
     known_places = {range(each.start, each.end) for each in found if not each.is_new}
     whole = [m for m in found if not any({*range(m.start, m.end)} < {*p} for p in known_places)]
     things = {each for each in whole if each.role == "object" and not each.is_new}
     places = {m for m in things if _ON.intersection(words[max(0, m.start - 2) : m.start])}
     names = (each for each in whole if places == things or each not in places)
-    ordered = tuple(sorted(names, key=lambda each: (each.start, each.end)))
+    found_degrees = tuple(_degrees(words, degrees))
+    of_degree = {place for start, end, _ in found_degrees for place in range(start, end)}
+    named = (each for each in names if of_degree.isdisjoint(range(each.start, each.end)))
+    ordered = tuple(sorted(named, key=lambda each: (each.start, each.end)))
     references = tuple(_references(tokens, ordered, discourse))
-    return Mentions(tokens, ordered, tuple(_degrees(words, degrees)), references, discourse.rule)
+    return Mentions(tokens, ordered, found_degrees, references, discourse.rule)
 
 
 def _references(
     tokens: Tokens, names: Sequence[Mention], discourse: Discourse
 ) -> Iterator[Mention]:
-    thing = discourse.object
-    while thing and thing.arguments:
-        thing = thing.arguments[0]
-    if thing is None or thing.name in SOMETHING:
-        return
-    things = [each for each in names if each.role == "object" and not each.is_new]
-    first = min((each.start for each in things), default=len(tokens.words))
-    places = [place for place, word in enumerate(tokens.words[:first]) if word in _PRONOUNS]
-    for place in places:
-        yield Mention("object", thing.said, place, place + 1)
-    if not places and not things:
-        yield Mention("object", thing.said, 0, 0)
+    words = tokens.words
+    if discourse.person:
+        for place in (place for place, word in enumerate(words) if word in _PEOPLE):
+            yield Mention("person", discourse.person.said, place, place + 1)
+    known = [each for each in names if each.role == "object" and not each.is_new]
+    first = min((each.start for each in known), default=len(words))
+    places = [(n, n + 1) for n, word in enumerate(words[:first]) if word in _PRONOUNS]
+    mentioned = filter(None, (discourse.object, *discourse.named))
+    things = dict.fromkeys(_innermost(each).said for each in mentioned)
+    for start, end in places or ([] if known else [(0, 0)]):
+        yield from (Mention("object", each, start, end) for each in things if each not in SOMETHING)
+
+
+def _innermost(thing: PredicateForm) -> PredicateForm:
+    return _innermost(thing.arguments[0]) if thing.arguments else thing
 
 
 def _label(names: Mapping[str, str], word: str) -> str:
@@ -207,12 +223,16 @@ def _is_required(names: Mapping[str, str]) -> bool:
     return bool({"object", "part"} & names.keys()) and not {"material", "property"} & names.keys()
 
 
-def _as_acts(found: Iterable[Mention], lexicon: Lexicon) -> Iterator[Mention]:
+def _as_acts(found: Iterable[Mention], known: KnownWords) -> Iterator[Mention]:
+    """Yield the acts that uses are: "cut" of "cutting", and what a word like "hold" is besides."""
+    acts = {(each.start, each.end) for each in found if each.role == "act"}
     for each in found:
-        if each.role == "affordance" and not each.is_new:
-            for other in _known((each.name,), lexicon):
-                if other.role == "act" and other.name in GOALS:
-                    yield replace(each, role="act", name=other.name)
+        if each.role == "affordance":
+            others = () if each.is_new else _known((each.name,), known.lexicon)
+            names = [other.name for other in others if other.role == "act" and other.name in GOALS]
+            is_open = (each.start, each.end) not in acts
+            bare = known.origins(each.name, "ing")[:1] if is_open and not names else ()
+            yield from (replace(each, role="act", name=name) for name in (*names, *bare))
 
 
 def _known(words: tuple[str, ...], lexicon: Lexicon) -> Iterator[Mention]:
@@ -232,10 +252,16 @@ def _new(tokens: Tokens, known: KnownWords) -> Iterator[Mention]:
     unknown = known.unknown(tokens)
     guesses = known.guesses(tokens, unknown)
     for start, entries in guesses.items():
+        is_owned = start > 0 and tokens.words[start - 1] in _OWNERS
+        plurals = {each.role for each in entries if each.name != each.says}
         for entry in entries:
+            # "Bolts" are several; "the lens" may be one.
+            if entry.name == entry.says and entry.role in plurals & NOUN_ROLES and not is_owned:
+                continue
             role = _NEW_ROLES.get(entry.role)
             is_name = tokens.items[start].capital and start not in tokens.beginnings
-            if role and (role == "person" if is_name else _fits(role, entry, tokens.words, start)):
+            fits = role == "person" if is_name else _fits(entry, tokens.words, start, known)
+            if role and fits:
                 end = start + 1 + entry.says.count(" ")
                 is_unknown = tokens.items[start] in unknown
                 yield Mention(role, entry.name, start, end, is_new=True, is_unknown=is_unknown)
@@ -250,18 +276,21 @@ def _new(tokens: Tokens, known: KnownWords) -> Iterator[Mention]:
                     yield Mention("material", entry.name, start, end, True, is_unknown)
 
 
-def _fits(role: str, entry: Entry, words: tuple[str, ...], start: int) -> bool:
-    is_gerund = entry.says.endswith("ing")
-    before = words[start - 1] if start else ""
-    verbs = _BEFORE_PARTICIPLES if entry.says.endswith("ed") else _BEFORE_VERBS
-    is_verb = is_gerund or before in verbs
-    if role not in {"affordance", "act"}:
-        is_plural = entry.says[-1:] == "s" != entry.name[-1:]  # not in "a shoe ends up"
-        return not is_verb and not (is_plural and before in {"a", "an"})
+def _fits(entry: Entry, words: tuple[str, ...], start: int, known: KnownWords) -> bool:
+    before, says = words[start - 1] if start else "", entry.says
+    verbs = _BEFORE_PARTICIPLES if says.endswith("ed") else _BEFORE_VERBS
+    is_form, is_verb = says.endswith(("ing", "ed")), says.endswith("ing") or before in verbs
+    ends_in_s = says[-1:] == "s" != entry.name[-1:]
+    if entry.role not in {"affordance", "context"}:
+        is_use = before == "for" and says.partition(" ")[0].endswith("ing")  # "for rolling dough"
+        is_clause = is_use or (" " in says and is_form)  # "a tool called a wrench"
+        return not is_verb and not is_clause and not (ends_in_s and before in {"a", "an"})
+    # "A corkscrew pulls corks", "chisels carve wood": beside a noun of the other number.
+    is_after_noun = known.names(before) or not known.has(before) or before in _SUBJECTS
+    may_agree = start > 0 and is_after_noun and ends_in_s != before.endswith("s")
     # "Mixing" and "mixed" are forms of "mix", and no verbs of their own.
-    of_itself = {"act": entry.says, "affordance": f"{entry.says}ing"}[role]
-    is_form = entry.says.endswith(("ing", "ed"))
-    return is_verb and not (is_form and entry.name == of_itself)
+    of_itself = says if entry.role == "context" else f"{says}ing"
+    return (is_verb or may_agree) and not (is_form and entry.name == of_itself)
 
 
 def _degrees(

@@ -20,33 +20,36 @@ from ..grammar.word_patterns import Phrase, WordLists
 from ..lexicon.misspelling import slips
 from ..lexicon.tokenizer import BREAK, MAX_TOKENS, Tokens
 from ..lexicon.unknown_words import MAX_NEW_WORDS, KnownWords
-from ..parsing.understanding import UtteranceContext
+from ..parsing.understanding import Understanding, UtteranceContext
 from ..semantics import meaning as meanings
 from ..semantics.discourse import Discourse
 from ..semantics.fragments import FragmentValues, complete
 from ..semantics.meaning import AskBack, Meaning, Question, SimpleCommand
 from ..semantics.predicates import UninterpretableError
 from .candidates import CandidateMeaning, OfferModel, candidates, left_over
-from .checks import OfferChecks
+from .checks import LESS_LIKELY, OfferChecks
 from .meaning_shapes import composed_shapes, meaning_from_json, shape_from
-from .mentions import Mention, Mentions, find_mentions
+from .mentions import Mention, Mentions, Span, find_mentions
 
 MAX_OFFERS = 3
 
 _QUOTES = frozenset('"“”„«»')
 _OFFERED = (meanings.Statement, Question, SimpleCommand)
 
-LEAST = 0.5  # the least probability of all offers together, beside that of "none"
+LEAST = 0.6  # the least probability of all offers together, beside that of "none"
 LEAST_OF_ONE = 0.5  # the least of a question without a name, or of another meaning with at most one
-LEAST_ASKED = 0.8  # the least probability of a question that is answered at once
-LEAST_ASKED_BESIDE = 0.85  # the same beside words that may name something else
+LEAST_ASKED = 0.85  # the least probability of a question that is answered at once
+LEAST_ASKED_BESIDE = 0.9  # the same beside words that may name something else
 LEAST_OTHER = 0.03  # the least probability of any other meaning
+MOST_OF_NOTHING = 0.1  # the greatest probability of all meanings of what is said by the way
+LOSING = 0.25  # how likely a meaning stays that seems to lose something of what was said
 MAX_TRIED = 6  # how many of the likeliest candidates are checked
 MAX_SENTENCES = 4  # how many sentences of an utterance are tried
 FRAGMENT_SLOTS = {"object": "target", "part": "part", "affordance": "use"}
 """The slot of the last meaning that a fragment of one name fills, by the role of the name."""
 
 MAX_FRAGMENT = 6  # how many words a fragment may have
+MAX_REQUEST = 4  # how many words a request may have that is nothing but a name
 MAX_UNKNOWN = 5  # how many unknown words an utterance may have
 
 
@@ -63,8 +66,8 @@ class OfferFinder:
     tool_acts: Mapping[str, str]
     realizer: Realizer
     usual: meanings.Confidence  #: the confidence of a rule without a word for it
-    #: returns the meaning of a text that somebody says at some point
-    meaning_of: Callable[[str, UtteranceContext], Meaning]
+    #: returns what a text means that somebody says at some point
+    understand: Callable[[str, UtteranceContext], Understanding]
 
     def question(self, tokens: Tokens, context: UtteranceContext) -> AskBack | Question | None:
         """Return the question which of some meanings was meant, None when none is to be offered.
@@ -106,7 +109,7 @@ class OfferFinder:
         is_asked |= tokens.asks and any(
             n == start or tokens.words[n + 1 : n + 2] != ("you",) for n in begins
         )
-        is_over = any(each.endswith("=perfect") for each in mentions.features)
+        is_over = any(each.endswith(("=perfect", "=past")) for each in mentions.features)
         if is_over or not is_asked or not best.used or self.checks.denies(asked):
             return False
         is_about = (all if left else any)(m.end > last for u in best.used.values() for m in u)
@@ -120,6 +123,11 @@ class OfferFinder:
         mentions = self.mentions(tokens, context.discourse)
         found = self.of_corrected(tokens, context) or self.of_sentences(tokens, context)
         return found or self.of_mentions(mentions, context) or self.of_fragment(mentions, context)
+
+    def is_nothing(self, tokens: Tokens) -> bool:
+        """Whether an utterance most likely means nothing that is learned, done or answered."""
+        ranked = self.ranked(self.mentions(tokens, Discourse()))
+        return sum(chance for chance, _ in ranked) <= MOST_OF_NOTHING
 
     def mentions(self, tokens: Tokens, discourse: Discourse) -> Mentions:
         """Return what an utterance names, with its features."""
@@ -139,7 +147,7 @@ class OfferFinder:
         if any(self.checks.reader.is_noun(each.word) for each in self.known.unknown(tokens)):
             return ()
         texts = corrected_texts(tokens, self.known)
-        said = dict.fromkeys(self.meaning_of(text, context) for text in texts)
+        said = dict.fromkeys(self.understand(text, context).meaning for text in texts)
         found = (each for each in said if self._is_understood(each, context))
         return tuple(islice(found, MAX_OFFERS))
 
@@ -149,16 +157,17 @@ class OfferFinder:
         ranked = self.ranked(mentions)
         nothing = 1 - sum(chance for chance, _ in ranked)  # the probability that none was meant
         offered = 0.0  # the probability that one of those offered was meant
-        for chance, candidate in ranked if nothing <= 1 - LEAST else ():
+        kept = ((chance * self.keeping(each, mentions), each) for chance, each in ranked)
+        likely = sorted(kept, key=lambda each: -each[0]) if nothing <= 1 - LEAST else ()
+        for chance, candidate in likely:
             meaning = meaning_from_json(candidate.meaning)
             is_plain = len(candidate.used) + isinstance(meaning, Question) > 1
-            is_likely = chance >= (LEAST_OTHER if is_plain else LEAST_OF_ONE)
-            if not is_likely or len(found) == MAX_OFFERS:
+            if chance < (LEAST_OTHER if is_plain else LEAST_OF_ONE) or len(found) == MAX_OFFERS:
                 continue
             named = candidate.resolved(mentions)
             checked = self.checks.weakened(meaning, named, candidate.asides(mentions))
             is_new = _uncorrecting(checked) not in map(_uncorrecting, found)
-            if is_new and not self.rejected(candidate, mentions, context):
+            if is_new and self._is_understood(checked, context):
                 offered += chance
                 found.append(checked)
         return tuple(found) if offered >= LEAST * (offered + nothing) else ()
@@ -170,30 +179,25 @@ class OfferFinder:
             return ()
         last = tokens.text[tokens.items[spans[-1][0]].start :]  # with its question mark
         texts = [*(tokens.span(*each) for each in spans[:-1]), last]
-        said = {
-            span: self.meaning_of(text, self._after(tokens, span[0], context))
-            for span, text in zip(spans, texts, strict=True)
-        }
+        said: dict[Span, Meaning] = {}
+        for span, text in zip(spans, texts, strict=True):
+            heard = self.understand(text, context)
+            said[span] = heard.meaning
+            context = replace(context, discourse=replace(heard.discourse, has_failed=False))
         known = [s for s, each in said.items() if isinstance(each, _OFFERED)]
         clear = [each for each in known if self._is_understood(said[each], context)]
         if all(isinstance(said[each], Question) for each in clear):
             clear = clear[-1:]
-        if len(clear) != 1:
-            return ()
-        meant, others = said[clear[0]], (tokens.words[slice(*s)] for s in spans if [s] != clear)
+        meant = _joined([said[each] for each in clear])
         if isinstance(meant, Question):  # who asks and then says something gives the answer
             is_alone = clear[0] == spans[-1] and len(meant.as_json()) > 1
         else:
-            is_alone = all(map(self.checks.is_apart, others))
-        return (meant,) if is_alone else ()
-
-    def _after(self, tokens: Tokens, end: int, context: UtteranceContext) -> UtteranceContext:
-        """Return a context in which "it" is what an utterance names before some place."""
-        names = self.mentions(tokens, Discourse()).names if end else ()
-        things = (m.name for m in names if m.role == "object" and not m.is_new and m.end <= end)
-        for thing in things:
-            context = replace(context, discourse=context.discourse.about(thing))
-        return context
+            others = {each: tokens.words[slice(*each)] for each in spans if each not in clear}
+            before = (words for each, words in others.items() if each < clear[0]) if clear else ()
+            after = (words for each, words in others.items() if each > clear[0]) if clear else ()
+            is_framed = any(map(self.checks.frames, before))
+            is_alone = not is_framed and all(map(self.checks.is_apart, after))
+        return (meant,) if meant and is_alone else ()
 
     def of_fragment(self, mentions: Mentions, context: UtteranceContext) -> tuple[Meaning, ...]:
         """Return what was said before with the one name of a short utterance put into it."""
@@ -211,24 +215,41 @@ class OfferFinder:
                 said = complete(FragmentValues(mode, self.usual, **slot), context.discourse)  # pyright: ignore
                 offered = said.choices if isinstance(said, AskBack) else (said,)
                 found += [_uncorrecting(each) for each in offered if not isinstance(each, str)]
+        is_bare = one.start in tokens.edges and tokens.span(one.start, one.end).lower() == one.name
+        if is_bare and not (found or tokens.asks) and len(tokens.words) <= MAX_REQUEST:
+            found = [meanings.Command("pass", meanings.ObjectReference(one.name))]  # "quick, knife"
         clear = (each for each in dict.fromkeys(found) if self._is_understood(each, context))
         return tuple(islice(clear, MAX_OFFERS))
 
     def rejected(self, one: CandidateMeaning, mentions: Mentions, context: UtteranceContext) -> str:
-        """Return why a candidate is not offered, empty if it is."""
-        determiners = self.checks.reader.words["determiners"]
-        left, beside = left_over(one, mentions), _beside(one, mentions, determiners)
-        if beside & {*left.get("new", ()), *left.get("person", ())}:
-            return "names"
-        meaning, asides = meaning_from_json(one.meaning), one.asides(mentions)
-        if meanings.is_used_on_itself(meaning):
-            return "itself"
-        mentions = one.resolved(mentions)
-        lost = self.checks.lost(meaning, mentions, asides)
+        """Return what is against a candidate, empty if nothing is."""
+        lost = " and ".join(self.lost(one, mentions))
         if lost:
             return lost
-        checked = self.checks.weakened(meaning, mentions, asides)
+        meaning, named = meaning_from_json(one.meaning), one.resolved(mentions)
+        checked = self.checks.weakened(meaning, named, one.asides(mentions))
         return "" if self._is_understood(checked, context) else "sentence"
+
+    def keeping(self, one: CandidateMeaning, mentions: Mentions) -> float:
+        """Return how likely a candidate stays for what it keeps of an utterance, in [0, 1].
+
+        What seems to be lost may belong to another clause, so most of it makes the candidate only
+        less likely.
+        """
+        lost = self.lost(one, mentions)
+        return LOSING ** len(lost) if LESS_LIKELY.issuperset(lost) else 0.0
+
+    def lost(self, one: CandidateMeaning, mentions: Mentions) -> tuple[str, ...]:
+        """Return what a candidate loses of an utterance, or what is wrong with it."""
+        determiners = self.checks.reader.words["determiners"]
+        left, beside = left_over(one, mentions), _beside(one, mentions, determiners)
+        meaning = meaning_from_json(one.meaning)
+        lost = self.checks.lost(meaning, one.resolved(mentions), one.asides(mentions))
+        is_cut = bool(beside & {*left.get("new", ()), *left.get("person", ())})
+        things, uses = (one.used.get(slot, ()) for slot in ("?object", "?affordance"))
+        is_beside = not {m.start for m in things}.isdisjoint(m.end for m in uses)
+        is_on_itself = is_beside or meanings.is_used_on_itself(meaning)
+        return (*lost, *["names"] * is_cut, *["itself"] * is_on_itself)
 
     def ranked(self, mentions: Mentions) -> Sequence[tuple[float, CandidateMeaning]]:
         """Return the likeliest candidates with their probabilities, the likeliest first."""
@@ -251,7 +272,7 @@ class OfferFinder:
     def _is_understood(self, meaning: Meaning, context: UtteranceContext) -> bool:
         alone = replace(context, discourse=Discourse())
         try:
-            found = self.meaning_of(self.realizer.realize(meaning), alone)
+            found = self.understand(self.realizer.realize(meaning), alone).meaning
         except UnknownNameError:
             return False
         return found == meaning or (isinstance(found, AskBack) and found.choices == (meaning,))
@@ -266,6 +287,14 @@ def _beside(
     before = {each.start - 1 for each in (*used, *acts) if each.start not in pauses}
     before |= {place - 1 for place in before if words[place] in determiners}  # "praise the handle"
     return before | {each.end for each in used if each.end not in pauses}
+
+
+def _joined(said: Sequence[Meaning]) -> Meaning | None:
+    """Return the one meaning of some sentences, or that of several rules; None without one."""
+    rules = [each.rules for each in said if isinstance(each, meanings.Statement)]
+    if 1 < len(rules) == len(said):
+        return meanings.Statement(tuple(dict.fromkeys(rule for some in rules for rule in some)))
+    return said[0] if len(said) == 1 else None
 
 
 _uncorrecting = partial(meanings.with_rules, revises=False)  # whether it is a correction or not

@@ -101,6 +101,8 @@ class ProcedureReader:
         self, tokens: Tokens, context: UtteranceContext, sentence: Sentence
     ) -> Understanding | None:
         """Return the plan, or the command of a taught action, that an utterance is; else None."""
+        if "?" in tokens.text.rstrip("?!. "):
+            return None  # "so you need to pass a knife? hold the blade"
         state = ClauseState(context.discourse)
         clauses = _Clauses(self, context, sentence)
         bare = tokens.part(self.controls.after_polite(tokens.words), len(tokens.items))

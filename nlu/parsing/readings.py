@@ -10,6 +10,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from ..grammar.categories import AtomicCategory
+from ..grammar.combinators import BinaryRule
 from ..grammar.word_patterns import places_of
 from ..lexicon.lexicon import Entry
 from ..lexicon.tokenizer import BREAK, Tokens
@@ -50,6 +51,7 @@ class ReadingFilter:
                 for word in each.new_words
                 for part in word.said.split(" ")
             )
+            and not _is_torn(each.derivation, tokens)
             and (not each.new_words or self._may_introduce_words(each, tokens))
             and self._may_name_recipients(each, tokens, commanded=commanded)
         ]
@@ -62,7 +64,7 @@ class ReadingFilter:
                 said = {word.role: word.said for word in words}
                 participle = self.known_words.origins(said.get("context", ""), "participle")
                 names_agent = "part" in said and participle
-                no_material = (self._may_be_no_material(rule, words, tokens) for rule in rules)
+                no_material = (self._may_be_no_material(rule, words) for rule in rules)
                 things = [word for word in words if word.role == "object"]
                 no_thing = (self._is_agent(w, tokens) or self._is_use(w, tokens) for w in things)
                 return not (are_too_many or names_agent or any(no_thing) or any(no_material))
@@ -151,15 +153,23 @@ class ReadingFilter:
             and not any(is_kind(each.said.split()[-1]) for each in people for is_kind in kinds)
         )
 
-    def _may_be_no_material(self, rule: Rule, words: Iterable[NewWord], tokens: Tokens) -> bool:
+    def _may_be_no_material(self, rule: Rule, words: Iterable[NewWord]) -> bool:
         if not isinstance(rule, meanings.FunctionalRule):
             return False
         said = {word.said for word in words if word.word == rule.material}
-        uses = {rule.affordance, self.known_words.builder.bare_verb(rule.affordance)}
-        return any(self.known_words.origins(each, "adverb") for each in said) or any(
-            word in said and place in tokens.pauses and tokens.words[place - 1] in uses
-            for place, word in enumerate(tokens.words)
-        )
+        return any(self.known_words.origins(each, "adverb") for each in said)
+
+
+_OBJECTS = ("/NP", "/N", "/MS", "/MB")  # how the categories of verbs end that take an object
+
+
+def _is_torn(derivation: Derivation, tokens: Tokens) -> bool:
+    """Whether a gerund takes what follows a pause for its object: "for polishing, wine glasses"."""
+    first = derivation.parts[0] if derivation.rule is BinaryRule.FORWARD else None
+    if first and isinstance(first.rule, Entry) and first.end in tokens.pauses:
+        is_gerund = tokens.words[first.end - 1].endswith("ing")
+        return is_gerund and str(first.category).endswith(_OBJECTS)  # not "generally speaking"
+    return any(_is_torn(part, tokens) for part in derivation.parts)
 
 
 def _is_negative(meaning: Meaning) -> bool:

@@ -16,7 +16,7 @@ from functools import cache, partial
 from itertools import combinations, islice, takewhile
 
 from ..lexicon.discourse_markers import move_to_front
-from ..lexicon.tokenizer import BREAK, Tokens, tokenize
+from ..lexicon.tokenizer import BREAK, Token, Tokens, tokenize
 from ..lexicon.unknown_words import MAX_NEW_WORDS, KnownWords
 from ..semantics import meaning as meanings
 from ..semantics.clause_features import FeatureReader
@@ -36,6 +36,8 @@ _TOPIC = 4  # the greatest length of a segment that only names something [words]
 
 _ANYTHING = PredicateForm("anythingNamed")  # stands for whatever a pronoun may refer to
 _ANSWERS = frozenset({"yes", "no"})  # they outweigh all politeness around them
+_SOMEBODY = frozenset({"i", "am", "he", "she"})  # "I am a tailor" names no thing
+_ENDINGS = ("ing", "ed", "ly")  # of words that name no thing
 _CLOSING = frozenset({"thanks", "okay"})
 
 Strategy = Callable[[Tokens, UtteranceContext], Understanding | None]
@@ -75,10 +77,13 @@ class UtteranceParser:
             may_name = any(not known.has(word) or known.names(word) for word in tokens.words)
             features = self.parser.features
             own = [*takewhile(lambda word: word not in THIRD_PERSON, tokens.words)]
-            named = [word for word in own if _is_object(word, known, features)]
-            if not named and not before.object:
-                new = _new_objects(tokens.part(0, len(own)), known, features)
-                named = list(islice(new, 1))
+            named = list(_known_objects(own, known, features))
+            is_new, thing = _new_object(tokens.part(0, len(own)), known, features)
+            if thing and (is_new or not (named or before.object)):
+                named.append(thing)
+            people = [t.word for n, t in enumerate(tokens.items) if _is_person(n, t, tokens, known)]
+            if len(people) == 1:
+                found = replace(found, discourse=found.discourse.with_person(people[0]))
             return _failed(found, named) if may_name else found
         sure = found.reading.interval if found.reading else context.recognition
         if self.parser.pragmatics.is_enough(sure):
@@ -150,7 +155,11 @@ class _Attempt:
         found = self._sentence(tokens, context)
         if found.reading is None and BREAK in tokens.words:
             again = self._sentence(tokens.without_breaks(), context)
-            found = again if again.reading is not None else found
+            # "Do you think it is? Used for spreading, I mean."
+            asking = self._tools.parser.features.words["asking"]
+            is_asked = "?" in tokens.text.rstrip("?!. ") and not asking.isdisjoint(tokens.words)
+            is_told = is_asked and isinstance(again.meaning, Statement)
+            found = again if again.reading is not None and not is_told else found
         return found
 
     def _by_segments(self, tokens: Tokens, context: UtteranceContext) -> Understanding | None:
@@ -319,19 +328,42 @@ def _is_procedure(found: Understanding) -> bool:
     return is_about or isinstance(meant, (Plan, meanings.ActionDefinition, meanings.ActionCommand))
 
 
-def _is_object(word: str, known: KnownWords, features: FeatureReader) -> bool:
-    categories = known.lexicon.name_categories(word)
-    is_thing = "N" in categories and {"P", "MS"}.isdisjoint(categories)
-    return is_thing and not features.is_elsewhere(word)
+def _known_objects(
+    words: Sequence[str], known: KnownWords, features: FeatureReader
+) -> Iterator[str]:
+    end = 0
+    for start in range(len(words)):
+        for stop, node in sorted(known.lexicon.nodes(words, start), key=lambda each: -each[0]):
+            names = (each for each in node.entries if each.category == each.category.atom)
+            categories = {each.category.atom.name: each.name for each in names}
+            is_thing = "N" in categories and {"P", "MS"}.isdisjoint(categories)
+            if start >= end and is_thing and not features.is_elsewhere(words[stop - 1]):
+                end = stop
+                yield categories["N"]
 
 
-def _new_objects(tokens: Tokens, known: KnownWords, features: FeatureReader) -> Iterator[str]:
-    kinds = (features.is_part, features.is_elsewhere, features.is_abstract)
-    for place, entries in known.guesses(tokens, known.unknown(tokens)).items():
-        names = [each.name for each in entries if each.role == "object"]
-        is_noun = tokens.words[place - 1 : place] in {("a",), ("an",), ("the",)}
-        if names and is_noun and not any(is_kind(tokens.words[place]) for is_kind in kinds):
-            yield max(names, key=len)
+def _is_person(place: int, token: Token, tokens: Tokens, known: KnownWords) -> bool:
+    return token.capital and place not in tokens.beginnings and not known.has(token.word)
+
+
+def _new_object(tokens: Tokens, known: KnownWords, features: FeatureReader) -> tuple[bool, str]:
+    """Return a new thing that is named, and whether it is introduced: "a chisel", "pliers"."""
+    kinds, found = (features.is_part, features.is_elsewhere, features.is_abstract), (False, "")
+    for place, entries in sorted(known.guesses(tokens, known.unknown(tokens)).items()):
+        word, before = tokens.words[place], tokens.words[:place]
+        names = [e.name for e in entries if e.role == "object" and not e.says.endswith(_ENDINGS)]
+        is_introduced = before[-1:] in {("a",), ("an",)} and _SOMEBODY.isdisjoint(before[-3:-1])
+        name = max(names, key=len, default="")
+        end = place + 1 + name.count(" ")
+        is_introduced |= known.builder.inflection.is_plural_only(word)
+        is_alone = {place, end} <= tokens.edges and not word.endswith(("s", *_ENDINGS))
+        is_introduced |= is_alone
+        is_noun = is_introduced or before[-1:] == ("the",)
+        is_other = any(is_kind(word) for is_kind in kinds)
+        is_other |= tokens.words[end : end + 1] in {("one",), ("ones",)}
+        if name and is_noun and not is_other and (is_introduced or not found[1]):
+            found = is_introduced, name
+    return found
 
 
 def _failed(found: Understanding, things: Sequence[str]) -> Understanding:

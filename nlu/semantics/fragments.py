@@ -87,7 +87,9 @@ def _complete(fragment: FragmentValues, discourse: Discourse) -> meanings.Meanin
 
 def _is_other(fragment: FragmentValues) -> bool:
     target = fragment.target
-    return target is not None and target == ObjectReference(target.object, other=True)
+    if target is None or target.object is None:
+        return False
+    return target == ObjectReference(target.object, other=True)
 
 
 def _other_of_pair(discourse: Discourse) -> str | None:

@@ -155,11 +155,9 @@ def test_one_of_two_rules_is_denied_as_it_was_said(language: Language) -> None:
     )
     denied = replace(cutting, confidence=(0.0, 0.05))
 
-    assert checks.lost(Statement((denied, stirring)), mentions, ()) == ""
-    assert (
-        checks.lost(Statement((cutting, replace(stirring, confidence=(0.0, 0.05)))), mentions, ())
-        == "scope"
-    )
+    assert checks.lost(Statement((denied, stirring)), mentions, ()) == ()
+    other = Statement((cutting, replace(stirring, confidence=(0.0, 0.05))))
+    assert "scope" in checks.lost(other, mentions, ())
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from hilt.nlu import Language, Statement
+from hilt.nlu import Language, Session, Statement
 
 
 @pytest.mark.parametrize(
@@ -40,3 +40,20 @@ def test_no_before_a_pause_is_a_correction(language: Language, text: str) -> Non
 def test_a_positive_rule_about_no_thing_is_rejected(language: Language, text: str) -> None:
     """No rule about "no knife" is taken for one about "a knife"."""
     assert language.understand(text).kind in {"error", "ask_back"}
+
+
+@pytest.mark.parametrize(
+    "text", ["Anything for stirring, fast.", "A shoe is no good for pounding, nails."]
+)
+def test_gerund_takes_no_material_after_a_pause(language: Language, text: str) -> None:
+    """What follows a pause is not what something is done to."""
+    assert language.understand(text).kind in {"error", "ask_back"}
+
+
+def test_nothing_is_told_after_a_question_of_ones_own(language: Language) -> None:
+    """The rest of a question is no statement."""
+    session = Session(language).after(("What do you know about the knife?",))
+
+    understood, _ = session.hear("Well, do you think it is? Used for spreading, I mean.")
+
+    assert understood.kind in {"error", "ask_back"}

@@ -1,6 +1,7 @@
 """What is said in a conversation means what it means after the turns before it."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -8,6 +9,9 @@ import pytest
 import yaml
 
 from hilt.nlu import Language, Session
+from hilt.nlu.semantics.discourse import Discourse
+from hilt.nlu.semantics.fragments import FragmentValues, complete
+from hilt.nlu.semantics.meaning import Command, ObjectReference
 
 DIALOGUES = yaml.safe_load(
     (Path(__file__).parents[1] / "data" / "discourse.yaml").read_text(encoding="utf-8")
@@ -95,3 +99,49 @@ def test_correction_in_one_breath_leaves_what_was_meant(language: Language, paus
 
     rule = {"rule": "functional", "object": "spoon", "affordance": "stirring"}
     assert rule.items() <= understood.meaning.as_json().items()
+
+
+@pytest.mark.parametrize(
+    ("failed", "text", "thing"),
+    [
+        ("There hangs a tool called a wrench.", "It's for tightening bolts.", "wrench"),
+        ("So. Trowel.", "It's for digging.", "trowel"),
+        ("That's a lovely wine glass you have there.", "What do you use it for?", "wine glass"),
+        (
+            "These are my good scissors, so listen carefully.",
+            "They're for cutting cloth.",
+            "scissors",
+        ),
+    ],
+)
+def test_it_may_be_what_a_failed_turn_introduced(
+    language: Language, failed: str, text: str, thing: str
+) -> None:
+    """What is asked about afterwards is the thing that was named, not one of before."""
+    session = Session(language).after(("A spoon is used for stirring.", failed))
+
+    understood, _ = session.hear(text)
+
+    meanings = getattr(understood.meaning, "choices", ()) or (understood.meaning,)
+    assert thing in json.dumps([each.as_json() for each in meanings])
+
+
+def test_him_may_be_whom_a_failed_turn_named(language: Language) -> None:
+    """What is offered goes to the person, never to the speaker."""
+    session = Session(language).after(("Now listen, our Danny has come by at long last.",))
+
+    understood, _ = session.hear("Hand that mug over to him at once, would you?")
+
+    choices = getattr(understood.meaning, "choices", ())
+    assert {each.recipient for each in choices} <= {"danny"}
+
+
+def test_fragment_may_describe_a_thing_by_its_use():
+    """A fragment that names no object is none of a pair of objects."""
+    asked = Command("pass", ObjectReference("mug"))
+    discourse = replace(Discourse().about("spoon").about("mug"), last=asked)
+    something = ObjectReference(used_for="pounding")
+
+    found = complete(FragmentValues("fill", (0.95, 1.0), target=something), discourse)
+
+    assert found == Command("pass", something)
