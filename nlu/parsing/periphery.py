@@ -214,7 +214,7 @@ class PieceReader:
         shown = {
             "quoted": _QUOTED.search(tokens.text),
             "called": len(words) == 1 or (len(words) < LEAST_WORDS and is_name),
-            "held": form == IMPERSONAL and self.words.has("wanting", words[-1]),
+            "held": form == IMPERSONAL and self.words.has("wanting", *words[-1:]),
             "pointing": words and self.words.end(IMPERSONAL, words[-1:]),
             "short": len(words) < LEAST_WORDS,
             "named": any(named),

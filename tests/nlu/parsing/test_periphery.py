@@ -124,3 +124,10 @@ def test_all_tokens_but_breaks_and_that_are_in_one_piece(language: Language) -> 
     found = pieces(language, "Here goes: I know that it is odd, but a shoe is used for pounding.")
 
     assert all(one.end <= two.start <= one.end + 1 for one, two in pairwise(found))
+
+
+def test_reason_without_a_clause_is_no_crash(language: Language) -> None:
+    """A piece of which only its first words are left is understood as saying nothing."""
+    assert (
+        language.understand("Because otherwise someone gets stabbed, that's why.").kind == "error"
+    )
