@@ -24,7 +24,8 @@ from hilt.nlu.lexicon.tokenizer import tokenize
 from hilt.nlu.offers.candidates import candidates
 from hilt.nlu.offers.meaning_shapes import shape_of
 from hilt.nlu.offers.mentions import Mentions
-from hilt.nlu.offers.offers import MAX_OFFERS, OfferFinder
+from hilt.nlu.offers.offers import OfferFinder
+from hilt.nlu.parsing.clarification import MAX_CHOICES
 from hilt.nlu.parsing.understanding import UtteranceContext
 from hilt.nlu.semantics.discourse import Discourse
 from hilt.nlu.semantics.meaning import Json, Meaning
@@ -120,7 +121,7 @@ def _in_ranking(
     if reason:
         return f"rejected: {reason}", detail
     ahead = [each for _, each in ranked[:place] if not offers.rejected(each, mentions, context)]
-    return ("behind others" if len(ahead) >= MAX_OFFERS else "below the threshold"), detail
+    return ("behind others" if len(ahead) >= MAX_CHOICES else "below the threshold"), detail
 
 
 def _plain(meaning: Meaning) -> Json:

@@ -354,11 +354,23 @@ class Language:
 
     def short_answers(self, text: str, discourse: Discourse) -> list[meanings.Answer]:
         """Return the short answers that a text may be to a question of Hilt, likeliest first."""
-        tokens, known = self._tokens(text).without_breaks(), self.utterance_parser.known_words
+        tokens, known = self._tokens(text), self.utterance_parser.known_words
         if self.utterance_parser.clarification.of_input(text, tokens):
             return []
-        guesses = known.guesses(tokens, known.unknown(tokens))
-        return self.parser.answers(self.parser.chart(tokens, guesses), discourse)
+
+        def answers(said: Tokens) -> list[meanings.Answer]:
+            guesses = known.guesses(said, known.unknown(said))
+            return self.parser.answers(self.parser.chart(said, guesses), discourse)
+
+        (start, end), *others = tokens.parts
+        asides = [tokens.part(*span) for span in others]
+        is_aside = asides and not tokens.asks and all(map(self._says_nothing, asides))
+        found = answers(tokens.without_breaks())
+        return found or (answers(tokens.part(start, end)) if is_aside else [])
+
+    def _says_nothing(self, part: Tokens) -> bool:
+        is_open = self._courtesies.has_content(part) or self.offers.known.unknown(part)
+        return not is_open and self.offers.checks.is_apart(part.words)
 
     @cached_property
     def utterance_parser(self) -> UtteranceParser:

@@ -101,7 +101,27 @@ class ClarificationDialogue:
             rule = rule_from_answer(asked, named, self.conversation.language.usual)
             return self.learn_rule(turn, rule) if rule else None
 
-        self.conversation.wait_for(turn, choose=learn)
+        self.conversation.wait_for(turn, choose=learn, is_lesson=True)
+
+    def settled(self, found: Understanding) -> Understanding:
+        """Return a turn as Hilt understands it that has just asked to be told something.
+
+        "Sometimes for cutting" is an answer then, and need not be asked about.
+        """
+        pending = self.conversation.open_question
+        is_answer = pending and pending.is_lesson and pending.asked == found.speaker
+        match found.meaning:
+            case meaning.AskBack(choices=(meaning.Statement() as told,)) if (
+                is_answer and found.reading and found.reading.speech_act.name == "FRAGMENT"
+            ):
+                return found.chosen(told)
+            case _:
+                return found
+
+    def is_lesson(self, text: str, speaker: str) -> bool:
+        """Whether a text tells what Hilt has just asked to be told."""
+        found = self.conversation.understand(text, speaker, heard=1.0)
+        return found.kind == "ask_back" and self.settled(found).kind == "statement"
 
     def learn_rule(self, turn: UnderstoodTurn, rule: meaning.Rule) -> Reply:
         """Learn the rule that an answer to a question of Hilt stands for; return the reply."""

@@ -140,6 +140,7 @@ class DialogueManager:
             return replace(reply, said=f"{self.conversation.say(hello)} {reply.said}")
         self._accepted |= {*accepted}
         found = self.conversation.understand(text, speaker, heard=heard, accepted=self._accepted)
+        found = self._clarification.settled(found)
         kinds = (*KINDS[only], "acknowledgement") if only else ()
         hear = partial(self.hear, speaker=speaker, only=only, heard=heard, keep=keep)
         answer = partial(self._clarification.short_answer, heard=heard, keep=keep)
@@ -163,8 +164,8 @@ class DialogueManager:
         if found.kind in OPEN:
             first, *rest = SENTENCE_END.split(found.text.strip(), 1)
             reply = answer(first, found.speaker) if rest else None
-            if reply:
-                return [reply, hear(*rest)]
+            if reply or (rest and self._clarification.is_lesson(first, found.speaker)):
+                return [reply or hear(first), hear(*rest)]
         several = self.conversation.sentences(found, kinds)
         return [hear(each.text) for each in several] if several[1:] else []
 
@@ -393,7 +394,7 @@ class DialogueManager:
             rule = meaning.FunctionalRule(said.object or "", use, sure, material=said.material)
             yes = partial(self._clarification.learn_rule, turn, rule)
             no = partial(conversation.answered, turn, "dismissed", "done")
-            conversation.wait_for(turn, yes, no=no, needs_yes=True)
+            conversation.wait_for(turn, yes, no=no, needs_yes=True, is_lesson=True)
             conversation.unanswered = conversation.say(found)
         conversation.set_topic(rules)
         named = {rule.object for rule in rules if rule.object}

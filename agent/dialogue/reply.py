@@ -113,6 +113,7 @@ class OpenQuestion:
     #: called with the text of any other answer; it returns None where it does not fit
     tell: Callable[[str], Reply | None] | None = None
     needs_yes: bool = False  #: whether "okay" only acknowledges it, and does not agree
+    is_lesson: bool = False  #: whether it asks to be told what Hilt does not know
     word: str = ""  #: the word that may be a slip, if it is asked about one
     meanings: tuple[object, ...] = ()  #: what the choices mean, where it reads back what was heard
 

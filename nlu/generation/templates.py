@@ -64,6 +64,13 @@ class AnswerTemplates:
         text = self.fill(self.answers[key], slots)
         return text[:1].upper() + text[1:]
 
+    def offer(self, choices: Sequence[str]) -> str:
+        """Return the question which of some sentences was meant; several are numbered."""
+        if len(choices) == 1:
+            return self.say("offer", choice=choices[0])
+        numbered = (f"{number}. {each}." for number, each in enumerate(choices, start=1))
+        return self.say("offers", choices=" ".join(numbered))
+
     def slots(self, key: str) -> tuple[str, ...]:
         """The names of the slots of an answer; `UnknownNameError` if there is no such answer."""
         if key not in self.answers:

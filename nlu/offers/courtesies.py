@@ -96,9 +96,9 @@ class CourtesyPhrases:
         if tokens.asks or len(words) < 2:
             return False
         said = features.of_words(words)
-        is_of_others = words[0] in features.words["owners"] and _HERE.isdisjoint(
-            said.get("agent", ())
-        )
+        first = features.of_words(tokens.part(*tokens.parts[0]).words).get("agent", frozenset())
+        is_of_others = words[0] in features.words["owners"] or first == {"other"}
+        is_of_others = is_of_others and _HERE.isdisjoint(first)
         if is_of_others or "source" in said or not _OVER.isdisjoint(said.get("tense", ())):
             return True
         teaching, parts = lists.words("teaching"), [tokens.part(*span) for span in tokens.parts]
@@ -180,6 +180,7 @@ class CourtesyPhrases:
         found = find_mentions(part, self.known, {}, Discourse())
         is_act = any(each.role == "act" and each.name in GOALS for each in found.names)
         is_on_it = not self.words.words("pronouns").isdisjoint(part.words)
+        is_act |= any(self.words.end("wishing", part.words, n) > n for n in range(len(part.words)))
         return bool(found.required) or (is_act and is_on_it)
 
     def _is_person(self, token: Token) -> bool:

@@ -20,6 +20,7 @@ from ..grammar.word_patterns import Phrase, WordLists
 from ..lexicon.misspelling import slips
 from ..lexicon.tokenizer import BREAK, MAX_TOKENS, Tokens
 from ..lexicon.unknown_words import MAX_NEW_WORDS, KnownWords
+from ..parsing.clarification import MAX_CHOICES
 from ..parsing.understanding import Understanding, UtteranceContext
 from ..semantics import meaning as meanings
 from ..semantics.discourse import Discourse
@@ -31,7 +32,6 @@ from .checks import LESS_LIKELY, OfferChecks
 from .meaning_shapes import composed_shapes, meaning_from_json, shape_from
 from .mentions import Mention, Mentions, Span, find_mentions
 
-MAX_OFFERS = 3
 
 _QUOTES = frozenset('"“”„«»')
 _OFFERED = (meanings.Statement, Question, SimpleCommand)
@@ -86,10 +86,7 @@ class OfferFinder:
             first, *rest = self.realizer.realize(meaning).rstrip("?").split(" ")
             aloud = (w.upper() if self.checks.words.has("negative", w) else w for w in rest)
             said.append(" ".join([first, *aloud]))
-        if len(said) == 1:
-            return AskBack(self.realizer.answers.say("offer", choice=said[0]), choices)
-        numbered = " ".join(f"{number}. {each}." for number, each in enumerate(said, start=1))
-        return AskBack(self.realizer.answers.say("offers", choices=numbered), choices)
+        return AskBack(self.realizer.answers.offer(said), choices)
 
     def _is_sure(self, meant: Meaning, tokens: Tokens, context: UtteranceContext) -> bool:
         mentions = self.mentions(tokens, context.discourse)
@@ -117,7 +114,7 @@ class OfferFinder:
         return is_likely and (is_about or (is_asked and not left))
 
     def meanings(self, tokens: Tokens, context: UtteranceContext) -> tuple[Meaning, ...]:
-        """Return at most `MAX_OFFERS` meanings that an utterance may have, the likeliest first."""
+        """Return at most `MAX_CHOICES` meanings that an utterance may have, the likeliest first."""
         if not self.is_text(tokens):
             return ()
         mentions = self.mentions(tokens, context.discourse)
@@ -149,7 +146,7 @@ class OfferFinder:
         texts = corrected_texts(tokens, self.known)
         said = dict.fromkeys(self.understand(text, context).meaning for text in texts)
         found = (each for each in said if self._is_understood(each, context))
-        return tuple(islice(found, MAX_OFFERS))
+        return tuple(islice(found, MAX_CHOICES))
 
     def of_mentions(self, mentions: Mentions, context: UtteranceContext) -> tuple[Meaning, ...]:
         """Return the meanings to offer for an utterance that names this."""
@@ -162,7 +159,7 @@ class OfferFinder:
         for chance, candidate in likely:
             meaning = meaning_from_json(candidate.meaning)
             is_plain = len(candidate.used) + isinstance(meaning, Question) > 1
-            if chance < (LEAST_OTHER if is_plain else LEAST_OF_ONE) or len(found) == MAX_OFFERS:
+            if chance < (LEAST_OTHER if is_plain else LEAST_OF_ONE) or len(found) == MAX_CHOICES:
                 continue
             named = candidate.resolved(mentions)
             checked = self.checks.weakened(meaning, named, candidate.asides(mentions))
@@ -219,7 +216,7 @@ class OfferFinder:
         if is_bare and not (found or tokens.asks) and len(tokens.words) <= MAX_REQUEST:
             found = [meanings.Command("pass", meanings.ObjectReference(one.name))]  # "quick, knife"
         clear = (each for each in dict.fromkeys(found) if self._is_understood(each, context))
-        return tuple(islice(clear, MAX_OFFERS))
+        return tuple(islice(clear, MAX_CHOICES))
 
     def rejected(self, one: CandidateMeaning, mentions: Mentions, context: UtteranceContext) -> str:
         """Return what is against a candidate, empty if nothing is."""

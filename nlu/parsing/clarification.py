@@ -24,6 +24,7 @@ from .chart import Chart, lexical_entries
 from .parser import SentenceParser
 from .understanding import Reading
 
+MAX_CHOICES = 3  # of which one is asked for
 MAX_NEAREST = 3
 
 
@@ -88,7 +89,7 @@ class Clarifier:
         licence = self.parser.licence
         match reading.meaning:
             case AskBack(choices=(choice,)) if not isinstance(choice, str):
-                return AskBack(self.answers.say("offer", choice=self._choice(choice)), (choice,))
+                return AskBack(self.answers.offer([self._choice(choice)]), (choice,))
             case _:
                 answer = licence.outcome(reading.meaning, reading.features)
         if answer == ACCEPT:
@@ -115,9 +116,11 @@ class Clarifier:
         return Misunderstanding(message, nearest=self._nearest_examples(tokens))
 
     def of_ambiguity(self, readings: Sequence[Reading]) -> AskBack:
-        """The question which one of several meanings was meant."""
-        choices = tuple(self._choice(reading.meaning) for reading in readings)
-        return AskBack(self.answers.say("which_meaning", choices=choices), choices)
+        """The question which one of the cheapest readings was meant."""
+        best = [each.meaning for each in readings if each.cost == readings[0].cost]
+        offered = (each.choices if isinstance(each, AskBack) else (each,) for each in best)
+        choices = tuple(dict.fromkeys(chain.from_iterable(offered)))[:MAX_CHOICES]
+        return AskBack(self.answers.offer(list(map(self._choice, choices))), choices)
 
     def of_failure(
         self, chart: Chart, tokens: Tokens, refusal: UninterpretableError | None

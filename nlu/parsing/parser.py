@@ -16,6 +16,7 @@ from ..lexicon.learned_lexicon import LearnedLexicon
 from ..lexicon.lexicon import Entry
 from ..lexicon.tokenizer import Tokens
 from ..lexicon.unknown_words import new_words
+from ..lexicon.vocabulary import NewWord
 from ..semantics import predicates
 from ..semantics.clause_features import FeatureReader
 from ..semantics.coreference import PRONOUNS, resolve
@@ -74,12 +75,18 @@ class SentenceParser:
                 best[reading.meaning] = reading
         return sorted(best.values(), key=lambda reading: reading.cost), refusal
 
-    def topic(self, chart: Chart, context: UtteranceContext) -> PredicateForm | None:
-        """Return the object that an utterance consists of, None when it is more than a name."""
+    def topic(
+        self, chart: Chart, context: UtteranceContext
+    ) -> tuple[PredicateForm, tuple[NewWord, ...]] | None:
+        """Return the object that an utterance consists of, and the new words that name it.
+
+        None when it is more than a name.
+        """
         for derivation in chart.derivations(self.grammar.topic):
             form = _fill_persons(form_of(derivation.value), context)
-            if PRONOUNS.isdisjoint(form) and not new_words(lexical_entries(derivation)):
-                return form
+            words = new_words(lexical_entries(derivation))
+            if PRONOUNS.isdisjoint(form) and all(word.role == "object" for word in words):
+                return form, words
         return None
 
     def named_object(self, tokens: Tokens) -> str | None:

@@ -456,7 +456,7 @@ def kinds_of_core(meaning: Meaning) -> frozenset[str]:
             return frozenset(
                 HOLDING if isinstance(rule, meanings.ActionRule) else USE for rule in rules
             )
-        case AskBack(choices=(Statement() as asked,)):
+        case AskBack(choices=(Statement() | Command() as asked,)):
             return kinds_of_core(asked)
         case _:
             return frozenset()

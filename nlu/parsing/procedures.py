@@ -247,10 +247,10 @@ class ProcedureReader:
     def _thing(
         self, tokens: Tokens, *, may_be_new: bool
     ) -> tuple[ObjectReference, tuple[NewWord, ...]] | None:
-        form = self.parser.topic(self.parser.chart(tokens, {}), _NOBODY)
-        if form is not None:
+        found = self.parser.topic(self.parser.chart(tokens, {}), _NOBODY)
+        if found is not None:
             try:
-                kind, props = kind_and_properties(form)
+                kind, props = kind_and_properties(found[0])
                 return ObjectReference(kind, props=props), ()
             except UninterpretableError:
                 return None

@@ -68,6 +68,8 @@ class ReadingFilter:
                 things = [word for word in words if word.role == "object"]
                 no_thing = (self._is_agent(w, tokens) or self._is_use(w, tokens) for w in things)
                 return not (are_too_many or names_agent or any(no_thing) or any(no_material))
+            case meanings.AskBack(choices=(Statement() as told,)):
+                return self._may_introduce_words(replace(reading, meaning=told), tokens)
             case meanings.KindStatement():
                 return self._may_introduce_kinds(reading)
             case meanings.TopicStatement() | meanings.PartNaming():

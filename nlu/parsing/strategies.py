@@ -14,10 +14,12 @@ from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, partial
 from itertools import combinations, islice, takewhile
+from operator import and_
 
 from ..lexicon.discourse_markers import move_to_front
 from ..lexicon.tokenizer import BREAK, Token, Tokens, tokenize
 from ..lexicon.unknown_words import MAX_NEW_WORDS, KnownWords
+from ..lexicon.vocabulary import NewWord
 from ..semantics import meaning as meanings
 from ..semantics.clause_features import FeatureReader
 from ..semantics.discourse import THIRD_PERSON
@@ -163,9 +165,9 @@ class _Attempt:
         return found
 
     def _by_segments(self, tokens: Tokens, context: UtteranceContext) -> Understanding | None:
-        for segments in _segmentations(tokens):
-            is_topic = any(map(self._is_topic, segments, segments[1:]))
-            found = () if is_topic else self._segments(segments, context)
+        whole = (each for split in _segmentations(tokens) for each in self._with_topics(split))
+        for segments in whole:
+            found = self._segments(segments, context)
             combined = _combined([each.meaning for each in found]) if found else None
             if combined is None:
                 continue
@@ -176,6 +178,13 @@ class _Attempt:
                 continue  # it may be a rule
             words = tuple(dict.fromkeys(word for each in found for word in each.new_words))
             whole = replace(found[main], meaning=meaning, new_words=words)
+            named = {*words} - {
+                word for each in found if each.reading for word in each.reading.new_words
+            }
+            if named and whole.reading and not isinstance(meaning, Question):
+                # What is told of a thing that nobody has named before.
+                offer = replace(whole.reading, meaning=AskBack(choices=(meaning,)), new_words=words)
+                return whole.chosen(self._tools.clarification.licensed(offer))
             after = (*(each.words[:2] for each in found[1:]), ())  # "sure, and a shoe is ..."
             said = zip(found, after, strict=True)
             replies = [e.words + n for e, n in said if isinstance(e.meaning, Acknowledgement)]
@@ -187,11 +196,20 @@ class _Attempt:
             return replace(whole, meaning=answer, reading=reading)
         return None
 
-    def _is_topic(self, one: Tokens, other: Tokens) -> bool:
-        """Whether a segment names what the next is about: "and a spoon, that is for stirring"."""
+    def _with_topics(self, segments: Sequence[Tokens]) -> Iterator[Sequence[Tokens]]:
+        """Yield the segments; and with names of what is spoken of next: "and a spoon, it is .."."""
         words, joining = self._tools.periphery.reader.words, self._tools.known_words.builder.joining
-        is_joined = len(one.items) <= _TOPIC and one.words[0] in joining
-        return is_joined and words.end("impersonal", other.words) > 0
+        *first, last = segments
+        named = [1 < len(each.items) <= _TOPIC and each.words[0] in joining for each in first]
+        after = (words.end("impersonal", each.words) > 0 for each in segments[1:])
+        if not any(map(and_, named, after)):
+            yield segments
+        if any(named):
+            topics = (
+                each.part(int(is_named), len(each.items))
+                for each, is_named in zip(first, named, strict=True)
+            )
+            yield (*topics, last)
 
     def _without_markers(self, tokens: Tokens, context: UtteranceContext) -> Understanding | None:
         tried = {tokens.words}
@@ -258,12 +276,15 @@ class _Attempt:
             parts = (parts[-1], *parts[:-1])
         found: list[Understanding] = []
         topic: PredicateForm | None = None
+        new: tuple[NewWord, ...] = ()
         for part in parts:
             each = self._sentence(part, context)
             if each.reading is None:
-                topic = self._topic(part, context) if topic is None else None
-                if topic is None:
+                named = self._topic(part, context) if topic is None else None
+                if named is None:
                     return []
+                topic, words = named
+                new += words
                 context = context.with_object(topic)
                 continue
             # A topic is only said for a part that refers to it.
@@ -273,7 +294,7 @@ class _Attempt:
             if topic is not None and meanings.is_used_on_itself(each.meaning):
                 return []  # "tea, of course, it is for drinking tea"
             topic = None
-            found.append(each)
+            found.append(replace(each, new_words=each.new_words + new))
             context = replace(context, discourse=each.discourse)
         return found if topic is None else []
 
@@ -318,8 +339,14 @@ class _Attempt:
         answer = answer or clarify.of_failure(chart, tokens, refusal)
         return Understanding.of(tokens, context, answer, readings=len(accepted))
 
-    def _topic(self, tokens: Tokens, context: UtteranceContext) -> PredicateForm | None:
-        return self._tools.parser.topic(self._plain_chart(tokens), context)
+    def _topic(
+        self, tokens: Tokens, context: UtteranceContext
+    ) -> tuple[PredicateForm, tuple[NewWord, ...]] | None:
+        parser, known = self._tools.parser, self._tools.known_words
+        unknown, is_short = known.unknown(tokens), len(tokens.items) <= _TOPIC
+        is_new = unknown and is_short and known.builder.is_determiner(tokens.words[0])
+        chart = parser.chart(tokens, known.guesses(tokens, unknown)) if is_new else None
+        return parser.topic(chart or self._plain_chart(tokens), context)
 
 
 def _is_procedure(found: Understanding) -> bool:

@@ -23,6 +23,7 @@ class FragmentValues:
     mode: str  # that of its predicate, as `predicates.yaml` says
     default: meanings.Confidence  # the confidence of a rule without a degree
     asks: bool = False  # whether it is a question
+    is_request: bool = False  # whether it says "please"
     is_other: bool = False  # whether its target was only named as the other one of two
     target: ObjectReference | None = None
     use: str | None = None
@@ -62,10 +63,14 @@ def _complete(fragment: FragmentValues, discourse: Discourse) -> meanings.Meanin
     if discourse.asks_why and fragment.asks and isinstance(rule, ActionRule):
         completed = Question("how", object=rule.object, context=rule.context)
     if fragment.material and not fragment.use:
-        if not isinstance(completed, (FunctionalRule, Question)) or completed.material is None:
+        is_use = isinstance(completed, (FunctionalRule, Question))
+        if not is_use or not (completed.material or fragment.confidence):
             raise _nothing()
         fragment = replace(fragment, use=completed.affordance)
+    is_wish = fragment.is_request and not fragment.asks and fragment.target
     match completed:
+        case FunctionalRule() | ActionRule() | Question() if is_wish:  # "now the hammer, please"
+            return meanings.Command("pass", fragment.target)
         case FunctionalRule() | ActionRule() as rule:
             return _as_rule(fragment, rule)
         case Question() as question:
@@ -196,9 +201,7 @@ def _as_question(  # noqa: PLR0911 - a case per slot
         raise _nothing()
     about, use, material = question.object, question.affordance, question.material
     if fragment.confidence and not (fragment.part and question.context):
-        if about is None or use is None or (fragment.target or fragment.use or fragment.part):
-            raise _nothing()
-        return _offered(FunctionalRule(about, use, fragment.confidence, material=material))
+        return _offered(_as_answer(fragment, question, fragment.confidence))
     if fragment.target:
         name, props = _kind(fragment.target)
         if fragment.mode == "too" and not fragment.asks and use:
@@ -223,6 +226,17 @@ def _as_question(  # noqa: PLR0911 - a case per slot
     if fragment.asks or sure is None:
         return replace(question, part=fragment.part)
     return _offered(ActionRule(about, question.context, fragment.part, sure))
+
+
+def _as_answer(
+    fragment: FragmentValues, question: Question, sure: meanings.Confidence
+) -> FunctionalRule:
+    about, props = _kind(fragment.target) if fragment.target else (question.object, ())
+    use, material = fragment.use or question.affordance, question.material
+    if about is None or use is None or fragment.part:
+        raise _nothing()
+    material = fragment.material if fragment.use else material
+    return FunctionalRule(about, use, sure, props, material=material)
 
 
 def _offered(rule: meanings.Rule) -> meanings.AskBack:
@@ -256,6 +270,8 @@ def _as_command(  # noqa: PLR0911 - a case per slot
             props = target.props or command.target.props
             target = replace(command.target, props=props, other=target.other)
         is_not = fragment.confidence is not None and fragment.confidence[1] < meanings.LIKELY
+        if fragment.confidence and not is_not:
+            raise _nothing()
         return replace(command, target=target, part=fragment.part, negated=is_not)
     if fragment.part and fragment.confidence:  # "not by the handle"
         name, props = _kind(command.target)
@@ -271,7 +287,9 @@ def _as_command(  # noqa: PLR0911 - a case per slot
 
 
 def _as_norm(said: FragmentValues, norm: meanings.Norm, act: meanings.Command) -> meanings.Meaning:
-    if said.confidence or not (said.target or said.recipient):
+    is_denied = said.confidence is not None and said.confidence[1] < meanings.LIKELY
+    is_other = said.confidence and not (is_denied and norm.norm == "forbidden")
+    if is_other or not (said.target or said.recipient):
         raise _nothing()
     target, recipient = said.target or act.target, said.recipient or act.recipient
     norm = replace(norm, act=replace(act, target=target, recipient=recipient))

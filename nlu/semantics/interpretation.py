@@ -140,12 +140,15 @@ class Interpreter:
     def _fragment(self, form: PredicateForm, discourse: Discourse) -> meanings.Meaning:
         asks = form.name == "asked"
         said = form.arguments[0] if asks else form
-        is_too = said.name == "too"
-        said = said.arguments[0] if is_too else said
+        around = list[str]()
+        while said.name in {"too", "requested"}:
+            around.append(said.name)
+            said = said.arguments[0]
+        is_too = "too" in around
         slot, mode = load_predicates().fragments.get(said.name, ("part", "instead"))
         mode = "too" if is_too and mode not in {"also", "same"} else mode
         value, *degree = said.arguments
-        fragment = FragmentValues(mode, self.intervals["high"], asks)
+        fragment = FragmentValues(mode, self.intervals["high"], asks, "requested" in around)
         fragment = self._filled(fragment, slot, value)
         if slot in {"held", "act"}:
             fragment = self._filled(fragment, "part", degree.pop())
