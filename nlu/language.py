@@ -208,10 +208,13 @@ class Language:
             found = replace(found, meaning=said)
         if found.kind in {"error", "ask_back"}:
             found = self._without_courtesies(found, context) or found
-        is_guess = found.reading and context.discourse.has_failed  # of what "it" was
-        if not isinstance(found.meaning, AskBack) or is_guess:
+        if not isinstance(found.meaning, AskBack):
             return found
-        return replace(found, discourse=after_offer(found.meaning.choices, found.discourse))
+        choices = found.meaning.choices
+        is_guess = found.reading and context.discourse.has_failed  # of what "it" was
+        if is_guess and not all(isinstance(each, meanings.Question) for each in choices):
+            return found
+        return replace(found, discourse=after_offer(choices, found.discourse))
 
     def _without_courtesies(
         self, failed: Understanding, context: UtteranceContext
@@ -232,6 +235,7 @@ class Language:
         if control:
             rest = replace(rest, meaning=control, discourse=context.discourse)
         is_harmless = rest.kind in {"question", "acknowledgement", "control"}
+        is_harmless |= rest.meaning == meanings.Retraction()  # "sorry, forget that"
         if is_harmless or (rest.kind not in {"error", "ask_back"} and courtesy.is_formal):
             return replace(rest, text=failed.text)
         if courtesy.kind and isinstance(failed.meaning, meanings.Misunderstanding):

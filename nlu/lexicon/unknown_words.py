@@ -158,10 +158,13 @@ class KnownWords:
             return
         is_followed = any(map(self.builder.is_of_grammar, after))
         is_alone = is_followed or self._is_after_naming(words, place)
-        is_name = is_alone and not self.origins(word, "plural")
+        singulars = self.origins(word, "plural")
+        is_name = is_alone and not singulars
         for kind in ("human", "person") if is_name else ("human",):
-            for each in self.builder.noun(kind, word, role=RECIPIENT, cost=_RECIPIENT_COST):
-                yield each.entry()
+            name = (singulars or [word])[0]
+            for each in self.builder.noun(kind, name, role=RECIPIENT, cost=_RECIPIENT_COST):
+                if each.says == word:
+                    yield each.entry()
 
     def _may_be_clause(self, tokens: Tokens, place: int) -> bool:
         words, end = tokens.words, place + 2

@@ -70,6 +70,8 @@ class UtteranceParser:
         if before.has_failed and (is_open or isinstance(meant, meanings.Misunderstanding)):
             at_point = replace(context, discourse=replace(before, has_failed=False))
             again = _Attempt(self, accepted).understand(tokens, at_point)
+            if isinstance(again.meaning, Question) and not before.has_unknown:
+                return again  # the answer says what "it" was taken for
             if again.reading and not isinstance(again.meaning, AskBack):
                 offer = replace(again.reading, meaning=AskBack(choices=(again.meaning,)))
                 return replace(again, discourse=before).chosen(self.clarification.licensed(offer))
@@ -86,7 +88,8 @@ class UtteranceParser:
             people = [t.word for n, t in enumerate(tokens.items) if _is_person(n, t, tokens, known)]
             if len(people) == 1:
                 found = replace(found, discourse=found.discourse.with_person(people[0]))
-            return _failed(found, named) if may_name else found
+            is_unknown = bool(known.unknown(tokens))
+            return _failed(found, named, has_unknown=is_unknown) if may_name else found
         sure = found.reading.interval if found.reading else context.recognition
         if self.parser.pragmatics.is_enough(sure):
             return found
@@ -393,13 +396,16 @@ def _new_object(tokens: Tokens, known: KnownWords, features: FeatureReader) -> t
     return found
 
 
-def _failed(found: Understanding, things: Sequence[str]) -> Understanding:
+def _failed(
+    found: Understanding, things: Sequence[str], *, has_unknown: bool = True
+) -> Understanding:
     discourse = found.discourse
     if things:
         discourse = discourse.naming(*map(PredicateForm.named, things))
         if discourse.rule and discourse.rule.object not in things:
             discourse = replace(discourse, rule=None, last=None)
-    return replace(found, discourse=replace(discourse, has_failed=True))
+    discourse = replace(discourse, has_failed=True, has_unknown=has_unknown)
+    return replace(found, discourse=discourse)
 
 
 def _segmentations(tokens: Tokens) -> Iterator[tuple[Tokens, ...]]:

@@ -25,6 +25,7 @@ class Discourse:
     asks_why: bool = False  # whether the last turn asked why a thing was held so, or just why
     is_offered: bool = False  # whether `rule` was only offered as what may have been meant
     has_failed: bool = False  # whether the last turn was not understood: nothing is referred to
+    has_unknown: bool = False  # whether such a turn has unknown words, which may name something
 
     def about(self, name: str) -> "Discourse":
         """Return this state after an object of this name was mentioned."""
@@ -98,6 +99,8 @@ def after_offer(choices: Sequence[Meaning | str], discourse: Discourse) -> Disco
     match choices:
         case (Statement(rules=(rule,)),):  # "no, by the handle" may correct it
             return replace(discourse, rule=rule, last=rule, is_offered=True)
+        case (Question() as asked,):  # "and when you pass it?"
+            return replace(discourse, last=asked, is_offered=True)
         case _:
             return discourse
 
