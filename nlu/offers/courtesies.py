@@ -93,7 +93,8 @@ class CourtesyPhrases:
         It asks nothing, and is not understood; `is_nothing` says whether it hardly means anything.
         """
         words, lists = tokens.words, self.words
-        if tokens.asks or len(words) < 2:
+        asks = {words[0]} & features.words["interrogative"] and {*words[1:2]} & features.words["asking"]
+        if tokens.asks or asks or len(words) < 2:
             return False
         said = features.of_words(words)
         first = features.of_words(tokens.part(*tokens.parts[0]).words).get("agent", frozenset())

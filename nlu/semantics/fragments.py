@@ -52,6 +52,8 @@ def complete(fragment: FragmentValues, discourse: Discourse) -> meanings.Meaning
 def _complete(fragment: FragmentValues, discourse: Discourse) -> meanings.Meaning:  # noqa: PLR0911, PLR0912
     if fragment.mode == "keep":
         return _kept(discourse, fragment.default)
+    if fragment.mode == "like":
+        return _alike(fragment, discourse)
     if fragment.mode == "again":
         if discourse.command is None:
             raise UninterpretableError("nothing_to_repeat", asks=True)
@@ -88,6 +90,18 @@ def _complete(fragment: FragmentValues, discourse: Discourse) -> meanings.Meanin
             raise UninterpretableError("as_question", asks=True)
         case _:
             raise _nothing()
+
+
+def _alike(fragment: FragmentValues, discourse: Discourse) -> meanings.Meaning:
+    """Return the last rule, which is on the thing of a fragment, for the thing asked about."""
+    rule, asked = discourse.rule, discourse.last
+    if not isinstance(asked, Question) or asked.object is None or fragment.target is None:
+        raise _nothing()
+    if rule is None or rule.object != _kind(fragment.target)[0] or rule.object == asked.object:
+        raise _nothing()
+    if isinstance(rule, ActionRule) and asked.context:
+        rule = replace(rule, context=asked.context)
+    return _offered(replace(rule, object=asked.object, props=(), revises=False))
 
 
 def _is_other(fragment: FragmentValues) -> bool:
