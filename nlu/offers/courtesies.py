@@ -93,7 +93,9 @@ class CourtesyPhrases:
         It asks nothing, and is not understood; `is_nothing` says whether it hardly means anything.
         """
         words, lists = tokens.words, self.words
-        asks = {words[0]} & features.words["interrogative"] and {*words[1:2]} & features.words["asking"]
+        asks = {words[0]} & features.words["interrogative"] and {*words[1:2]} & features.words[
+            "asking"
+        ]
         if tokens.asks or asks or len(words) < 2:
             return False
         said = features.of_words(words)

@@ -13,7 +13,7 @@
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, partial
-from itertools import combinations, islice, takewhile
+from itertools import combinations, islice, pairwise, takewhile
 from operator import and_
 
 from ..lexicon.discourse_markers import move_to_front
@@ -31,13 +31,14 @@ from .parser import SentenceParser, decide
 from .periphery import MAX_CORES, Core, PeripheryReader, kinds_of_core
 from .procedures import ProcedureReader
 from .readings import ReadingFilter, features_of
-from .understanding import Understanding, UtteranceContext
+from .understanding import Reading, Understanding, UtteranceContext
 
 MAX_SEGMENTS = 4
 _TOPIC = 4  # the greatest length of a segment that only names something [words]
 
 _ANYTHING = PredicateForm("anythingNamed")  # stands for whatever a pronoun may refer to
 _ANSWERS = frozenset({"yes", "no"})  # they outweigh all politeness around them
+_INDEFINITE = frozenset({"a", "an"})
 _SOMEBODY = frozenset({"i", "am", "he", "she"})  # "I am a tailor" names no thing
 _ENDINGS = ("ing", "ed", "ly")  # of words that name no thing
 _CLOSING = frozenset({"thanks", "okay"})
@@ -326,6 +327,8 @@ class _Attempt:
             if answer is None:
                 features = features_of(tools.parser.features, chosen, tokens)
                 chosen = replace(chosen, features=features)
+                if self._is_guess(chosen, tokens):
+                    chosen = replace(chosen, meaning=AskBack(choices=(chosen.meaning,)))
                 licensed = clarify.licensed(chosen)
                 return Understanding.of(tokens, context, licensed, chosen, len(accepted))
         elif accepted:
@@ -341,6 +344,19 @@ class _Attempt:
             answer = clarify.of_unknown_words(tokens, unknown)
         answer = answer or clarify.of_failure(chart, tokens, refusal)
         return Understanding.of(tokens, context, answer, readings=len(accepted))
+
+    def _is_guess(self, reading: Reading, tokens: Tokens) -> bool:
+        """Whether a fragment adds a rule on a word that nobody knows and that may name no thing.
+
+        "And a fork" and "forks too" name one; "also hungry" and "and now the doorbell" may not.
+        """
+        if reading.speech_act.name != "FRAGMENT" or not isinstance(reading.meaning, Statement):
+            return False
+        articles = {after for before, after in pairwise(tokens.words) if before in _INDEFINITE}
+        is_plural = self._tools.known_words.builder.inflection.is_plural_only
+        things = (word for word in reading.new_words if word.role == "object")
+        single = [each.said for each in things if each.said == each.word]
+        return not all(is_plural(said) or said.partition(" ")[0] in articles for said in single)
 
     def _topic(
         self, tokens: Tokens, context: UtteranceContext
@@ -382,7 +398,9 @@ def _new_object(tokens: Tokens, known: KnownWords, features: FeatureReader) -> t
     for place, entries in sorted(known.guesses(tokens, known.unknown(tokens)).items()):
         word, before = tokens.words[place], tokens.words[:place]
         names = [e.name for e in entries if e.role == "object" and not e.says.endswith(_ENDINGS)]
-        is_introduced = before[-1:] in {("a",), ("an",)} and _SOMEBODY.isdisjoint(before[-3:-1])
+        is_introduced = not _INDEFINITE.isdisjoint(before[-1:]) and _SOMEBODY.isdisjoint(
+            before[-3:-1]
+        )
         name = max(names, key=len, default="")
         end = place + 1 + name.count(" ")
         is_introduced |= known.builder.inflection.is_plural_only(word)

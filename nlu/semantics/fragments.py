@@ -290,7 +290,7 @@ def _as_command(  # noqa: PLR0911 - a case per slot
     if fragment.part and fragment.confidence:  # "not by the handle"
         name, props = _kind(command.target)
         return _offered(ActionRule(name, command.goal, fragment.part, fragment.confidence, props))
-    if fragment.part:
+    if fragment.part and fragment.part_of in {None, command.target.object}:
         return replace(command, part=fragment.part)
     if fragment.recipient and command.goal == "pass":
         return replace(command, recipient=fragment.recipient)
