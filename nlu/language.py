@@ -374,7 +374,8 @@ class Language:
 
     def _says_nothing(self, part: Tokens) -> bool:
         is_open = self._courtesies.has_content(part) or self.offers.known.unknown(part)
-        return not is_open and self.offers.checks.is_apart(part.words)
+        has_degree = self.offers.mentions(part, Discourse()).degrees
+        return not (is_open or has_degree) and self.offers.checks.is_apart(part.words)
 
     @cached_property
     def utterance_parser(self) -> UtteranceParser:

@@ -238,10 +238,17 @@ def _as_acts(found: Iterable[Mention], known: KnownWords) -> Iterator[Mention]:
             yield from (replace(each, role="act", name=name) for name in (*names, *bare))
 
 
+def _role(entry: Entry) -> str | None:
+    role = _ROLES.get(entry.category.atom.name)
+    # "Long" and "a kind of" make a noun of a noun, and name no thing.
+    is_whole = entry.category == entry.category.atom
+    return role if is_whole or role in {"act", "affordance", "property"} else None
+
+
 def _known(words: tuple[str, ...], lexicon: Lexicon) -> Iterator[Mention]:
     for start in range(len(words)):
         for end, node in lexicon.nodes(words, start):
-            roles = ((_ROLES.get(each.category.atom.name), each.name) for each in node.entries)
+            roles = ((_role(each), each.name) for each in node.entries)
             is_noun = start > 0 and words[start - 1] in _OWNERS  # "your hand"
             for role, name in dict.fromkeys(roles):
                 is_verb = role in {"act", "affordance"} and not words[start].endswith("ing")
