@@ -16,7 +16,7 @@ from ..ontology.vocabulary import Iri, external, iri, term
 from .history import ANSWER, SPEAKER, TEXT, rules_property, utterance_property
 from .interval import Interval
 from .rdf import record_mapping, rule_mapping
-from .rdf.record_mapping import FieldProperty, RecordMapping, group_properties, local_name
+from .rdf.record_mapping import FieldProperty, RecordMapping, group_pairs, local_name
 from .rdf.rule_mapping import DERIVED, LOWER, TYPE, UPPER, atom_from_iri, atom_iri, decimal
 from .rdf.terms import Quad, Term
 from .rule import Atom
@@ -125,7 +125,7 @@ def episode_quads(episode: Episode) -> Iterator[Quad]:
 
 def observation_quads(node: Iri, properties: Iterable[tuple[Iri, Term]]) -> Iterator[Quad]:
     """What follows from an episode or a grasp trial with these properties: an observation."""
-    found = group_properties(properties)
+    found = group_pairs(properties)
     if _TRIALS.type in found[TYPE]:
         yield Quad(node, TYPE, external("sosa:Observation"), DERIVED)
         for stored, key in _OBSERVED.items():
@@ -146,7 +146,7 @@ def trial_nodes(store: Store, of: str | None, part: str | None) -> Iterator[Iri]
     """The grasp trials that count, with an object `of` this kind and by this part, if given."""
     wanted = ((_TRIALS.fields["object"], of), (_TRIALS.fields["part"], part))
     for quad in store.quads(None, TYPE, _TRIALS.type, EPISODES):
-        found = group_properties(store.properties(quad.subject, EPISODES))
+        found = group_pairs(store.properties(quad.subject, EPISODES))
         fits = (name is None or at.encode(name) in found[at.predicate] for at, name in wanted)
         if not found[FORGOTTEN_BY] and all(fits):
             yield quad.subject
@@ -154,7 +154,7 @@ def trial_nodes(store: Store, of: str | None, part: str | None) -> Iterator[Iri]
 
 def read_episode(store: ReadableStore, node: Iri) -> Episode:
     """The episode of a node; ValidationError or KeyError if something of it is missing."""
-    found = group_properties(store.properties(node, EPISODES))
+    found = group_pairs(store.properties(node, EPISODES))
     trials = tuple(map(_TRIALS.read, _in_order(store, found[TRIAL])))
     steps = list[EpisodeStep]()
     for step in _in_order(store, found[STEP]):
@@ -164,7 +164,7 @@ def read_episode(store: ReadableStore, node: Iri) -> Episode:
 
 
 def _in_order(store: ReadableStore, nodes: Iterable[Term]) -> list[record_mapping.PropertyValues]:
-    found = [group_properties(store.properties(cast(Iri, node), EPISODES)) for node in nodes]
+    found = [group_pairs(store.properties(cast(Iri, node), EPISODES)) for node in nodes]
     return sorted(found, key=lambda each: cast(int, each[INDEX][0]))
 
 

@@ -17,7 +17,7 @@ from typing import Annotated
 from ..ontology.errors import ValidationError
 from ..ontology.vocabulary import Iri, external, iri, term
 from .interval import Interval
-from .rdf.record_mapping import REQUIRED, FieldProperty, RecordMapping, group_properties, local_name
+from .rdf.record_mapping import REQUIRED, FieldProperty, RecordMapping, group_pairs, local_name
 from .rdf.rule_mapping import ATTRIBUTED_TO, DERIVED, GENERATED_AT, TYPE, decimal, rule_id, rule_iri
 from .rdf.terms import Quad, Term, lexical
 from .rule import MAX_NAME, check_speaker
@@ -139,7 +139,7 @@ def trust_bounds(node: Iri, trust: Interval, graph: Iri) -> Iterator[Quad]:
 
 def read_utterance(properties: Iterable[tuple[Iri, Term]]) -> Utterance:
     """The utterance with a node's properties; ValidationError if one is missing or malformed."""
-    return _UTTERANCES.read(group_properties(properties))
+    return _UTTERANCES.read(group_pairs(properties))
 
 
 _UTTERANCES = RecordMapping(Utterance, "An utterance", term("Utterance"), HISTORY)

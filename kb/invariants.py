@@ -24,7 +24,7 @@ from .knowledge_base import DERIVATION, FORMAT, FORMAT_VERSION, base_format
 from .learned import ACTIONS, LEXICON, PHRASES, TAUGHT_ACTIONS, TOLD, WORDS, LearnedMapping
 from .rdf import rule_mapping
 from .rdf.domain import DOMAIN, DOMAIN_HASH, content_hash
-from .rdf.record_mapping import group_properties
+from .rdf.record_mapping import group_pairs
 from .rdf.rule_mapping import ACTIVE, BELIEFS, DERIVED, DERIVED_FROM, LABEL, STATUS, TYPE
 from .rdf.terms import BASE_GRAPH, BASE_NODE, Properties, Quad, Term, is_blank, lexical
 from .rule import check_speaker
@@ -181,7 +181,7 @@ def _utterance(_: ReadableStore, node: Iri, properties: Properties) -> Iterator[
 
 
 def _speaker(_: ReadableStore, node: Iri, properties: Properties) -> Iterable[Quad]:
-    name, found = split(node)[1], group_properties(properties)
+    name, found = split(node)[1], group_pairs(properties)
     check_speaker(name)
     lower, upper = (cast("list[float]", found[key]) for key in history.TRUST)
     if not lower + upper:
@@ -196,7 +196,7 @@ def _learned(mapping: LearnedMapping[Any]) -> "_Reader":
 
     def read(_: ReadableStore, node: Iri, properties: Properties) -> Iterator[Quad]:
         # What was learned again, or merged, has several utterances.
-        record = mapping.read(group_properties(dict(properties).items()))
+        record = mapping.read(group_pairs(dict(properties).items()))
         if mapping.node(record) != node:
             raise ValidationError([f"Its content makes it {shortened(mapping.node(record))}."])
         for quad in mapping.learned_quads(record):

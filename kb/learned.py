@@ -21,7 +21,7 @@ from typing import Annotated
 from ..ontology.vocabulary import Iri, external, iri, term
 from .history import SPEAKER, TEXT, utterance_property
 from .rdf.domain import node_statements
-from .rdf.record_mapping import FieldProperty, Record, RecordMapping, group_properties
+from .rdf.record_mapping import FieldProperty, Record, RecordMapping, group_pairs
 from .rdf.rule_mapping import ACTIVE, DERIVED_FROM, LABEL, STATUS, TYPE, atom_from_iri, atom_iri
 from .rdf.terms import Quad
 from .rule import Atom, Status
@@ -60,7 +60,7 @@ class LearnedMapping(RecordMapping[Record]):
         wanted = {(TYPE, self.type), ACTIVE}
         found = (some for _, some in described_nodes(store, self.graph) if wanted.issubset(some))
         # One value of each, because what was learned again, or merged, has several utterances.
-        known = [self.read(group_properties(dict(one).items())) for one in found]
+        known = [self.read(group_pairs(dict(one).items())) for one in found]
         return sorted(known)  # pyright: ignore[reportArgumentType] - ordered dataclasses
 
 

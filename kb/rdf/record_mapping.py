@@ -14,7 +14,7 @@ TYPE = external("rdf:type")
 Record = TypeVar("Record")
 Key = TypeVar("Key")
 Value = TypeVar("Value")
-PropertyValues: TypeAlias = "defaultdict[Iri, list[Term]]"
+PropertyValues: TypeAlias = "defaultdict[Iri, list[Term]]"  # of each property of a node
 REQUIRED = object()  # the default of a field that is always stored
 
 
@@ -37,11 +37,6 @@ def group_pairs(pairs: Iterable[tuple[Key, Value]]) -> defaultdict[Key, list[Val
     for key, value in pairs:
         found[key].append(value)
     return found
-
-
-def group_properties(properties: Iterable[tuple[Iri, Term]]) -> PropertyValues:
-    """The values of each property of a node."""
-    return group_pairs(properties)
 
 
 @dataclass(frozen=True)

@@ -24,7 +24,7 @@ from ...ontology.errors import ValidationError
 from ...ontology.vocabulary import HILT, Iri, external, iri, shortened, split, term
 from ..interval import DIGITS, VACUOUS, Interval
 from ..rule import GRASP_OBJECT, KIND_OF, USED_FOR, Atom, Rule, Status
-from .record_mapping import TYPE, group_properties
+from .record_mapping import TYPE, group_pairs
 from .terms import Literal, Property, Quad, Term
 
 BELIEFS, DERIVED = iri("graph", "beliefs"), iri("graph", "derived")
@@ -212,7 +212,7 @@ def read_rule(properties: Iterable[Property]) -> Rule:
 
 @lru_cache(maxsize=2**18)
 def _shared_content(properties: tuple[Property, ...]) -> Rule:
-    found = group_properties(properties)
+    found = group_pairs(properties)
     arguments: list[Any] = [value for key in ARGUMENTS for value in found[key]]
     functor: Iri = _one(found, FUNCTOR)
     status_node: Iri = _one(found, STATUS)

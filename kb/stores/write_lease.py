@@ -28,7 +28,7 @@ from uuid import uuid4
 
 from ...ontology.errors import HiltError, StoreError
 from ...ontology.vocabulary import Iri, iri, term
-from ..rdf.record_mapping import group_properties
+from ..rdf.record_mapping import group_pairs
 from ..rdf.terms import Literal, Quad, Term, as_sparql, read_time
 from ..sparql.query_text import delete_insert, with_prefixes
 from ..sparql.results import SelectResult
@@ -189,9 +189,8 @@ class WriteLease:
 
     def claims(self) -> list[Claim]:
         """All claims, and what is left of those that were ended."""
-        rows = self._read(_READ).rows
-        nodes = dict.fromkeys(cast(Iri, row[0]) for row in rows)
-        return [_claim(node, [row[1:] for row in rows if row[0] == node]) for node in nodes]
+        found = group_pairs((cast(Iri, row[0]), row[1:]) for row in self._read(_READ).rows)
+        return [_claim(node, rows) for node, rows in found.items()]
 
     def _are_ended(self, dead: Sequence[Claim]) -> bool:
         ended = [one for one in dead if one.age_s is not None]
@@ -220,7 +219,7 @@ class WriteLease:
 
 
 def _claim(node: Iri, rows: Sequence[tuple[Any, ...]]) -> Claim:
-    found = group_properties(row[:2] for row in rows)
+    found = group_pairs(row[:2] for row in rows)
     ages = [(_moment(rows[0][2]) - _moment(at)).total_seconds() for at in found[CLAIMED_AT]]
     changes, replaces = (tuple(cast("list[Iri]", found[key])) for key in (CHANGES, REPLACES))
     return Claim(
