@@ -86,10 +86,9 @@ class Utterance:
 
     def as_json(self) -> dict[str, object]:
         """One entry of `hilt history --json`."""
-        rules = {name: list(getattr(self, name)) for name in ("asserts", "retracts", "supersedes")}
         return {
             **vars(self),
-            **rules,
+            **{name: list(getattr(self, name)) for name in ("asserts", "retracts", "supersedes")},
             "predicate": self.predicate or None,
             "time": lexical(self.time)[0],
             "answer": self.answer or None,

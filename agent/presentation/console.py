@@ -242,8 +242,7 @@ def explanation(
         cells = attrgetter("evidence.interval", "after", "evidence.about", "chosen")
         rows = ((*before, chosen or "nothing") for *before, chosen in map(cells, changes))
         columns = ("if instead of", "it were", "about", "I would choose")
-        title = "What would change my mind"
-        parts.append(table(columns, rows, title=title, title_justify="left"))
+        parts.append(table(columns, rows, title="What would change my mind", title_justify="left"))
     return Group(*parts)
 
 

@@ -216,8 +216,7 @@ class RuleFilter:
 
     def rules(self, base: KnowledgeBase) -> list[Rule]:
         """The rules, in the order in which they were last said."""
-        names = ("object", "affordance", "context", "part")
-        wanted = {name: getattr(self, name) for name in names}
+        wanted = {name: getattr(self, name) for name in ("object", "affordance", "context", "part")}
         if self.at is None and self.according_to is None:
             return base.rules(**wanted)
         moment = None if self.at is None else parse_moment(self.at)

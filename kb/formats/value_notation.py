@@ -172,12 +172,11 @@ def write_table(target: TextIO, rules: Iterable[Rule]) -> None:
 
 @lru_cache(maxsize=2**16)
 def _rule_about_any(contexts: str, functor: str, argument: str, *source: str) -> Rule:
-    kind = ARGUMENT_KINDS.get(functor)
     return Rule(
         frozenset([ANY_OBJECT]),
         split_atoms(contexts, CONTEXT_KIND),
         functor,
-        read_atom(argument, kind) if argument else None,
+        read_atom(argument, ARGUMENT_KINDS.get(functor)) if argument else None,
         VACUOUS,
         **read_source(*source),
     )
