@@ -196,7 +196,7 @@ class Language:
     ) -> Understanding:
         found = self.utterance_parser.understand(text, context, accepted)
         if _is_not_understood(found.meaning, text):
-            aside, courtesy = self._halt_within(text), self._courtesies.find(self._tokens(text))
+            aside, courtesy = self._control_within(text), self._courtesies.find(self._tokens(text))
             if courtesy and courtesy.kind and not courtesy.rest:
                 aside = aside or Acknowledgement(courtesy.kind)
             if aside:
@@ -224,6 +224,8 @@ class Language:
         ends = courtesy and text.rstrip(" .!?").endswith(courtesy.rest.rstrip(" .!?"))
         if not courtesy or courtesy.rest == text or not (courtesy.kind or ends):
             return None
+        if not (courtesy.kind or self._speech.isdisjoint(tokens.words)):
+            return None  # "she told me, put it down"
         if not courtesy.rest:
             choices = failed.meaning.choices if isinstance(failed.meaning, AskBack) else ()
             is_other = courtesy.kind and choices and not isinstance(choices[0], str)
@@ -234,11 +236,17 @@ class Language:
         control = self.control(courtesy.rest) if is_own else None
         if control:
             rest = replace(rest, meaning=control, discourse=context.discourse)
-        is_harmless = rest.kind in {"question", "acknowledgement", "control"}
+        is_harmless = rest.kind in {"question", "acknowledgement", *["control"] * bool(is_own)}
         is_harmless |= rest.meaning == meanings.Retraction()  # "sorry, forget that"
         if is_harmless or (rest.kind not in {"error", "ask_back"} and courtesy.is_formal):
             return replace(rest, text=failed.text)
         if courtesy.kind and isinstance(failed.meaning, meanings.Misunderstanding):
+            others = self._tokens(courtesy.rest)
+            named = self.offers.mentions(others, Discourse())
+            acts = {each.start for each in named.names if each.role == "act" and not each.is_new}
+            if not (named.required or others.asks) and acts.isdisjoint(others.beginnings):
+                said = replace(failed, meaning=Acknowledgement(courtesy.kind))
+                return replace(said, discourse=context.discourse)
             said = f"{self.answers.say(answer_to(courtesy.kind))} {failed.meaning.message}"
             return replace(failed, meaning=replace(failed.meaning, message=said))
         return None
@@ -331,14 +339,25 @@ class Language:
         words = load_word_lists(self.folder / "courtesies.yaml")
         return CourtesyPhrases(words, self.utterance_parser.known_words)
 
-    def _halt_within(self, text: str) -> Control | None:
+    @property
+    def _speech(self) -> frozenset[str]:
+        return self.utterance_parser.periphery.reader.words.words("speech")
+
+    def _control_within(self, text: str) -> Control | None:
+        """Return "stop" anywhere in a text, or another control beside what says little else."""
         tokens = self._tokens(text)
-        found = [tokens.part(*span) for span in tokens.parts]
-        halts = {c.control for each in found if (c := self.control(each.span(0, len(each.items))))}
-        if "stop" in halts:
+        parts = [tokens.part(*span) for span in tokens.parts]
+        found = [self.control(each.span(0, len(each.items))) for each in parts]
+        if any(each and each.control == "stop" for each in found):
             return Control("stop")
-        is_bare = not any(self._courtesies.has_content(each) or each.asks for each in found)
-        return Control("wait") if "wait" in halts and is_bare else None
+        others = [each for each, control in zip(parts, found, strict=True) if control is None]
+        is_bare = not any(self._courtesies.has_content(each) or each.asks for each in others)
+        is_own = is_bare and self._speech.isdisjoint(tokens.words)
+        addressed = (token for each in others for token in each.items[:1])
+        is_own = is_own and not any(map(self._courtesies.is_person, addressed))
+        is_plain = is_own and all(self.offers.checks.is_apart(each.words) for each in others)
+        waits = next((each for each in found if each and each.control == "wait"), None)
+        return (waits if is_bare else None) or (found[-1] if is_plain and found else None)
 
     def denies(self, text: str) -> bool:
         """Whether a text has words that deny something, as "not", or come close to it."""

@@ -77,7 +77,7 @@ class CourtesyPhrases:
                 found.add(kind)
         addressed = tokens.items[1 : kept[0][0]] if kept and not name else ()
         others = (each for each in addressed if not self.words.has("chatter", each.word))
-        if not found or any(map(self._is_person, others)):
+        if not found or any(map(self.is_person, others)):
             return None
         kind = next((each for each in self.words.names("courtesies") if each in found), "")
         text, starts = tokens.text, [*(each.start for each in tokens.items), len(tokens.text)]
@@ -93,10 +93,9 @@ class CourtesyPhrases:
         It asks nothing, and is not understood; `is_nothing` says whether it hardly means anything.
         """
         words, lists = tokens.words, self.words
-        asks = {words[0]} & features.words["interrogative"] and {*words[1:2]} & features.words[
-            "asking"
-        ]
-        if tokens.asks or asks or len(words) < 2:
+        if tokens.asks or len(words) < 2:
+            return False
+        if words[0] in features.words["interrogative"] and words[1] in features.words["asking"]:
             return False
         said = features.of_words(words)
         first = features.of_words(tokens.part(*tokens.parts[0]).words).get("agent", frozenset())
@@ -134,7 +133,7 @@ class CourtesyPhrases:
                 if token.word not in links:
                     people[-1].append(token)
             people = [name for name in people if name]
-            if people and all(self._is_person(token) for name in people for token in name):
+            if people and all(self.is_person(token) for name in people for token in name):
                 names = (tokens.text[name[0].start : name[-1].end] for name in people)
                 return TrustStatement(tuple(names), kind == "distrusted")
         return None
@@ -143,7 +142,7 @@ class CourtesyPhrases:
         words = part.words
         for start in range(min(len(words), _LONGEST_ADDRESS)):
             first = self.words.end("introducing", words, start)
-            name = [*takewhile(self._is_person, part.items[first:])]
+            name = [*takewhile(self.is_person, part.items[first:])]
             if first > start and name and self._ends_with(words, first + len(name)):
                 return " ".join(token.word for token in name)
         return ""
@@ -186,6 +185,7 @@ class CourtesyPhrases:
         is_act |= any(self.words.end("wishing", part.words, n) > n for n in range(len(part.words)))
         return bool(found.required) or (is_act and is_on_it)
 
-    def _is_person(self, token: Token) -> bool:
+    def is_person(self, token: Token) -> bool:
+        """Whether a token may be somebody's name."""
         is_known = self.known.lexicon.is_name(token.word, _PEOPLE)
         return token.capital and (is_known or not self.known.has(token.word))

@@ -202,18 +202,20 @@ class _Attempt:
 
     def _with_topics(self, segments: Sequence[Tokens]) -> Iterator[Sequence[Tokens]]:
         """Yield the segments; and with names of what is spoken of next: "and a spoon, it is .."."""
-        words, joining = self._tools.periphery.reader.words, self._tools.known_words.builder.joining
-        *first, last = segments
-        named = [1 < len(each.items) <= _TOPIC and each.words[0] in joining for each in first]
+        words, (*first, last) = self._tools.periphery.reader.words, segments
+        ends = [words.end("topic", each.words) for each in first]
+        starts = [
+            end if 0 < len(e.items) - end < _TOPIC else 0
+            for end, e in zip(ends, first, strict=True)
+        ]
         after = (words.end("impersonal", each.words) > 0 for each in segments[1:])
-        if not any(map(and_, named, after)):
+        if not any(map(and_, map(bool, starts), after)):
             yield segments
-        if any(named):
-            topics = (
-                each.part(int(is_named), len(each.items))
-                for each, is_named in zip(first, named, strict=True)
+        if any(starts):
+            yield (
+                *(e.part(start, len(e.items)) for e, start in zip(first, starts, strict=True)),
+                last,
             )
-            yield (*topics, last)
 
     def _without_markers(self, tokens: Tokens, context: UtteranceContext) -> Understanding | None:
         tried = {tokens.words}

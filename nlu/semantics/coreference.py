@@ -10,13 +10,14 @@ from dataclasses import replace
 
 from .discourse import SOMETHING, Discourse, use_form
 from .meaning import ActionRule, Command
-from .predicates import PredicateForm, UninterpretableError
+from .predicates import PredicateForm, UninterpretableError, load_predicates
 
 IT, THEY, ONE, THE_TWO = map(PredicateForm, ("it", "they", "one", "theTwo"))
 LAST_USE = PredicateForm("lastUse")
 PRONOUNS = frozenset({IT, THEY})
 PERSONAL = frozenset(map(PredicateForm, ("him", "her", "them")))
 
+_THE_OTHER = PredicateForm("theOther")
 _ONE_OF_SEVERAL = PredicateForm("oneOfSeveral")
 _ORDINALS = {"former": 0, "latter": -1}
 _HILT = PredicateForm("self")
@@ -32,6 +33,8 @@ def resolve(form: PredicateForm, discourse: Discourse) -> PredicateForm:
     It raises `UninterpretableError` without a referent, or where one rule is about two objects.
     """
     discourse = discourse.accessible
+    if any(part.name in load_predicates().fragments for part in form):
+        form = form.replacing(_THE_OTHER, PredicateForm("other", (ONE,)))
     form = form.mapped(lambda part: _ordinal(part, discourse))
     # Twice, since the tool may be "something that is used for cutting".
     form = form.mapped(_with_use_or_tool).mapped(_with_use_or_tool)
@@ -73,6 +76,11 @@ def _ordinal(part: PredicateForm, discourse: Discourse) -> PredicateForm | None:
         is_described = isinstance(discourse.last, Command) and discourse.last.target.object is None
         known = None if is_described else discourse.object
         return noun_of(known) if known else PredicateForm("something")
+    if part == _THE_OTHER:
+        others = [each for each in discourse.pair if each != discourse.object]
+        is_clear = len(discourse.pair) == 2 and len(others) == 1
+        kind = _ordinal(ONE, discourse) or ONE
+        return others[0] if is_clear else PredicateForm("other", (kind,))
     if part.name not in _ORDINALS or part.arguments:
         return None
     if len(discourse.pair) < 2:

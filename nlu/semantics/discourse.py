@@ -88,15 +88,16 @@ def update_discourse(meaning: Meaning, content: PredicateForm, discourse: Discou
 def after_offer(choices: Sequence[Meaning | str], discourse: Discourse) -> Discourse:
     """Return the discourse state after an offer: "it" is what all choices with a name have.
 
-    As long as it is open which of several choices was meant, nothing is sure to be referred to.
+    As long as it is open which of several choices was meant, no fragment completes any of them.
     """
     offered = [tuple(_named_objects(choice)) for choice in choices if not isinstance(choice, str)]
     named = next(filter(None, offered), ())
     if not named or any(each not in {named, ()} for each in offered):
         return discourse
     discourse = discourse.accessible.naming(*dict.fromkeys(named))
-    discourse = replace(discourse, has_failed=len(choices) > 1)
     match choices:
+        case (_, _, *_):
+            return replace(discourse, rule=None, last=None)
         case (Statement(rules=(rule,)),):  # "no, by the handle" may correct it
             return replace(discourse, rule=rule, last=rule, is_offered=True)
         case (Question() as asked,):  # "and when you pass it?"
