@@ -224,32 +224,35 @@ class Language:
         ends = courtesy and text.rstrip(" .!?").endswith(courtesy.rest.rstrip(" .!?"))
         if not courtesy or courtesy.rest == text or not (courtesy.kind or ends):
             return None
-        if not (courtesy.kind or self._speech.isdisjoint(tokens.words)):
-            return None  # "she told me, put it down"
+        said = Acknowledgement(courtesy.kind)
+        alone = replace(failed, meaning=said, reading=None, new_words=())
+        alone = replace(alone, discourse=context.discourse)
         if not courtesy.rest:
             choices = failed.meaning.choices if isinstance(failed.meaning, AskBack) else ()
-            is_other = courtesy.kind and choices and not isinstance(choices[0], str)
-            said = replace(failed, meaning=Acknowledgement(courtesy.kind), reading=None)
-            return replace(said, new_words=(), discourse=context.discourse) if is_other else None
+            return alone if courtesy.kind and choices and not isinstance(choices[0], str) else None
         rest = self._understand(courtesy.rest, context, ())
-        is_own = courtesy.kind or not self.offers.known.unknown(tokens)  # not "Rex, drop it"
-        control = self.control(courtesy.rest) if is_own else None
-        if control:
+        # Not "Rex, drop it", nor "she told me, drop it".
+        is_others = self.offers.known.unknown(tokens) or not self._speech.isdisjoint(tokens.words)
+        is_own = bool(courtesy.kind or not is_others)
+        if is_own and (control := self.control(courtesy.rest)):
             rest = replace(rest, meaning=control, discourse=context.discourse)
-        is_harmless = rest.kind in {"question", "acknowledgement", *["control"] * bool(is_own)}
+        is_harmless = rest.kind in {"question", "acknowledgement", *["control"] * is_own}
         is_harmless |= rest.meaning == meanings.Retraction()  # "sorry, forget that"
         if is_harmless or (rest.kind not in {"error", "ask_back"} and courtesy.is_formal):
             return replace(rest, text=failed.text)
-        if courtesy.kind and isinstance(failed.meaning, meanings.Misunderstanding):
-            others = self._tokens(courtesy.rest)
-            named = self.offers.mentions(others, Discourse())
-            acts = {each.start for each in named.names if each.role == "act" and not each.is_new}
-            if not (named.required or others.asks) and acts.isdisjoint(others.beginnings):
-                said = replace(failed, meaning=Acknowledgement(courtesy.kind))
-                return replace(said, discourse=context.discourse)
-            said = f"{self.answers.say(answer_to(courtesy.kind))} {failed.meaning.message}"
-            return replace(failed, meaning=replace(failed.meaning, message=said))
-        return None
+        if not courtesy.kind or not isinstance(failed.meaning, meanings.Misunderstanding):
+            return None
+        if self._says_little(courtesy.rest):
+            return alone
+        message = f"{self.answers.say(answer_to(courtesy.kind))} {failed.meaning.message}"
+        return replace(failed, meaning=replace(failed.meaning, message=message))
+
+    def _says_little(self, text: str) -> bool:
+        """Whether a text that is not understood asks, commands and names nothing that is known."""
+        tokens = self._tokens(text)
+        named = self.offers.mentions(tokens, Discourse())
+        acts = {each.start for each in named.names if each.role == "act" and not each.is_new}
+        return not (named.required or tokens.asks) and acts.isdisjoint(tokens.beginnings)
 
     def _is_by_the_way(self, text: str) -> bool:
         tokens = self._tokens(text)

@@ -25,6 +25,7 @@ _LONGEST_COMPLEMENT = 6  # words of "for all your help this morning"
 _FORMAL = frozenset({"greeting", "thanks", "farewell"})
 _PEOPLE = ("RN", "HN")
 _HERE = frozenset({"addressee", "generic"})  # the agents of what Hilt may be to do
+_OTHERS = frozenset({"other"})
 _OVER = frozenset({"past", "perfect"})
 
 _REPLIES = {"thanks": "welcome", "praise": "praised", "apology": "no_problem", "blame": "regrets"}
@@ -99,7 +100,7 @@ class CourtesyPhrases:
             return False
         said = features.of_words(words)
         first = features.of_words(tokens.part(*tokens.parts[0]).words).get("agent", frozenset())
-        is_of_others = words[0] in features.words["owners"] or first == {"other"}
+        is_of_others = words[0] in features.words["owners"] or first == _OTHERS
         is_of_others = is_of_others and _HERE.isdisjoint(first)
         if is_of_others or "source" in said or not _OVER.isdisjoint(said.get("tense", ())):
             return True

@@ -32,7 +32,6 @@ from .checks import LESS_LIKELY, OfferChecks
 from .meaning_shapes import composed_shapes, meaning_from_json, shape_from
 from .mentions import Mention, Mentions, Span, find_mentions
 
-
 _QUOTES = frozenset('"“”„«»')
 _OFFERED = (meanings.Statement, Question, SimpleCommand)
 

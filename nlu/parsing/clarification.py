@@ -119,8 +119,9 @@ class Clarifier:
         """The question which one of the cheapest readings was meant."""
         best = [each.meaning for each in readings if each.cost == readings[0].cost]
         offered = (each.choices if isinstance(each, AskBack) else (each,) for each in best)
-        choices = tuple(dict.fromkeys(chain.from_iterable(offered)))[:MAX_CHOICES]
-        return AskBack(self.answers.offer(list(map(self._choice, choices))), choices)
+        meant = (each for some in offered for each in some if not isinstance(each, str))
+        choices = tuple(dict.fromkeys(meant))[:MAX_CHOICES]
+        return AskBack(self.answers.offer([*map(self._choice, choices)]), choices)
 
     def of_failure(
         self, chart: Chart, tokens: Tokens, refusal: UninterpretableError | None

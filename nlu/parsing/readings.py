@@ -57,8 +57,8 @@ class ReadingFilter:
         ]
 
     def _may_introduce_words(self, reading: Reading, tokens: Tokens) -> bool:
-        words = reading.new_words
-        match reading.meaning:
+        words, meant = reading.new_words, reading.meaning
+        match meant.choices[0] if isinstance(meant, meanings.AskBack) and meant.choices else meant:
             case Statement(rules):
                 are_too_many = len(words) > MAX_NEW_NAMES * len(rules) + 1
                 said = {word.role: word.said for word in words}
@@ -68,8 +68,6 @@ class ReadingFilter:
                 things = [word for word in words if word.role == "object"]
                 no_thing = (self._is_agent(w, tokens) or self._is_use(w, tokens) for w in things)
                 return not (are_too_many or names_agent or any(no_thing) or any(no_material))
-            case meanings.AskBack(choices=(Statement() as told,)):
-                return self._may_introduce_words(replace(reading, meaning=told), tokens)
             case meanings.KindStatement():
                 return self._may_introduce_kinds(reading)
             case meanings.TopicStatement() | meanings.PartNaming():

@@ -69,10 +69,10 @@ def _complete(fragment: FragmentValues, discourse: Discourse) -> meanings.Meanin
         if not is_use or not (completed.material or fragment.confidence):
             raise _nothing()
         fragment = replace(fragment, use=completed.affordance)
-    is_wish = fragment.is_request and not fragment.asks and fragment.target
+    wished = fragment.target if fragment.is_request and not fragment.asks else None
     match completed:
-        case FunctionalRule() | ActionRule() | Question() if is_wish:  # "now the hammer, please"
-            return meanings.Command("pass", fragment.target)
+        case FunctionalRule() | ActionRule() | Question() if wished:  # "now the hammer, please"
+            return meanings.Command("pass", wished)
         case FunctionalRule() | ActionRule() as rule:
             return _as_rule(fragment, rule)
         case Question() as question:
