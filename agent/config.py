@@ -49,8 +49,7 @@ class ConfigOption:
 
 
 def _option(default: Any, *declared: Any, **more: Any) -> Any:
-    kind = Path if default is None else type(default)
-    option = ConfigOption(kind, default, *declared, **more)
+    option = ConfigOption(Path if default is None else type(default), default, *declared, **more)
     return field(default=default, metadata={"option": option})
 
 

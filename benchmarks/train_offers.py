@@ -56,14 +56,17 @@ RUN = 20  # neighbouring lines that stay together
 LEAST_SHAPES, LEAST_FEATURES = 40, 4
 """How many examples have a shape or a feature that is used."""
 
-KEPT = 1600
-"""How many weights are kept, the greatest; of equal ones those of more choices."""
+KEPT = (12000, 8000, 5500, 3800, 2700, 2000, 1600, 1200)
+"""How many weights are kept after each fit, the greatest; of equal ones those of more choices."""
 
 NAMED = 0.75
 """How much less a weight needs whose feature has another one: it takes fewer bytes in the file."""
 
-LEAST_WEIGHT = 0.4
-"""Smaller weights are left out after the second fit."""
+LEAST_WEIGHT = 0.2
+"""Smaller weights are left out after the last fit."""
+
+STEPS = 40
+"""The greatest number of steps of each fit."""
 
 PENALTY = 0.5
 """The weight of the squared weights in the loss."""
@@ -309,26 +312,29 @@ class _Rows:
 
 
 def trained(examples: Sequence[Example], acts: Mapping[str, str]) -> OfferModel:
-    """Fit the weights, keep the greatest, and fit those again."""
+    """Fit the weights, and again those that are kept, fewer each time."""
     shapes = shapes_of(examples, acts)
     data = choices(examples, shapes, acts)
-    whole = design(data, used_features(data))
-    part = whole.only(_greatest(whole, _fit(data, whole, 30)))
+    part = design(data, used_features(data))
+    weights = _fit(data, part, STEPS)
+    for kept in KEPT:
+        part = part.only(_greatest(part, weights, kept))
+        weights = _fit(data, part, STEPS)
     found: dict[str, dict[str, float]] = defaultdict(dict)
-    for (feature, trait), weight in zip(part.names, _fit(data, part, 40), strict=True):
+    for (feature, trait), weight in zip(part.names, weights, strict=True):
         if abs(weight) >= LEAST_WEIGHT:
             found[feature][trait] = round(float(weight), 1)
     return OfferModel(shapes, found)
 
 
-def _greatest(whole: Design, weights: np.ndarray) -> np.ndarray:
+def _greatest(whole: Design, weights: np.ndarray, kept: int) -> np.ndarray:
     uses = np.bincount(whole.of_shape, minlength=whole.shapes.shape[0])
     count = whole.shapes.T @ uses + np.asarray(whole.fillings.sum(axis=0)).ravel()
     size = np.abs(weights) * count**0.1
-    least = np.sort(size)[-min(KEPT, len(size))]
+    least = np.sort(size)[-min(kept, len(size))]
     named = {name for (name, _), each in zip(whole.names, size, strict=True) if each >= least}
     is_named = np.array([name in named for name, _ in whole.names])
-    return np.argsort(-size / np.where(is_named, NAMED, 1.0))[:KEPT]
+    return np.argsort(-size / np.where(is_named, NAMED, 1.0))[:kept]
 
 
 def _count(example: Example) -> float:
@@ -449,9 +455,10 @@ def _print_row(
 def as_json(model: OfferModel, seed: int) -> str:
     """The file of a model: its shapes and traits, and for each feature its traits with weights.
 
-    A trait goes by its number, and each is followed by its weight in tenths.
+    A trait goes by its number, that of a frequent one is small, and its weight in tenths follows.
     """
-    traits = sorted({trait for each in model.weights.values() for trait in each})
+    count = Counter(trait for each in model.weights.values() for trait in each)
+    traits = sorted(count, key=lambda trait: (-count[trait], trait))
     weights = (
         f"{_compact(feature)}:"
         + _compact([n for t, w in each.items() for n in (traits.index(t), round(10 * w))])

@@ -242,10 +242,9 @@ class NodeRules:
     def _most_specific(
         self, rules: Sequence[Rule], seen: Observation, shown: ImpliedAtoms, *, is_asked: bool
     ) -> ObjectRules:
-        shows = shown.keys()
         # What asserts and denies nothing only says on what a use rests (`induction`). The interval
         # is read last: the decision must not depend on those of rules about other objects.
-        fitting = [r for r in rules if features_of(r) <= shows and not r.interval.is_vacuous]
+        fitting = [r for r in rules if features_of(r) <= shown.keys() and not r.interval.is_vacuous]
 
         def is_affirmed(*premises: Premises) -> bool:
             known, evidence = {**self.given, **shown}, {**self.goal.contexts, **seen.atoms}

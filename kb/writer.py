@@ -239,8 +239,7 @@ class RuleWriter(RuleReader):
         ended = [self.rule(one) for one in rule_ids]
         gone = {rule.id for rule in ended}
         for rule in ended:
-            both = (rule, replace(rule, status=status))
-            change.replace(*map(rule_mapping.property_quads, both))
+            change.replace(*map(rule_mapping.property_quads, (rule, replace(rule, status=status))))
             change.delete.append(rule_mapping.node_edge(rule))
             gone_edges = {*rule_mapping.edges(rule)} - self._asserted(rule, gone, new)
             change.delete += sorted(gone_edges, key=str)

@@ -113,8 +113,7 @@ class Language:
             builder.read(extra_lexicon)
         names = vocabulary if vocabulary is not None else household_vocabulary()
         lexicon = LearnedLexicon(Lexicon(builder.vocabulary(names), builder.lexicon), builder)
-        acts = frozenset(names.contexts)
-        interpreter = Interpreter(degrees.intervals, builder.tool_acts, acts)
+        interpreter = Interpreter(degrees.intervals, builder.tool_acts, frozenset(names.contexts))
         combinator, readers = builder.combinator, tables[3:]
         parser = SentenceParser(tables.grammar, lexicon, combinator, interpreter, *readers)
         adverbs = {degrees.intervals[name]: each[0] for name, each in builder.qualifiers.items()}
@@ -224,8 +223,7 @@ class Language:
         ends = courtesy and text.rstrip(" .!?").endswith(courtesy.rest.rstrip(" .!?"))
         if not courtesy or courtesy.rest == text or not (courtesy.kind or ends):
             return None
-        said = Acknowledgement(courtesy.kind)
-        alone = replace(failed, meaning=said, reading=None, new_words=())
+        alone = replace(failed, meaning=Acknowledgement(courtesy.kind), reading=None, new_words=())
         alone = replace(alone, discourse=context.discourse)
         if not courtesy.rest:
             choices = failed.meaning.choices if isinstance(failed.meaning, AskBack) else ()
@@ -237,22 +235,18 @@ class Language:
         if is_own and (control := self.control(courtesy.rest)):
             rest = replace(rest, meaning=control, discourse=context.discourse)
         is_harmless = rest.kind in {"question", "acknowledgement", *["control"] * is_own}
-        is_harmless |= rest.meaning == meanings.Retraction()  # "sorry, forget that"
+        is_sorry = courtesy.kind == "apology"  # "sorry, forget that"
+        is_harmless |= is_sorry and rest.meaning == meanings.Retraction()
         if is_harmless or (rest.kind not in {"error", "ask_back"} and courtesy.is_formal):
             return replace(rest, text=failed.text)
         if not courtesy.kind or not isinstance(failed.meaning, meanings.Misunderstanding):
             return None
-        if self._says_little(courtesy.rest):
+        others = self._tokens(courtesy.rest)
+        is_plain = courtesy.is_formal and self._says_nothing(others, may_be_new=True)
+        if is_plain and not others.asks and self.offers.is_nothing(others):
             return alone
         message = f"{self.answers.say(answer_to(courtesy.kind))} {failed.meaning.message}"
         return replace(failed, meaning=replace(failed.meaning, message=message))
-
-    def _says_little(self, text: str) -> bool:
-        """Whether a text that is not understood asks, commands and names nothing that is known."""
-        tokens = self._tokens(text)
-        named = self.offers.mentions(tokens, Discourse())
-        acts = {each.start for each in named.names if each.role == "act" and not each.is_new}
-        return not (named.required or tokens.asks) and acts.isdisjoint(tokens.beginnings)
 
     def _is_by_the_way(self, text: str) -> bool:
         tokens = self._tokens(text)
@@ -355,12 +349,12 @@ class Language:
             return Control("stop")
         others = [each for each, control in zip(parts, found, strict=True) if control is None]
         is_bare = not any(self._courtesies.has_content(each) or each.asks for each in others)
-        is_own = is_bare and self._speech.isdisjoint(tokens.words)
-        addressed = (token for each in others for token in each.items[:1])
-        is_own = is_own and not any(map(self._courtesies.is_person, addressed))
-        is_plain = is_own and all(self.offers.checks.is_apart(each.words) for each in others)
-        waits = next((each for each in found if each and each.control == "wait"), None)
-        return (waits if is_bare else None) or (found[-1] if is_plain and found else None)
+        if is_bare and any(each and each.control == "wait" for each in found):
+            return Control("wait")
+        # Not "she told me, put it down" or "here, puss, drop it".
+        is_own = self._speech.isdisjoint(tokens.words) and all(map(self._says_nothing, others))
+        last = found[-1] if found and is_own else None
+        return None if last is None or last.object else last
 
     def denies(self, text: str) -> bool:
         """Whether a text has words that deny something, as "not", or come close to it."""
@@ -394,8 +388,9 @@ class Language:
         found = answers(tokens.without_breaks())
         return found or (answers(tokens.part(start, end)) if is_aside else [])
 
-    def _says_nothing(self, part: Tokens) -> bool:
-        is_open = self._courtesies.has_content(part) or self.offers.known.unknown(part)
+    def _says_nothing(self, part: Tokens, *, may_be_new: bool = False) -> bool:
+        is_new = bool(self.offers.known.unknown(part)) and not may_be_new
+        is_open = is_new or self._courtesies.has_content(part)
         has_degree = self.offers.mentions(part, Discourse()).degrees
         return not (is_open or has_degree) and self.offers.checks.is_apart(part.words)
 

@@ -207,8 +207,7 @@ class _TreeReader:
         keys, parameters = self.keys, self.signatures[self.name]
         others = self.signatures.keys() - {self.name}
         defaults = keys["defaults"].entries(optional=parameters) if "defaults" in keys else {}
-        lists = ("requires", "otherwise")
-        given = {key: keys[key].items() if key in keys else () for key in lists}
+        given = {key: keys[key].items() if key in keys else () for key in ("requires", "otherwise")}
         return ActionTree(
             self.name,
             parameters,

@@ -28,8 +28,7 @@ def timed(module: str, doing: str, *details: object) -> Generator[None]:
     try:
         yield
     finally:
-        took = 1000 * (perf_counter() - started)
-        log.debug("%s [%.1f ms]", shown(doing % details), took)
+        log.debug("%s [%.1f ms]", shown(doing % details), 1000 * (perf_counter() - started))
 
 
 def shown(text: str) -> str:

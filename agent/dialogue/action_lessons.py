@@ -89,8 +89,7 @@ class ActionLessons:
         if taught.speaker != turn.speaker:
             return conversation.answered(turn, "not_yours", "failed", speaker=taught.speaker)
         spoken = conversation.say(AnswerContent("forgotten_action", {"goal": name}))
-        said_in = turn.understood.text
-        self._base.forget(TAUGHT_ACTIONS, name, said_in, turn.speaker, answer=spoken)
+        self._base.forget(TAUGHT_ACTIONS, name, turn.understood.text, turn.speaker, answer=spoken)
         self.read()
         return conversation.reply(turn, spoken)
 
@@ -113,8 +112,7 @@ class ActionLessons:
                 meant = found.meaning
                 if isinstance(meant, meaning.ActionDefinition) and meant.action == unknown.goal:
                     conversation.open_question = None
-                    lesson = replace(turn, understood=replace(found, text=text))
-                    taught = self.learn(lesson, meant)
+                    taught = self.learn(replace(turn, understood=replace(found, text=text)), meant)
                     if said is None or unknown.goal not in self.actions.trees:
                         return taught
                     after = self.learn(turn, said)

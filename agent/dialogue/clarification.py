@@ -118,11 +118,6 @@ class ClarificationDialogue:
             case _:
                 return found
 
-    def is_lesson(self, text: str, speaker: str) -> bool:
-        """Whether a text tells what Hilt has just asked to be told."""
-        found = self.conversation.understand(text, speaker, heard=1.0)
-        return found.kind == "ask_back" and self.settled(found).kind == "statement"
-
     def learn_rule(self, turn: UnderstoodTurn, rule: meaning.Rule) -> Reply:
         """Learn the rule that an answer to a question of Hilt stands for; return the reply."""
         text = self.conversation.language.generate(meaning.Statement((rule,)))

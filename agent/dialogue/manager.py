@@ -163,9 +163,11 @@ class DialogueManager:
         """Return the replies to the sentences of an utterance, if it is heard one by one."""
         if found.kind in OPEN:
             first, *rest = SENTENCE_END.split(found.text.strip(), 1)
-            reply = answer(first, found.speaker) if rest else None
-            if reply or (rest and self._clarification.is_lesson(first, found.speaker)):
-                return [reply or hear(first), hear(*rest)]
+            said = self.conversation.understand(first, found.speaker, heard=1.0)
+            if rest and self._clarification.settled(said) is not said:
+                return [hear(first), hear(*rest)]
+            if rest and (reply := answer(first, found.speaker)):
+                return [reply, hear(*rest)]
         several = self.conversation.sentences(found, kinds)
         return [hear(each.text) for each in several] if several[1:] else []
 

@@ -123,8 +123,7 @@ class NormDialogue:
         key = "prohibited" if rule.id in self._momentary else result.answer.key
         if verdict.first:
             named = next((atom.name for atom in rule.contexts if atom.kind == "object"), None)
-            thing = named or str(slots["object"])
-            slots = {**slots, "first": verdict.first.name, "thing": thing}
+            slots = {**slots, "first": verdict.first.name, "thing": named or str(slots["object"])}
             key = "comes_first"
         slots = {**slots, **self._told(key, rule).slots, "property": " ".join(verdict.unseen)}
         ending = "refused" if key == "forbidden" else "asked"

@@ -105,8 +105,7 @@ def rule_from_norm(said: meaning.Norm, speaker: str, heard: float = 1.0) -> Rule
         argument = Atom("part", act.part) if act.part else None
     if before:
         argument, thing = Atom("action", before.goal), before.target.object
-        is_other = thing not in {None, meaning.ANY_OBJECT, target.object}
-        names["object"] = thing if is_other else None
+        names["object"] = thing if thing not in {None, meaning.ANY_OBJECT, target.object} else None
     return norm(
         said.norm,
         act.goal,

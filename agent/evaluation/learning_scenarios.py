@@ -83,6 +83,5 @@ def command(action: str, affordance: str) -> str:
 @cache
 def load_scenarios() -> tuple[LearningScenario, LearningScenario]:
     """Return Scenario A, which the file contains, and Scenario B, its mirror image."""
-    file = yaml.safe_load(SCENARIOS_FILE.read_text(encoding="utf-8"))
-    scenario = LearningScenario("A", **file)
+    scenario = LearningScenario("A", **yaml.safe_load(SCENARIOS_FILE.read_text(encoding="utf-8")))
     return scenario, scenario.mirrored("B")

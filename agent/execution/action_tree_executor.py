@@ -428,8 +428,7 @@ class TreeExecutor:
         if unsure := [each for each in inference.candidates if each.verdict == "unsure"]:
             goal = self._request.action
             return None, outcome_answer.not_sure_how(goal, percept.object, unsure[0])
-        is_tool = self._patient is not None
-        return self._context.grips.get(percept.object) if is_tool else None, None
+        return self._context.grips.get(percept.object) if self._patient is not None else None, None
 
     def _objection(self, percept: Percept, inference: Inference, chosen: str | None) -> Failure:
         best, context, kind = inference.best, self._context, percept.object

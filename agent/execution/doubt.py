@@ -51,8 +51,7 @@ def find_doubt(
 
     def merit(part: str) -> tuple[float, float]:
         said = known[part].told if part in known else VACUOUS
-        counts = affordances.outcomes(kind, part, context)
-        return round(rank(counts.interval), DIGITS), rank(said)
+        return round(rank(affordances.outcomes(kind, part, context).interval), DIGITS), rank(said)
 
     denied = {each.part for each in inference.denied}
     others = [part for part in dict.fromkeys((*known, *parts)) if part not in denied]

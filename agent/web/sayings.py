@@ -89,8 +89,7 @@ def check_words(job: Job, text: str, conversation: Conversation) -> bool:
     """Whether what is said moves the robot; a problem 403 if its caller may not say it."""
     caller, speaker = job.caller, job.speaker
     introduction = conversation.language.introduction(text)
-    rest = (introduction and introduction.rest) or text
-    said = conversation.understand(rest, speaker, heard=1.0)
+    said = conversation.understand((introduction and introduction.rest) or text, speaker, heard=1.0)
     greeted = said.meaning.name if isinstance(said.meaning, meaning.Acknowledgement) else None
     name = introduction.name if introduction else greeted
     person = conversation.base.match_speaker(name) if name else speaker

@@ -85,8 +85,7 @@ def _conclusion(entry: YamlNode, found: Mapping[str, YamlNode]) -> tuple[str, At
         if given == [key]:
             return functor, value_notation.read_atom(name, ARGUMENT_KINDS[functor])
     argument = _optional(found, "argument").strip()
-    kind = ARGUMENT_KINDS.get(name)
-    return name, value_notation.read_atom(argument, kind) if argument else None
+    return name, value_notation.read_atom(argument, ARGUMENT_KINDS.get(name)) if argument else None
 
 
 def _interval(field: YamlNode) -> Interval:

@@ -105,8 +105,7 @@ def read_groups(file: BinaryIO, *, format: str, source: str, default: Iri) -> It
     """
     text = _RecentLines(file)
     try:
-        found = engine.parse(cast(BinaryIO, text), format=RDF_FORMATS[format])
-        yield from grouped(found, default)
+        yield from grouped(engine.parse(cast(BinaryIO, text), format=RDF_FORMATS[format]), default)
     except HiltError:
         raise
     except (SyntaxError, MemoryError, ValueError, OSError) as error:

@@ -117,8 +117,7 @@ def check_type(term: Term, wanted: Type, names: Signature, context: tuple[Type, 
             continue
         if found == wanted:
             return
-        problem = f"expected {wanted}, but {_shown(head)} gives {found}"
-        failures.append(TypeMismatchError(problem))
+        failures.append(TypeMismatchError(f"expected {wanted}, but {_shown(head)} gives {found}"))
     raise failures[0]
 
 

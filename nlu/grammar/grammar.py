@@ -131,8 +131,7 @@ def _roots(field: YamlNode, types: Mapping[str, Type]) -> Mapping[Category, str]
 
 def _unary(field: YamlNode, grammar: Grammar) -> UnaryRule:
     source, target, term = read_unary(field)
-    types = (grammar.type_of(each, field) for each in (source, target))
-    expected = categories.FunctionType(*types)
+    expected = categories.FunctionType(*(grammar.type_of(each, field) for each in (source, target)))
     try:
         categories.check_type(term, expected, grammar.signature)
     except categories.TypeMismatchError as error:

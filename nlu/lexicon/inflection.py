@@ -42,7 +42,7 @@ class FormTable:
     def origins(self, form: str) -> list[str]:
         """The words that may have this form, the likeliest first."""
         irregular = [word for word, changed in self.irregular.items() if changed == form]
-        if irregular:
+        if irregular or form in self.irregular:  # "lens" is no plural of "len"
             return irregular
         guesses = dict.fromkeys(
             pattern.sub(replacement, form, count=1) for pattern, replacement in self.backwards
@@ -78,8 +78,7 @@ class Inflection:
 
     def is_plural_only(self, words: str) -> bool:
         """Whether a noun phrase names what is one thing in the plural, like "red scissors"."""
-        irregular = self.tables["plural"].irregular
-        return any(irregular.get(word) == word for word in words.split(" "))
+        return any(self.tables["plural"].irregular.get(word) == word for word in words.split(" "))
 
     def with_article(self, words: str) -> str:
         """A noun phrase with its indefinite article, if it has one: "a mug", "an egg"."""

@@ -118,8 +118,7 @@ class LexiconBuilder:
             self._read_construction(field)
         for name, field in _entries(parts, "classes"):
             # The spellings of a word class mean nothing of their own.
-            category = AtomicCategory(name)
-            self._add_constructions(self._spelt(field), category, _NOTHING, 0.0, field)
+            self._add_constructions(self._spelt(field), AtomicCategory(name), _NOTHING, 0.0, field)
         for kind, field in _entries(parts, "discourse_markers"):
             self.discourse_markers = self.discourse_markers.with_phrases(kind, field)
         alone = (phrase for phrase in self.discourse_markers.anywhere if len(phrase) == 1)

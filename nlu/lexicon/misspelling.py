@@ -46,8 +46,7 @@ def slips(word: str) -> Iterator[str]:
 
 
 def _slips_of_words(word: str) -> Iterator[str]:
-    stems = (word.removesuffix(end) for end in _SUFFIXES if word.endswith(end))
-    letters = len(next(stems, word))
+    letters = len(next((word.removesuffix(end) for end in _SUFFIXES if word.endswith(end)), word))
     if word[-1] == word[-2] and word[-1] in _HARDLY_DOUBLED_AT_THE_END:
         yield word[:-1]
     if letters >= _SWAPPED_OR_DOUBLED:

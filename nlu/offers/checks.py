@@ -229,8 +229,7 @@ class OfferChecks:
     def _keeps_condition(self, meaning: Meaning, mentions: Mentions) -> bool:
         is_now = isinstance(meaning, SimpleCommand) and not meaning.negated
         if isinstance(meaning, SimpleCommand):
-            kind = "supposing" if is_now else "condition"
-            return not self.spoken(kind, mentions)
+            return not self.spoken("supposing" if is_now else "condition", mentions)
         names, is_asked = _names_in(meaning), isinstance(meaning, Question)
         spoken = [each.start for each in mentions.names if each.name in names]
         anything = [each.start for each in mentions.names]  # "if you had to choose" names nothing

@@ -11,7 +11,7 @@ from itertools import pairwise
 
 from ..lexicon.lexicon import Entry, Lexicon
 from ..lexicon.loader import NOUN_ROLES
-from ..lexicon.tokenizer import Token, Tokens
+from ..lexicon.tokenizer import Tokens
 from ..lexicon.unknown_words import KnownWords
 from ..semantics.discourse import SOMETHING, THIRD_PERSON, Discourse
 from ..semantics.interpretation import GOALS
@@ -42,9 +42,6 @@ _LABELS = ("degree", "object", "part", "property", "material", "person", "act", 
 _NEW_ROLES = {**{r: r for r in ("object", "part", "affordance", "person")}, "context": "act"}
 
 LEAST_ASIDE = 4  # the least length of what is said aside, from pause to pause [words]
-
-_NOUNS = frozenset({"one", "ones", "thing", "things"})
-_VERB_ENDINGS = ("s", "ed", "ing", "ly")
 
 _USING = frozenset({"use", "uses", "using", "used"})
 _OWNERS = frozenset({"your", "my", "his", "her", "their", "the", "a", "one", "other", "our"})
@@ -269,12 +266,10 @@ def _new(tokens: Tokens, known: KnownWords) -> Iterator[Mention]:
             if entry.name == entry.says and entry.role in plurals & NOUN_ROLES and not is_owned:
                 continue
             role = _NEW_ROLES.get(entry.role)
-            end = start + 1 + entry.says.count(" ")
-            if entry.role in NOUN_ROLES and _is_modifier(tokens, end, unknown):
-                continue
             is_name = tokens.items[start].capital and start not in tokens.beginnings
             fits = role == "person" if is_name else _fits(entry, tokens.words, start, known)
             if role and fits:
+                end = start + 1 + entry.says.count(" ")
                 is_unknown = tokens.items[start] in unknown
                 yield Mention(role, entry.name, start, end, is_new=True, is_unknown=is_unknown)
                 first, second = ("", "", *tokens.words[:start])[-2:]
@@ -286,15 +281,6 @@ def _new(tokens: Tokens, known: KnownWords) -> Iterator[Mention]:
                 is_material = first == "to" or second.endswith("ing")
                 if role == "object" and is_material and (is_one or entry.name != entry.says):
                     yield Mention("material", entry.name, start, end, True, is_unknown)
-
-
-def _is_modifier(tokens: Tokens, end: int, unknown: Sequence[Token]) -> bool:
-    """Whether a new word that ends here describes what comes next: "a big round thing"."""
-    if end in tokens.edges:
-        return False
-    word, after = tokens.items[end - 1].word, tokens.items[end]
-    is_noun = after in unknown and not after.word.endswith(_VERB_ENDINGS)
-    return after.word in _NOUNS or (is_noun and not word.endswith("s"))
 
 
 def _fits(entry: Entry, words: tuple[str, ...], start: int, known: KnownWords) -> bool:

@@ -8,7 +8,6 @@ or acted on before its speaker has chosen it.
 import json
 import re
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 from itertools import islice, product
@@ -24,9 +23,7 @@ from ..parsing.clarification import MAX_CHOICES
 from ..parsing.understanding import Understanding, UtteranceContext
 from ..semantics import meaning as meanings
 from ..semantics.discourse import Discourse
-from ..semantics.fragments import FragmentValues, complete
 from ..semantics.meaning import AskBack, Meaning, Question, SimpleCommand
-from ..semantics.predicates import UninterpretableError
 from .candidates import CandidateMeaning, OfferModel, candidates, left_over
 from .checks import LESS_LIKELY, OfferChecks
 from .meaning_shapes import composed_shapes, meaning_from_json, shape_from
@@ -44,10 +41,6 @@ MOST_OF_NOTHING = 0.1  # the greatest probability of all meanings of what is sai
 LOSING = 0.25  # how likely a meaning stays that seems to lose something of what was said
 MAX_TRIED = 6  # how many of the likeliest candidates are checked
 MAX_SENTENCES = 4  # how many sentences of an utterance are tried
-FRAGMENT_SLOTS = {"object": "target", "part": "part", "affordance": "use"}
-"""The slot of the last meaning that a fragment of one name fills, by the role of the name."""
-
-MAX_FRAGMENT = 6  # how many words a fragment may have
 MAX_REQUEST = 4  # how many words a request may have that is nothing but a name
 MAX_UNKNOWN = 5  # how many unknown words an utterance may have
 
@@ -118,7 +111,7 @@ class OfferFinder:
             return ()
         mentions = self.mentions(tokens, context.discourse)
         found = self.of_corrected(tokens, context) or self.of_sentences(tokens, context)
-        return found or self.of_mentions(mentions, context) or self.of_fragment(mentions, context)
+        return found or self.of_mentions(mentions, context) or self.of_name(mentions, context)
 
     def is_nothing(self, tokens: Tokens) -> bool:
         """Whether an utterance most likely means nothing that is learned, done or answered."""
@@ -195,27 +188,16 @@ class OfferFinder:
             is_alone = not is_framed and all(map(self.checks.is_apart, after))
         return (meant,) if meant and is_alone else ()
 
-    def of_fragment(self, mentions: Mentions, context: UtteranceContext) -> tuple[Meaning, ...]:
-        """Return what was said before with the one name of a short utterance put into it."""
-        tokens, names = mentions.tokens, mentions.names
-        one = next((each for each in names if each.role in FRAGMENT_SLOTS), None)
-        is_one = len({each.start for each in names}) == 1 and not self.known.unknown(tokens)
-        is_short = len(tokens.words) <= MAX_FRAGMENT and not self.checks.limits(tokens.words)
-        if one is None or not is_one or not is_short:
+    def of_name(self, mentions: Mentions, context: UtteranceContext) -> tuple[Meaning, ...]:
+        """Return the request that a short utterance is which only names a thing: "quick, knife"."""
+        tokens = mentions.tokens
+        is_open = tokens.asks or self.known.unknown(tokens) or self.checks.limits(tokens.words)
+        if is_open or len(tokens.words) > MAX_REQUEST or len(mentions.required) != 1:
             return ()
-        value = meanings.ObjectReference(one.name) if one.role == "object" else one.name
-        slot = {FRAGMENT_SLOTS[one.role]: value}
-        found: list[Meaning] = []
-        for mode in ("fill", "also", "instead"):
-            with suppress(UninterpretableError):
-                said = complete(FragmentValues(mode, self.usual, **slot), context.discourse)  # pyright: ignore
-                offered = said.choices if isinstance(said, AskBack) else (said,)
-                found += [_uncorrecting(each) for each in offered if not isinstance(each, str)]
-        is_bare = one.start in tokens.edges and tokens.span(one.start, one.end).lower() == one.name
-        if is_bare and not (found or tokens.asks) and len(tokens.words) <= MAX_REQUEST:
-            found = [meanings.Command("pass", meanings.ObjectReference(one.name))]  # "quick, knife"
-        clear = (each for each in dict.fromkeys(found) if self._is_understood(each, context))
-        return tuple(islice(clear, MAX_CHOICES))
+        things = (m for m in mentions.names if m.role == "object" and m.start in tokens.edges)
+        bare = (m.name for m in things if tokens.span(m.start, m.end).lower() == m.name)
+        asked = [meanings.Command("pass", meanings.ObjectReference(name)) for name in bare]
+        return tuple(each for each in asked if self._is_understood(each, context))
 
     def rejected(self, one: CandidateMeaning, mentions: Mentions, context: UtteranceContext) -> str:
         """Return what is against a candidate, empty if nothing is."""

@@ -182,8 +182,7 @@ def _meaning(rule: BinaryRule, left: Value, right: Value) -> Value:
         return left(right)
     if rule is BinaryRule.BACKWARD:
         return right(left)
-    is_forward = rule is BinaryRule.FORWARD_COMPOSITION
-    return compose(left, right) if is_forward else compose(right, left)
+    return compose(left, right) if rule is BinaryRule.FORWARD_COMPOSITION else compose(right, left)
 
 
 @dataclass(frozen=True)

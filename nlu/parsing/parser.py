@@ -155,8 +155,7 @@ class SentenceParser:
         people = PredicateForm(context.speaker), PredicateForm(context.addressee)
         speech_act = PredicateForm(act, (*people, form))
         meant = self._intention(speech_act, context.recognition)
-        interpreter = self.interpreter.with_words(words)
-        meaning = meaning_of(meant.form, interpreter, context.discourse)
+        meaning = meaning_of(meant.form, self.interpreter.with_words(words), context.discourse)
         if isinstance(meaning, NormStatement) and tokens.asks:
             meaning = Question("may", norm=replace(meaning.norms[0], norm="permitted"))
         elif isinstance(meaning, NormStatement) and is_for_now:

@@ -422,8 +422,7 @@ class _Clauses:
         count = len(tokens.items)
         for _, end, _ in self._words.of_group("again", tokens.words):
             if end == count or self._words.is_all("times", tokens.words, end):
-                words = tokens.words[end:]
-                number = next((_TIMES[word] for word in words if word in _TIMES), 1)
+                number = next((_TIMES[word] for word in tokens.words[end:] if word in _TIMES), 1)
                 return FailureReaction(causes, again=number)
         if self._words.is_all("another", tokens.words):
             return FailureReaction(causes, other=True)

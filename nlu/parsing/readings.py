@@ -183,8 +183,7 @@ def features_of(reader: FeatureReader, reading: Reading, tokens: Tokens) -> Utte
     """Return the features of a sentence, with those of the new nouns in its meaning."""
     derivation, meaning = reading.derivation, reading.meaning
     entries = lexical_entries(derivation)
-    words = list(_words(reader, derivation, tokens.words, MAIN))
-    found = reader.features(words, tokens.removed)
+    found = reader.features(list(_words(reader, derivation, tokens.words, MAIN)), tokens.removed)
     named = dict(features_of_names(reader, tokens.words, meaning, reading.new_words))
     source = meaning.source if isinstance(meaning, (Statement, meanings.KindStatement)) else None
     if source:

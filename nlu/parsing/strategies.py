@@ -71,7 +71,8 @@ class UtteranceParser:
         if before.has_failed and (is_open or isinstance(meant, meanings.Misunderstanding)):
             at_point = replace(context, discourse=replace(before, has_failed=False))
             again = _Attempt(self, accepted).understand(tokens, at_point)
-            if isinstance(again.meaning, Question) and not before.has_unknown:
+            is_whole = again.reading and again.reading.speech_act.name == "QUESTION"
+            if is_whole and isinstance(again.meaning, Question) and not before.has_unknown:
                 return again  # the answer says what "it" was taken for
             if again.reading and not isinstance(again.meaning, AskBack):
                 offer = replace(again.reading, meaning=AskBack(choices=(again.meaning,)))

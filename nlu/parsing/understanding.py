@@ -82,8 +82,7 @@ class Understanding:
         if self.reading is None:
             return replace(self, meaning=meaning)
         words = self.reading.new_words if isinstance(meaning, TEACHING) else ()
-        said = self.reading.speech_act.arguments[-1]
-        discourse = update_discourse(meaning, said, self.discourse)
+        discourse = update_discourse(meaning, self.reading.speech_act.arguments[-1], self.discourse)
         return replace(self, meaning=meaning, new_words=words, discourse=discourse)
 
     @property

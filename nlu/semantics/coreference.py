@@ -9,15 +9,15 @@ other half; one about two objects is rejected, one over several objects or acts 
 from dataclasses import replace
 
 from .discourse import SOMETHING, Discourse, use_form
-from .meaning import ActionRule, Command
+from .meaning import ActionRule, Command, Question
 from .predicates import PredicateForm, UninterpretableError, load_predicates
 
 IT, THEY, ONE, THE_TWO = map(PredicateForm, ("it", "they", "one", "theTwo"))
 LAST_USE = PredicateForm("lastUse")
-PRONOUNS = frozenset({IT, THEY})
+_THE_OTHER = PredicateForm("theOther")
+PRONOUNS = frozenset({IT, THEY, _THE_OTHER})
 PERSONAL = frozenset(map(PredicateForm, ("him", "her", "them")))
 
-_THE_OTHER = PredicateForm("theOther")
 _ONE_OF_SEVERAL = PredicateForm("oneOfSeveral")
 _ORDINALS = {"former": 0, "latter": -1}
 _HILT = PredicateForm("self")
@@ -69,7 +69,8 @@ def _ordinal(part: PredicateForm, discourse: Discourse) -> PredicateForm | None:
         last = discourse.last
         named = getattr(last, "target", None) or getattr(last, "tool", last)
         use = getattr(named, "affordance", None) or getattr(named, "used_for", None)
-        if named is None or use is None:
+        is_guess = discourse.is_offered and isinstance(last, Question)
+        if named is None or use is None or is_guess:
             raise UninterpretableError("no_referent", asks=True, word="the use")
         return use_form(use, getattr(named, "material", None) or getattr(last, "patient", None))
     if part == ONE:
@@ -79,8 +80,7 @@ def _ordinal(part: PredicateForm, discourse: Discourse) -> PredicateForm | None:
     if part == _THE_OTHER:
         others = [each for each in discourse.pair if each != discourse.object]
         is_clear = len(discourse.pair) == 2 and len(others) == 1
-        kind = _ordinal(ONE, discourse) or ONE
-        return others[0] if is_clear else PredicateForm("other", (kind,))
+        return others[0] if is_clear else PredicateForm("other", (_ordinal(ONE, discourse) or ONE,))
     if part.name not in _ORDINALS or part.arguments:
         return None
     if len(discourse.pair) < 2:
@@ -120,8 +120,7 @@ def _with_use_or_tool(form: PredicateForm) -> PredicateForm | None:
             "notUsedFor",
             "both",
         }:
-            name = "notUsedFor" if degree.name == "none" else "usedFor"
-            return PredicateForm(name, (thing, use))
+            return PredicateForm("notUsedFor" if degree.name == "none" else "usedFor", (thing, use))
         case "use", (_, tool, act) if is_tool_act(act) and len(act.arguments) == 2:
             return PredicateForm(act.name, (*act.arguments, tool))
         case ("thatIs", _) | ("use", (_, _, _)):

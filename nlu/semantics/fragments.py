@@ -236,9 +236,9 @@ def _as_question(  # noqa: PLR0911 - a case per slot
         return replace(question, affordance=fragment.use, material=fragment.material)
     if about is None or question.context is None or fragment.part is None:
         raise _nothing()
-    sure = fragment.confidence or (fragment.default if fragment.mode == "fill" else None)
-    if fragment.asks or sure is None:
+    if fragment.asks:
         return replace(question, part=fragment.part)
+    sure = fragment.confidence or fragment.default
     return _offered(ActionRule(about, question.context, fragment.part, sure))
 
 
@@ -257,7 +257,7 @@ def _offered(rule: meanings.Rule) -> meanings.AskBack:
     return meanings.AskBack(choices=(meanings.Statement((rule,)),))
 
 
-def _as_command(  # noqa: PLR0911 - a case per slot
+def _as_command(  # noqa: PLR0911, PLR0912 - a case per slot
     fragment: FragmentValues, command: meanings.Command, discourse: Discourse
 ) -> meanings.Command | Question | meanings.AskBack:
     anew, target = replace(command, part=None, negated=False), fragment.target or fragment.tool
@@ -283,6 +283,8 @@ def _as_command(  # noqa: PLR0911 - a case per slot
         if target.object == meanings.ANY_OBJECT or is_described:
             props = target.props or command.target.props
             target = replace(command.target, props=props, other=target.other)
+        if fragment.mode == "same":  # perhaps of what was asked about since
+            return meanings.AskBack(choices=(replace(anew, target=target),))
         is_not = fragment.confidence is not None and fragment.confidence[1] < meanings.LIKELY
         if fragment.confidence and not is_not:
             raise _nothing()

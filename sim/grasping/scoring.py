@@ -213,8 +213,7 @@ def _fit_slopes(edges: Array, spacing: float) -> Array:
     middle = (filled * place).sum(axis=1) / np.maximum(filled.sum(axis=1), 1)
     centred = np.where(filled, place - middle[:, None], 0.0)
     spread = np.maximum((centred**2).sum(axis=1), spacing**2 / 2)
-    heights = np.where(filled[:, None], edges, 0.0)
-    return np.einsum("cn,csn->cs", centred, heights) / spread[:, None]
+    return np.einsum("cn,csn->cs", centred, np.where(filled[:, None], edges, 0.0)) / spread[:, None]
 
 
 def _contact_height(near: HandPointPairs, width: Array, gripper: Gripper) -> Array:

@@ -134,8 +134,7 @@ def _read(path: Path) -> ElementTree.Element:
         for element in [*contact.findall("stiffness"), *contact.findall("damping")]:
             contact.remove(element)
     for mesh in root.iter("mesh"):
-        name = mesh.get("filename", "").removeprefix("package://")
-        mesh.set("filename", str(path.parent / name))
+        mesh.set("filename", str(path.parent / mesh.get("filename", "").removeprefix("package://")))
     return root
 
 

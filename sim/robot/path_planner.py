@@ -188,8 +188,7 @@ class PathPlanner:
 def grasp_orientations(heading: float) -> Array:
     """The orientations `world_from_grip` (d, 3, 3) that are tried, turned by `heading` [rad]."""
     rolls = poses.rotation_about((0, 0, 1), heading + np.arange(LEVEL_ROLLS) * np.pi / LEVEL_ROLLS)
-    tilted = hand_orientations(TILTS_DEG, heading=heading, turn=np.pi)
-    return np.concatenate([rolls @ DOWN, tilted])
+    return np.concatenate([rolls @ DOWN, hand_orientations(TILTS_DEG, heading=heading, turn=np.pi)])
 
 
 def hand_orientations(

@@ -260,8 +260,7 @@ def clustered_interval(successes: Sequence[int], per_trial: int) -> Interval:
     design_effect = 1.0
     if len(successes) > 1 and share not in {0.0, 1.0}:
         spread = sum((each / per_trial - share) ** 2 for each in successes) / (len(successes) - 1)
-        ratio = spread * per_trial / (share * (1 - share))
-        design_effect = min(max(ratio, 1.0), float(per_trial))
+        design_effect = min(max(spread * per_trial / (share * (1 - share)), 1.0), float(per_trial))
     effective = count / design_effect
     return wilson_interval(share * effective, effective)
 
