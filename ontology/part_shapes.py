@@ -133,8 +133,7 @@ def _read_cylinder(field: YamlNode) -> Lathe:
     if bevel >= min(radius, half):
         raise keys["bevel"].fail(f"the bevel must be less than {min(radius, half):g} m.")
     lower = [(radius - bevel, -half), (radius, -half + bevel)] if bevel else [(radius, -half)]
-    upper = [(r, -z) for r, z in reversed(lower)]
-    return Lathe((*lower, *upper), 0.0, 0, (1.0, 1.0), smooth=False)
+    return Lathe((*lower, *[(r, -z) for r, z in reversed(lower)]), 0.0, 0, (1.0, 1.0), smooth=False)
 
 
 def _read_lathe(field: YamlNode) -> Lathe:

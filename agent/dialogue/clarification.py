@@ -42,8 +42,7 @@ class ClarificationDialogue:
         choices = open_question.choices
         number = language.chosen(text, len(choices)) if choices else None
         short = [meaning.Answer(number=number)] if number else None
-        answers = short or language.short_answers(text, conversation.discourse)
-        for answered in answers:
+        for answered in short or language.short_answers(text, conversation.discourse):
             if answered.is_dismissal:
                 conversation.open_question = None
                 dismissal = Understanding(text, speaker, "self", meaning.Acknowledgement("no"))
@@ -108,13 +107,12 @@ class ClarificationDialogue:
 
         "Sometimes for cutting" is an answer then, and need not be asked about.
         """
-        pending = self.conversation.open_question
-        is_answer = pending and pending.is_lesson and pending.asked == found.speaker
+        pending, reading = self.conversation.open_question, found.reading
+        is_lesson = pending and pending.is_lesson and pending.asked == found.speaker
+        is_fragment = reading and reading.speech_act.name == "FRAGMENT"
         match found.meaning:
-            case meaning.AskBack(choices=(meaning.Statement() as told,)) if (
-                is_answer and found.reading and found.reading.speech_act.name == "FRAGMENT"
-            ):
-                return found.chosen(told)
+            case meaning.AskBack(choices=(meaning.Statement() as told,)) if is_lesson:
+                return found.chosen(told) if is_fragment else found
             case _:
                 return found
 

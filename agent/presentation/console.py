@@ -190,8 +190,7 @@ def reasons(made: "Decision", quote: Quote) -> Table:
             mark = "" if each is node.best else "not "
             is_named = each.accepted and each.argument is None
             why = "that is what was asked for" if is_named else rejection_reason(node, each)
-            told = [*_told_by(each, quote)] or [why]
-            rows.append((mark + wording.format(name), "\n".join(told)))
+            rows.append((mark + wording.format(name), "\n".join([*_told_by(each, quote)] or [why])))
     return grid(rows)
 
 

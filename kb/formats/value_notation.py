@@ -147,8 +147,7 @@ def read_table(lines: Iterable[str], *, source: str) -> Iterator[Rule]:
     _, first = next(rows, (1, []))
     names = _header(first, source)
     # A column that is missing is found behind the last one.
-    places = (names.index(name) if name in names else len(names) for name in COLUMNS)
-    in_order = itemgetter(*places)
+    in_order = itemgetter(*(names.index(name) if name in names else len(names) for name in COLUMNS))
 
     def read(numbered: tuple[int, list[str]]) -> Rule:
         line, row = numbered

@@ -114,8 +114,7 @@ def property_quads(rule: Rule) -> Iterator[Quad]:
         found.append((DERIVED_FROM, iri("utterance", str(rule.utterance))))
     if rule.time is not None:
         found.append((GENERATED_AT, rule.time))
-    node = rule_iri(rule.id)
-    return (Quad(node, predicate, value, BELIEFS) for predicate, value in found)
+    return (Quad(rule_iri(rule.id), predicate, value, BELIEFS) for predicate, value in found)
 
 
 def node_edge(rule: Rule) -> Quad:

@@ -262,8 +262,7 @@ def _forbidden_words(text: str) -> Iterator[str]:
         return
     brackets, before = list[str](), ""
     found = list(tokens(text))
-    after = [token.group() for token in found[1:]] + [""]
-    for token, following in zip(found, after, strict=True):
+    for token, following in zip(found, [token.group() for token in found[1:]] + [""], strict=True):
         said, kind = token.group(), token.lastgroup
         searched = said.upper() if kind == "word" else ""
         if kind == "pname":

@@ -77,8 +77,7 @@ class OxigraphStore:
         if limits is None:
             return self._evaluate(query)
         with timed(__name__, "query with limits %s", query):
-            snapshot = self.snapshot()
-            return self._worker.request(limits, source=str(snapshot.path), query=query)
+            return self._worker.request(limits, source=str(self.snapshot().path), query=query)
 
     def snapshot(self) -> directory.Snapshot:
         """What is stored now, for other processes; the same one until something changes."""

@@ -41,8 +41,7 @@ class Construction:
     def anchor(self) -> int:
         """The index of the head: the first run of words, or else the first nameless gap."""
         words = (n for n, piece in enumerate(self.pieces) if piece.category.is_words)
-        nameless = (n for n, piece in enumerate(self.pieces) if not piece.name)
-        return next(words, next(nameless, 0))
+        return next(words, next((n for n, piece in enumerate(self.pieces) if not piece.name), 0))
 
     @property
     def head(self) -> ConstructionPiece:

@@ -223,8 +223,7 @@ class WordLists:
     def of_group(self, key: str, words: Phrase, start: int = 0) -> Iterator[tuple[str, int, Slots]]:
         """Yield what the patterns of a key stand for that begin at a place, with end and slots."""
         known = self._by_first_word(key)
-        first = words[start] if start < len(words) else ""
-        for name, step in known.get(first, known[""]):
+        for name, step in known.get(words[start] if start < len(words) else "", known[""]):
             for end, slots in match_pattern((step,), words, start):
                 yield name, end, slots
 

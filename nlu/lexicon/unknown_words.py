@@ -159,12 +159,10 @@ class KnownWords:
         is_followed = any(map(self.builder.is_of_grammar, after))
         is_alone = is_followed or self._is_after_naming(words, place)
         singulars = self.origins(word, "plural")
-        is_name = is_alone and not singulars
-        for kind in ("human", "person") if is_name else ("human",):
+        for kind in ("human", "person") if is_alone and not singulars else ("human",):
             name = (singulars or [word])[0]
-            for each in self.builder.noun(kind, name, role=RECIPIENT, cost=_RECIPIENT_COST):
-                if each.says == word:
-                    yield each.entry()
+            found = self.builder.noun(kind, name, role=RECIPIENT, cost=_RECIPIENT_COST)
+            yield from (each.entry() for each in found if each.says == word)
 
     def _may_be_clause(self, tokens: Tokens, place: int) -> bool:
         words, end = tokens.words, place + 2

@@ -109,11 +109,10 @@ class Mentions:
             span: frozenset(name for role, name in names.items() if role != "new")
             for span, names in self._roles.items()
             if _is_required(names)
-            and not (names.keys() <= {"object", "new"} and self._is_place(span))
+            and not (
+                names.keys() <= {"object", "new"} and _AT & {*self.tokens.words[: span[0]][-2:]}
+            )
         }
-
-    def _is_place(self, span: Span) -> bool:
-        return not _AT.isdisjoint(self.tokens.words[max(0, span[0] - 2) : span[0]])
 
     def required_beside(self, used: Iterable[Sequence[Mention]]) -> Iterator[frozenset[str]]:
         """Yield what a meaning must use that is no part of the longer names it uses.
@@ -156,8 +155,7 @@ class Mentions:
     def labels(self) -> tuple[str, ...]:
         """The tokens, with a label for its roles instead of each name."""
         labels = list(self.tokens.words)
-        degrees = {(start, end): {"degree": ""} for start, end, _ in self.degrees}
-        roles = {**self._roles, **degrees}
+        roles = {**self._roles, **{(start, end): {"degree": ""} for start, end, _ in self.degrees}}
         for start, end in sorted(roles, key=lambda span: span[1] - span[0]):
             label = _label(roles[start, end], self.tokens.words[end - 1])
             labels[start:end] = [label, *[""] * (end - start - 1)]
@@ -257,8 +255,7 @@ def _known(words: tuple[str, ...], lexicon: Lexicon) -> Iterator[Mention]:
 
 def _new(tokens: Tokens, known: KnownWords) -> Iterator[Mention]:
     unknown = known.unknown(tokens)
-    guesses = known.guesses(tokens, unknown)
-    for start, entries in guesses.items():
+    for start, entries in known.guesses(tokens, unknown).items():
         is_owned = start > 0 and tokens.words[start - 1] in _OWNERS
         plurals = {each.role for each in entries if each.name != each.says}
         for entry in entries:

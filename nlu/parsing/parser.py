@@ -30,6 +30,7 @@ from .chart import Chart, Derivation, lexical_entries, subderivations
 from .understanding import Reading, UtteranceContext
 
 MAX_EXPECTED = 5
+Topic = tuple[PredicateForm, tuple[NewWord, ...]]  # an object, and the new words that name it
 
 _WORD_COST = 1e-3  # of two readings alike that with longer turns of phrase is likelier
 
@@ -75,13 +76,8 @@ class SentenceParser:
                 best[reading.meaning] = reading
         return sorted(best.values(), key=lambda reading: reading.cost), refusal
 
-    def topic(
-        self, chart: Chart, context: UtteranceContext
-    ) -> tuple[PredicateForm, tuple[NewWord, ...]] | None:
-        """Return the object that an utterance consists of, and the new words that name it.
-
-        None when it is more than a name.
-        """
+    def topic(self, chart: Chart, context: UtteranceContext) -> Topic | None:
+        """Return the object that an utterance consists of, None when it is more than a name."""
         for derivation in chart.derivations(self.grammar.topic):
             form = _fill_persons(form_of(derivation.value), context)
             words = new_words(lexical_entries(derivation))

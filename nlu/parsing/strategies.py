@@ -17,7 +17,7 @@ from itertools import combinations, islice, pairwise, takewhile
 from operator import and_
 
 from ..lexicon.discourse_markers import move_to_front
-from ..lexicon.tokenizer import BREAK, Token, Tokens, tokenize
+from ..lexicon.tokenizer import BREAK, Tokens, tokenize
 from ..lexicon.unknown_words import MAX_NEW_WORDS, KnownWords
 from ..lexicon.vocabulary import NewWord
 from ..semantics import meaning as meanings
@@ -27,7 +27,7 @@ from ..semantics.meaning import Acknowledgement, AskBack, Meaning, Plan, Questio
 from ..semantics.predicates import PredicateForm, UnlearnableError
 from .chart import Chart
 from .clarification import Clarifier
-from .parser import SentenceParser, decide
+from .parser import SentenceParser, Topic, decide
 from .periphery import MAX_CORES, Core, PeripheryReader, kinds_of_core
 from .procedures import ProcedureReader
 from .readings import ReadingFilter, features_of
@@ -87,11 +87,11 @@ class UtteranceParser:
             is_new, thing = _new_object(tokens.part(0, len(own)), known, features)
             if thing and (is_new or not (named or before.object)):
                 named.append(thing)
-            people = [t.word for n, t in enumerate(tokens.items) if _is_person(n, t, tokens, known)]
+            within = (t for n, t in enumerate(tokens.items) if n not in tokens.beginnings)
+            people = [t.word for t in within if t.capital and not known.has(t.word)]
             if len(people) == 1:
                 found = replace(found, discourse=found.discourse.with_person(people[0]))
-            is_unknown = bool(known.unknown(tokens))
-            return _failed(found, named, has_unknown=is_unknown) if may_name else found
+            return _failed(found, named, known.unknown(tokens)) if may_name else found
         sure = found.reading.interval if found.reading else context.recognition
         if self.parser.pragmatics.is_enough(sure):
             return found
@@ -224,8 +224,7 @@ class _Attempt:
             if variant.words in tried or not variant.items:
                 continue
             tried.add(variant.words)
-            is_silent = set(variant.words) == {BREAK}
-            found = None if is_silent else self._as_sentence(variant, context)
+            found = None if set(variant.words) == {BREAK} else self._as_sentence(variant, context)
             if found is None or found.reading is None:
                 found = None if variant in self._fronted else self._by_segments(variant, context)
             if found is not None:
@@ -361,9 +360,7 @@ class _Attempt:
         single = [each.said for each in things if each.said == each.word]
         return not all(is_plural(said) or said.partition(" ")[0] in articles for said in single)
 
-    def _topic(
-        self, tokens: Tokens, context: UtteranceContext
-    ) -> tuple[PredicateForm, tuple[NewWord, ...]] | None:
+    def _topic(self, tokens: Tokens, context: UtteranceContext) -> Topic | None:
         parser, known = self._tools.parser, self._tools.known_words
         unknown, is_short = known.unknown(tokens), len(tokens.items) <= _TOPIC
         is_new = unknown and is_short and known.builder.is_determiner(tokens.words[0])
@@ -391,10 +388,6 @@ def _known_objects(
                 yield categories["N"]
 
 
-def _is_person(place: int, token: Token, tokens: Tokens, known: KnownWords) -> bool:
-    return token.capital and place not in tokens.beginnings and not known.has(token.word)
-
-
 def _new_object(tokens: Tokens, known: KnownWords, features: FeatureReader) -> tuple[bool, str]:
     """Return a new thing that is named, and whether it is introduced: "a chisel", "pliers"."""
     kinds, found = (features.is_part, features.is_elsewhere, features.is_abstract), (False, "")
@@ -417,15 +410,13 @@ def _new_object(tokens: Tokens, known: KnownWords, features: FeatureReader) -> t
     return found
 
 
-def _failed(
-    found: Understanding, things: Sequence[str], *, has_unknown: bool = True
-) -> Understanding:
+def _failed(found: Understanding, things: Sequence[str], unknown: object = True) -> Understanding:
     discourse = found.discourse
     if things:
         discourse = discourse.naming(*map(PredicateForm.named, things))
         if discourse.rule and discourse.rule.object not in things:
             discourse = replace(discourse, rule=None, last=None)
-    discourse = replace(discourse, has_failed=True, has_unknown=has_unknown)
+    discourse = replace(discourse, has_failed=True, has_unknown=bool(unknown))
     return replace(found, discourse=discourse)
 
 

@@ -179,5 +179,4 @@ def _decomposed(body: Trimesh) -> list[Array]:
 def _thickness(points: Array) -> float:
     """Return the least extent of points (n, 3) along their principal axes [m]."""
     centred = points - points.mean(axis=0)
-    axes = np.linalg.svd(centred, full_matrices=False)[2]
-    return float(np.ptp(centred @ axes.T, axis=0).min())
+    return float(np.ptp(centred @ np.linalg.svd(centred, full_matrices=False)[2].T, axis=0).min())

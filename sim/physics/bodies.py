@@ -155,8 +155,7 @@ class Bodies:
     def link_id(self, body: str, link: str | None = None) -> tuple[int, int]:
         """PyBullet's numbers of a body and one of its links; the base when `link` is None."""
         record = self._record(body)
-        found = BASE if link is None else _find(link, record.links, f"link of {body}")
-        return record.number, found
+        return record.number, BASE if link is None else _find(link, record.links, f"link of {body}")
 
     def link_ids(self, body: str, link: str | None = None) -> Iterable[tuple[int, int]]:
         """PyBullet's numbers of a body and a link; of each of its links when `link` is None."""

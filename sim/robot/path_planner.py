@@ -124,8 +124,7 @@ class PathPlanner:
             least = np.minimum(gap, self._gaps(body, path[:1], points))
             # Its corners are checked as the arm rounds them.
             executed, _ = self.robot.timed(path, pace=MAX_PACE)
-            checked = resample(executed, CHECK_STEP)
-            if (self._gaps(body, checked, points) >= least - ROUNDING).all():
+            if (self._gaps(body, resample(executed, CHECK_STEP), points) >= least - ROUNDING).all():
                 return path
         return None
 

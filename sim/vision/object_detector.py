@@ -233,5 +233,4 @@ def _fit_planes(depth: Array, rows: np.ndarray, columns: np.ndarray) -> tuple[Ar
     products = near(terms * z[:, None])
     plane = np.linalg.solve(squares, products[..., None])[..., 0]
     spread = near(z * z) - (plane * products).sum(axis=1)
-    error = np.sqrt(np.maximum(spread, 0.0) / squares[:, 0, 0])
-    return middle + (plane * terms).sum(axis=1), error
+    return middle + (plane * terms).sum(axis=1), np.sqrt(np.maximum(spread, 0.0) / squares[:, 0, 0])

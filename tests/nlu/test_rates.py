@@ -86,9 +86,7 @@ OTHERWISE = {
     "Both the mug and the glass are there to hold water.": "holding, not containing",
     "I think you'd want the shaft in your hand when passing a hammer.": "a belief",
     "A knife is for cutting, mostly bread around here.": "how often is said of bread only",
-    "It's the blade, not the handle, that you keep hold of when you're offering a knife to somebody.": (
-        "not by the handle, too"
-    ),
+    "It's the blade, not the handle, that you keep hold of when you're offering a knife to somebody.": "not by the handle, too",  # noqa: E501
     "What would you reach for if I asked you to cut cloth?": "a question about the scissors",
     "Show me where.": "a question about how it is held",
     "That'll be all for now, thanks.": "a goodbye",
