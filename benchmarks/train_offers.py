@@ -56,10 +56,10 @@ RUN = 20  # neighbouring lines that stay together
 LEAST_SHAPES, LEAST_FEATURES = 40, 4
 """How many examples have a shape or a feature that is used."""
 
-KEPT = (12000, 8000, 5500, 3800, 2700, 2000, 1600, 1200)
+KEPT = (12000, 8000, 5500, 3800, 2700, 2000, 1600, 1250, 1000)
 """How many weights are kept after each fit, the greatest; of equal ones those of more choices."""
 
-NAMED = 0.75
+NAMED = 0.65
 """How much less a weight needs whose feature has another one: it takes fewer bytes in the file."""
 
 LEAST_WEIGHT = 0.2

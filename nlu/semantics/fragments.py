@@ -257,7 +257,7 @@ def _offered(rule: meanings.Rule) -> meanings.AskBack:
     return meanings.AskBack(choices=(meanings.Statement((rule,)),))
 
 
-def _as_command(  # noqa: PLR0911, PLR0912 - a case per slot
+def _as_command(  # noqa: PLR0911 - a case per slot
     fragment: FragmentValues, command: meanings.Command, discourse: Discourse
 ) -> meanings.Command | Question | meanings.AskBack:
     anew, target = replace(command, part=None, negated=False), fragment.target or fragment.tool
@@ -283,8 +283,6 @@ def _as_command(  # noqa: PLR0911, PLR0912 - a case per slot
         if target.object == meanings.ANY_OBJECT or is_described:
             props = target.props or command.target.props
             target = replace(command.target, props=props, other=target.other)
-        if fragment.mode == "same":  # perhaps of what was asked about since
-            return meanings.AskBack(choices=(replace(anew, target=target),))
         is_not = fragment.confidence is not None and fragment.confidence[1] < meanings.LIKELY
         if fragment.confidence and not is_not:
             raise _nothing()
