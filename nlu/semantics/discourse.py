@@ -76,8 +76,6 @@ def update_discourse(meaning: Meaning, content: PredicateForm, discourse: Discou
             return replace(discourse, rule=last, last=last)
         case Question() if meaning.object or meaning.affordance:
             return replace(discourse, last=meaning)
-        case Question(norm=meanings.Norm()) if isinstance(discourse.last, Command):
-            return replace(discourse, last=None)
         case meanings.NormStatement(norms=(norm,)):
             name = getattr(norm.act, "recipient", None)
             return replace(discourse.with_person(name) if name else discourse, last=norm)
