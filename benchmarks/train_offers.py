@@ -62,7 +62,7 @@ KEPT = (12000, 8000, 5500, 3800, 2700, 2000, 1600, 1250, 1000)
 NAMED = 0.65
 """How much less a weight needs whose feature has another one: it takes fewer bytes in the file."""
 
-LEAST_WEIGHT = 0.2
+LEAST_WEIGHT = 0.7
 """Smaller weights are left out after the last fit."""
 
 STEPS = 40

@@ -32,7 +32,7 @@ from .mentions import Mention, Mentions, Span, find_mentions
 _QUOTES = frozenset('"“”„«»')
 _OFFERED = (meanings.Statement, Question, SimpleCommand)
 
-LEAST = 0.6  # the least probability of all offers together, beside that of "none"
+LEAST = 0.5  # the least probability of all offers together, beside that of "none"
 LEAST_OF_ONE = 0.5  # the least of a question without a name, or of another meaning with at most one
 LEAST_ASKED = 0.85  # the least probability of a question that is answered at once
 LEAST_ASKED_BESIDE = 0.9  # the same beside words that may name something else
