@@ -243,10 +243,10 @@ def test_a_sentence_is_not_offered_beside_one_that_changes_it(
 
 
 def test_question_that_its_speaker_answers_is_not_answered(language: Language) -> None:
-    """What is said after it is offered instead."""
-    text = "What's a mug good for? Containing, of course."
+    """What is said after it is the answer."""
+    found = language.understand("What's a mug good for? Containing, of course.").meaning
 
-    assert language.generate(offered(language, text)[0]) == "a mug is used for containing"  # pyright: ignore
+    assert not isinstance(found, Question)
 
 
 def test_question_at_the_end_is_answered_whatever_goes_before(language: Language) -> None:
