@@ -34,8 +34,8 @@ _OFFERED = (meanings.Statement, Question, SimpleCommand)
 
 LEAST = 0.5  # the least probability of all offers together, beside that of "none"
 LEAST_OF_ONE = 0.5  # the least of a question without a name, or of another meaning with at most one
-LEAST_ASKED = 0.85  # the least probability of a question that is answered at once
-LEAST_ASKED_BESIDE = 0.9  # the same beside words that may name something else
+LEAST_ASKED = 0.75  # the least probability of a question that is answered at once
+LEAST_ASKED_BESIDE = 0.8  # the same beside words that may name something else
 LEAST_OTHER = 0.03  # the least probability of any other meaning
 MOST_OF_NOTHING = 0.1  # the greatest probability of all meanings of what is said by the way
 LOSING = 0.25  # how likely a meaning stays that seems to lose something of what was said
