@@ -91,6 +91,7 @@ OTHERWISE = {
     "Show me where.": "a question about how it is held",
     "That'll be all for now, thanks.": "a goodbye",
     "That's it?": "praise",
+    "A glass is for rolling, is that what you think I think?": "a question",
     "it was a good year for wine, they wrote": "praise",
     "Where would you hold it then?": "whenever it is held",
     "Put it down somewhere safe, and thanks for the fun. Bye-bye!": "a goodbye",
