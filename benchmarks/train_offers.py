@@ -322,8 +322,8 @@ def trained(examples: Sequence[Example], acts: Mapping[str, str]) -> OfferModel:
         weights = _fit(data, part, STEPS)
     found: dict[str, dict[str, float]] = defaultdict(dict)
     for (feature, trait), weight in zip(part.names, weights, strict=True):
-        if abs(weight) >= LEAST_WEIGHT:
-            found[feature][trait] = round(float(weight), 1)
+        if abs(shown := round(float(weight), 1)) >= LEAST_WEIGHT:
+            found[feature][trait] = shown
     return OfferModel(shapes, found)
 
 

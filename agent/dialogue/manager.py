@@ -163,8 +163,8 @@ class DialogueManager:
         """Return the replies to the sentences of an utterance, if it is heard one by one."""
         if found.kind in OPEN:
             first, *rest = SENTENCE_END.split(found.text.strip(), 1)
-            said = self.conversation.understand(first, found.speaker, heard=1.0)
-            if rest and self._clarification.settled(said) is not said:
+            said = self.conversation.understand(first, found.speaker, heard=1.0) if rest else found
+            if self._clarification.settled(said) is not said:
                 return [hear(first), hear(*rest)]
             if rest and (reply := answer(first, found.speaker)):
                 return [reply, hear(*rest)]

@@ -170,8 +170,8 @@ class _Attempt:
         return found
 
     def _by_segments(self, tokens: Tokens, context: UtteranceContext) -> Understanding | None:
-        whole = (each for split in _segmentations(tokens) for each in self._with_topics(split))
-        for segments in whole:
+        splits = (each for split in _segmentations(tokens) for each in self._with_topics(split))
+        for segments in splits:
             found = self._segments(segments, context)
             combined = _combined([each.meaning for each in found]) if found else None
             if combined is None:
