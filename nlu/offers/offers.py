@@ -35,7 +35,7 @@ _OFFERED = (meanings.Statement, Question, SimpleCommand)
 LEAST = 0.5  # the least probability of all offers together, beside that of "none"
 LEAST_OF_ONE = 0.5  # the least of a question without a name, or of another meaning with at most one
 LEAST_ASKED = 0.75  # the least probability of a question that is answered at once
-LEAST_ASKED_BESIDE = 0.8  # the same beside words that may name something else
+LEAST_ASKED_BESIDE = 0.85  # the same beside other words that may be names, or without "?"
 LEAST_OTHER = 0.03  # the least probability of any other meaning
 MOST_OF_NOTHING = 0.1  # the greatest probability of all meanings of what is said by the way
 LOSING = 0.25  # how likely a meaning stays that seems to lose something of what was said
@@ -102,7 +102,8 @@ class OfferFinder:
         if is_over or not is_asked or not best.used or self.checks.denies(asked):
             return False
         is_about = (all if left else any)(m.end > last for u in best.used.values() for m in u)
-        is_likely = probability >= (LEAST_ASKED_BESIDE if left else LEAST_ASKED)
+        is_plain = tokens.asks and not left
+        is_likely = probability >= (LEAST_ASKED if is_plain else LEAST_ASKED_BESIDE)
         return is_likely and (is_about or (is_asked and not left))
 
     def meanings(self, tokens: Tokens, context: UtteranceContext) -> tuple[Meaning, ...]:
