@@ -251,8 +251,7 @@ class Language:
     def _is_by_the_way(self, text: str) -> bool:
         tokens = self._tokens(text)
         is_text = not self.utterance_parser.clarification.of_input(text, tokens)
-        is_nothing = partial(self.offers.is_nothing, tokens)
-        return is_text and self._courtesies.is_by_the_way(tokens, self.parser.features, is_nothing)
+        return is_text and self._courtesies.is_by_the_way(tokens, self.offers.is_nothing)
 
     def _with_offers(self, found: Understanding, context: UtteranceContext) -> Understanding:
         tokens = self._tokens(found.text)
@@ -262,8 +261,7 @@ class Language:
         at_point = replace(context, discourse=replace(context.discourse, has_failed=False))
         question = self.offers.question(tokens, at_point)
         if isinstance(question, meanings.Question):
-            asked = after_offer((question,), context.discourse)
-            return replace(found, meaning=question, discourse=asked)
+            found = replace(found, discourse=after_offer((question,), context.discourse))
         return replace(found, meaning=question) if question else found
 
     def _by_phrase(self, text: str, context: UtteranceContext) -> Understanding | None:
@@ -334,7 +332,7 @@ class Language:
     @cached_property
     def _courtesies(self) -> CourtesyPhrases:
         words = load_word_lists(self.folder / "courtesies.yaml")
-        return CourtesyPhrases(words, self.utterance_parser.known_words)
+        return CourtesyPhrases(words, self.utterance_parser.known_words, self.parser.features)
 
     @property
     def _speech(self) -> frozenset[str]:

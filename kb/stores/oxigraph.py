@@ -76,8 +76,9 @@ class OxigraphStore:
         """The result of any query; with limits evaluated in another process over a snapshot."""
         if limits is None:
             return self._evaluate(query)
+        snapshot = self.snapshot()  # kept, as its folder goes with it
         with timed(__name__, "query with limits %s", query):
-            return self._worker.request(limits, source=str(self.snapshot().path), query=query)
+            return self._worker.request(limits, source=str(snapshot.path), query=query)
 
     def snapshot(self) -> directory.Snapshot:
         """What is stored now, for other processes; the same one until something changes."""

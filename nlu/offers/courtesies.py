@@ -58,6 +58,7 @@ class CourtesyPhrases:
 
     words: WordLists
     known: KnownWords
+    features: FeatureReader
 
     def find(self, tokens: Tokens) -> Courtesy | None:
         """Return the courtesy in an utterance; None where there is none."""
@@ -86,21 +87,22 @@ class CourtesyPhrases:
         is_within = kept and kept[0][0] < introduced[0] < kept[-1][0]
         return Courtesy(kind, rest, found <= _FORMAL, "" if is_within else name)
 
-    def is_by_the_way(
-        self, tokens: Tokens, features: FeatureReader, is_nothing: Callable[[], bool]
-    ) -> bool:
+    def is_by_the_way(self, tokens: Tokens, is_nothing: Callable[[Tokens], bool]) -> bool:
         """Whether an utterance reports something, is of the past, or names nothing to learn or do.
 
         It asks nothing, and is not understood; `is_nothing` says whether it hardly means anything.
         """
         words, lists = tokens.words, self.words
+        features, listed = self.features, self.features.words
         if tokens.asks or len(words) < 2:
             return False
-        if words[0] in features.words["interrogative"] and words[1] in features.words["asking"]:
+        is_asked = words[0] in listed["interrogative"] and words[1] in listed["asking"]
+        is_new = tokens.items[0] in self.known.unknown(tokens)  # "glorb the cup" is a command
+        if is_asked or (is_new and words[1] in listed["determiners"]):
             return False
         said = features.of_words(words)
         first = features.of_words(tokens.part(*tokens.parts[0]).words).get("agent", frozenset())
-        is_of_others = words[0] in features.words["owners"] or first == _OTHERS
+        is_of_others = words[0] in listed["owners"] or first == _OTHERS
         is_of_others = is_of_others and _HERE.isdisjoint(first)
         if is_of_others or "source" in said or not _OVER.isdisjoint(said.get("tense", ())):
             return True
@@ -111,7 +113,7 @@ class CourtesyPhrases:
         if is_taught or is_urged or any(map(self.has_content, parts)):
             return False
         is_chatter = teaching.isdisjoint(words) or any(lists.end("chatter", p.words) for p in parts)
-        return is_chatter or is_nothing()
+        return is_chatter or is_nothing(tokens)
 
     def introduction(self, tokens: Tokens) -> Courtesy | None:
         """Return the courtesy in which a speaker introduces himself or herself, None without."""
