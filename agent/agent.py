@@ -120,8 +120,7 @@ class Agent(AbstractContextManager["Agent"]):
 
         Without a location it is the user's own base; the rest is as in the constructor. DataError
         if the scene, the objects, the noise, the actions or the lexicon are wrong; UnknownNameError
-        if there is no such object, robot or source of percepts; StoreError if the base cannot be
-        opened.
+        if there is no such object, robot or percept source; StoreError if no base can be opened.
         """
         config = config or AgentConfig()
         embodiment = Embodiment.from_config(config)

@@ -120,8 +120,7 @@ def embodiment_as_json(embodiment: Embodiment) -> Json:
 def embodiment_from_json(kept: Mapping[str, Any], *, gui: bool = False) -> Embodiment:
     """Return the embodiment that was kept.
 
-    DataError if the user's own file of objects is gone, or was changed; UnknownNameError if the
-    robot is gone.
+    DataError if the user's file of objects is gone or changed; UnknownNameError without the robot.
     """
     file = file_from_json(kept["objects"])
     kept = {"simulate": kept.get("simulated"), **kept}  # its name until version 0.1

@@ -10,8 +10,7 @@ A use is transferred only to an object that has the features on which the use re
 features that were taught with it ("a heavy hammer is used for pounding", or "because it is heavy",
 of which a rule about anything heavy is kept that neither asserts nor denies the use), or else
 abduced: what all objects with this use have in common, and no object that was denied it has. Of
-these the roles of their working parts, all but the grip, come first: a knife cuts by its edge, so a
-spoon does not.
+these the roles of their working parts, all but the grip, come first: a knife cuts by its edge.
 
 An induced rule is discounted by the similarity and by `CAUTION`, so that it never ranks above its
 source. It is marked as induced, and not made where anything was taught.

@@ -7,8 +7,7 @@ lambda of Nunez et al. (2013) against a threshold; it gives no formulas. Those h
 each docstring names the source. Alternatives are registered by name (`CONJUNCTIONS`,
 `MODUS_PONENS`, `FUSIONS`, `RANKINGS`, `ACCEPTANCES`); `Operators` selects one of each.
 
-Factors are multiplied in sorted order, so that results do not depend, not even in the last bit, on
-the order of teaching.
+Factors are multiplied in sorted order, so that no bit of a result depends on the order of teaching.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence

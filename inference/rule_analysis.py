@@ -1,8 +1,7 @@
 """What rules say of each other and would imply, with no object in view.
 
 Conflicts are pairs of rules, one of which asserts what the other denies, weighted by the mass K of
-`Interval.conflict`. Two different parts for one grasp do not contradict each other: a knife can be
-held at either end.
+`Interval.conflict`. Two different parts for one grasp are no contradiction.
 
 Abduction finds hypotheses that would entail or explain a given conclusion: rules are applied
 backwards, as in Sarathy & Scheutz (2016). "What would have to be true of an object for it to be

@@ -156,8 +156,7 @@ class KnowledgeBase(RuleWriter, AbstractContextManager["KnowledgeBase"]):
         >>> KnowledgeBase.open("memory:").answer("best-for", affordance="cutting").variables[:3]
         ('affordance', 'object', 'features')
 
-        UnknownNameError if there is no such query or parameter; QueryError if an argument is not a
-        value of its kind.
+        UnknownNameError if there is no such query or parameter; QueryError for a wrong argument.
         """
         query = named_query(name)
         return cast(SelectResult, self.query(query.text, query.bindings(arguments), limits=limits))

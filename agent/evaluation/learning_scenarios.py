@@ -1,8 +1,7 @@
 """The learning scenarios of the paper: the rules taught, their sentences, and the right choices.
 
 Section 4.1 and Table 2. The sentences follow the templates of Table 3. The right choices are read
-from the table alone, never from the inference under test: the objects of the highest column that
-has one in the scene.
+from the table alone, never by inference: the objects of its highest column with one in the scene.
 """
 
 from collections.abc import Collection, Mapping, Sequence

@@ -89,8 +89,7 @@ class Request:
 def review_arguments(actions: Actions, tree: str, request: Request) -> dict[str, Argument]:
     """Return all arguments of a tree: those of the request, then the defaults of the tree.
 
-    What a command leaves unsaid is filled in here: "pound the nail" looks for something used for
-    pounding.
+    What a command leaves unsaid is filled in here: "pound the nail" needs a tool for pounding.
     """
     arguments = dict(request.arguments)
     for parameter, default in actions.tree(tree).defaults.items():

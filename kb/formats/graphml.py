@@ -3,8 +3,7 @@
 Atoms are nodes, each rule is an edge between them. An edge leads from each feature of a rule to its
 argument, with all that the rule says as attributes; the id of the rule is its key. A rule without
 features starts at its contexts, one without an argument ends at a node for its functor. All
-attributes are plain texts and numbers, so that GraphML and other tools carry them, and the rules
-can be read back.
+attributes are plain texts and numbers, which tools carry, so that the rules can be read back.
 
 In the picture features are on the left, consequents on the right; an atom may be both. Each rule is
 an arrow with its interval, coloured by its context; a dotted one speaks against its consequent, a

@@ -7,8 +7,7 @@ after a comma, that of the Graph Store Protocol; both relative to the query addr
     http://host:7200/repositories/kb#kb/statements    GraphDB
 
 Without `#` updates go to the query address, but to `.../update` where that is `.../query`.
-Credentials are part of the address (`http://name:password@host/...`) or in the environment, and
-are never shown.
+Credentials are in the address (`http://name:password@host/...`) or the environment, never shown.
 
 A request that may be repeated is retried after increasing pauses when the connection fails or the
 server is busy. Redirects are not followed, so that no other server receives the credentials.

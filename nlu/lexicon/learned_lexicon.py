@@ -1,8 +1,7 @@
 """Learned lexicon: a lexicon to which words are added while people speak, without any limit.
 
 The words that were learned stand in one flat index by all their forms, however they were learned.
-So a lookup takes the same time after 100,000 words. The entries of a word are made when it is
-heard.
+So a lookup takes the same time after 100,000 words. Entries are made when a word is heard.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence

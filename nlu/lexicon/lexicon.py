@@ -111,8 +111,7 @@ class LexiconNode:
 class Lexicon:
     """Entries found by their words; it is filled while a language is loaded.
 
-    Its `senses` become entries when they are heard; the entries of `base`, which stays as it is,
-    are found, too.
+    Its `senses` become entries when they are heard; those of `base`, which stays, are found, too.
     """
 
     def __init__(self, senses: Iterable[LazyEntry] = (), base: "Lexicon | None" = None) -> None:

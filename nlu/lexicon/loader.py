@@ -37,7 +37,7 @@ _NAMING = ("USE", "ACT", "THIS")
 _KEYS = (
     *("contractions", "closed", "templates", "verbs", "qualifiers", "nouns", "words"),
     *("constructions", "discourse_markers", "endings", "naming", "joining", "denying", "denied"),
-    *("insisting", "classes", "varies", "homographs"),
+    *("insisting", "classes", "varies", "homographs", "doers"),
 )
 
 
@@ -78,6 +78,7 @@ class LexiconBuilder:
         self.discourse_markers = DiscourseMarkers()
         #: words after which any word may be a name, but a word of grammar
         self.naming: frozenset[str] = frozenset()
+        self.doers: frozenset[str] = frozenset()  #: words after which a noun may name an act, too
         #: words of lists, after which a plural may be a name
         self.joining: frozenset[str] = frozenset()
         #: how one insists on a word that was taken for a slip of another
@@ -98,7 +99,7 @@ class LexiconBuilder:
         self._read_contractions(parts)
         for short, field in _entries(parts, "endings"):
             self._endings[short] = field.text()
-        for key in ("closed", "naming", "joining", "denying", "denied", "homographs"):
+        for key in ("closed", "naming", "doers", "joining", "denying", "denied", "homographs"):
             if key in parts:
                 setattr(self, key, getattr(self, key) | set(parts[key].texts()))
         for name, field in _entries(parts, "templates"):

@@ -1,8 +1,7 @@
 """Unknown words: the entries that a word which is not known may stand for.
 
 An unknown word gets an entry for every role that a name can have, and the chart finds which one
-fits the rest of the sentence (Scheutz et al. 2017): "a zib is used for cutting" can only be about
-an object.
+fits the rest of the sentence (Scheutz et al. 2017): "a zib is used for cutting" names an object.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -205,7 +204,7 @@ class KnownWords:
         """Whether a known word may name something new: a hook, the tip, for sticking, to stick.
 
         It may where a name is expected: after an article and the like, as a gerund, as a plural at
-        the beginning or in a list, and a part after a property. "No hook" alone may be "no way".
+        the beginning or in a list, a part after a property, and an act: "can I hammer with it?".
         """
         words = tokens.words
         word, before = words[place], words[place - 1] if place else ""
@@ -215,7 +214,8 @@ class KnownWords:
         if len(word) < MIN_LETTERS or (self.builder.is_of_grammar(word) and not is_part):
             return False
         is_denied = before in self.builder.denying and place < len(words) - 1
-        if is_denied or before in self.builder.naming or self.origins(word, "ing"):
+        is_act = before in self.builder.doers and self.lexicon.is_name(word, NOUNS)
+        if is_denied or is_act or before in self.builder.naming or self.origins(word, "ing"):
             return True
         if is_part and self.lexicon.is_name(before, ("AP",)):
             return True

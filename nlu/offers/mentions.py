@@ -118,8 +118,7 @@ class Mentions:
         """Yield what a meaning must use that is no part of the longer names it uses.
 
         It may leave out what stands between pauses without any name that it uses. Beside one part
-        another one need not be used that is not joined to it: "hold the blade, so that he can take
-        the handle".
+        one not joined to it need not be used: "hold the blade, so that he can take the handle".
         """
         given = [m for some in used for m in some]
         places = {m.start for m in given}

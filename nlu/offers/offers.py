@@ -165,6 +165,8 @@ class OfferFinder:
     def of_sentences(self, tokens: Tokens, context: UtteranceContext) -> tuple[Meaning, ...]:
         """Return the meaning of the one sentence understood beside others that say little."""
         spans = tokens.sentences
+        is_part = len(spans) == 1  # "by the handle, I mixed it up"
+        spans = tokens.parts if is_part else spans
         if not 1 < len(spans) <= MAX_SENTENCES:
             return ()
         last = tokens.text[tokens.items[spans[-1][0]].start :]  # with its question mark
@@ -172,7 +174,9 @@ class OfferFinder:
         said: dict[Span, Meaning] = {}
         for span, text in zip(spans, texts, strict=True):
             heard = self.understand(text, context)
-            said[span] = heard.meaning
+            act = heard.reading.speech_act.name if heard.reading else ""
+            if not is_part or (act == "FRAGMENT" and not isinstance(heard.meaning, Question)):
+                said[span] = heard.meaning
             context = replace(context, discourse=replace(heard.discourse, has_failed=False))
         known = [s for s, each in said.items() if isinstance(each, _OFFERED)]
         clear = [each for each in known if self._is_understood(said[each], context)]
@@ -212,8 +216,7 @@ class OfferFinder:
     def keeping(self, one: CandidateMeaning, mentions: Mentions) -> float:
         """Return how likely a candidate stays for what it keeps of an utterance, in [0, 1].
 
-        What seems to be lost may belong to another clause, so most of it makes the candidate only
-        less likely.
+        What seems to be lost may belong to another clause, so most of it is only less likely.
         """
         lost = self.lost(one, mentions)
         return LOSING ** len(lost) if LESS_LIKELY.issuperset(lost) else 0.0

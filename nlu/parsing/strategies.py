@@ -285,7 +285,7 @@ class _Attempt:
         new: tuple[NewWord, ...] = ()
         for part in parts:
             each = self._sentence(part, context)
-            if each.reading is None:
+            if each.reading is None or "askOf" in each.content:
                 named = self._topic(part, context) if topic is None else None
                 if named is None:
                     return []
@@ -348,11 +348,12 @@ class _Attempt:
         return Understanding.of(tokens, context, answer, readings=len(accepted))
 
     def _is_guess(self, reading: Reading, tokens: Tokens) -> bool:
-        """Whether a fragment adds a rule on a word that nobody knows and that may name no thing.
+        """Whether a fragment is of a word that nobody knows and that may name no thing.
 
-        "And a fork" and "forks too" name one; "also hungry" and "and now the doorbell" may not.
+        "And a fork" and "forks too" name one; "also hungry" and "funny?" may not.
         """
-        if reading.speech_act.name != "FRAGMENT" or not isinstance(reading.meaning, Statement):
+        is_added = isinstance(reading.meaning, Statement) or len(tokens.items) == 1
+        if reading.speech_act.name != "FRAGMENT" or not is_added:
             return False
         articles = {after for before, after in pairwise(tokens.words) if before in _INDEFINITE}
         is_plural = self._tools.known_words.builder.inflection.is_plural_only

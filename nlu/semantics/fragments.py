@@ -51,9 +51,11 @@ def complete(fragment: FragmentValues, discourse: Discourse) -> meanings.Meaning
 
 def _complete(fragment: FragmentValues, discourse: Discourse) -> meanings.Meaning:  # noqa: PLR0911, PLR0912
     if fragment.mode == "keep":
-        return _kept(discourse, fragment.default)
+        return _kept(fragment, discourse)
     if fragment.mode == "like":
         return _alike(fragment, discourse)
+    if fragment.mode == "ask" and not fragment.asks:
+        raise UninterpretableError("not_a_rule")
     if fragment.mode == "again":
         if discourse.command is None:
             raise UninterpretableError("nothing_to_repeat", asks=True)
@@ -88,6 +90,8 @@ def _complete(fragment: FragmentValues, discourse: Discourse) -> meanings.Meanin
             return replace(command, patient=patient, tool=fragment.tool or command.tool)
         case meanings.Command() | meanings.ToolCommand():
             raise UninterpretableError("as_question", asks=True)
+        case None if fragment.mode == "ask" and fragment.target:
+            return Question("about", object=_kind(fragment.target)[0])
         case _:
             raise _nothing()
 
@@ -97,10 +101,15 @@ def _alike(fragment: FragmentValues, discourse: Discourse) -> meanings.Meaning:
     rule, asked = discourse.rule, discourse.last
     if not isinstance(asked, Question) or asked.object is None or fragment.target is None:
         raise _nothing()
-    if rule is None or rule.object != _kind(fragment.target)[0] or rule.object == asked.object:
+    is_of_kind = isinstance(rule, FunctionalRule if asked.context is None else ActionRule)
+    is_named = fragment.target.object != meanings.ANY_OBJECT  # "the same as a pan"
+    if rule is None or not is_of_kind or rule.object == asked.object:
+        raise _nothing()
+    if is_named and rule.object != _kind(fragment.target)[0]:
         raise _nothing()
     if isinstance(rule, ActionRule) and asked.context:
         rule = replace(rule, context=asked.context)
+    rule = replace(rule, confidence=fragment.confidence or rule.confidence)
     return _offered(replace(rule, object=asked.object, props=(), revises=False))
 
 
@@ -143,12 +152,15 @@ def _completed(
     return last
 
 
-def _kept(discourse: Discourse, usual: meanings.Confidence) -> meanings.Meaning:
+def _kept(fragment: FragmentValues, discourse: Discourse) -> meanings.Meaning:
+    sure, act, thing = fragment.confidence, fragment.context, fragment.target
     match discourse.last:
         case meanings.Command(part=str(part), negated=False) as last if discourse.object:
             name, props = last.target.object or discourse.object.said, last.target.props
-            return _offered(ActionRule(name, last.goal, part, usual, props))
-        case FunctionalRule() | ActionRule() as rule:
+            if thing and (act, thing.object) != (last.goal, name):
+                raise UninterpretableError("nothing_to_keep")
+            return _offered(ActionRule(name, last.goal, part, sure or fragment.default, props))
+        case FunctionalRule() | ActionRule() as rule if act is None:
             return meanings.Statement((replace(rule, revises=False),))
         case _:
             raise UninterpretableError("nothing_to_keep")
@@ -293,7 +305,8 @@ def _as_command(  # noqa: PLR0911 - a case per slot
     if fragment.part and fragment.part_of in {None, command.target.object}:
         return replace(command, part=fragment.part)
     if fragment.recipient and command.goal == "pass":
-        return replace(command, recipient=fragment.recipient)
+        is_speaker = fragment.recipient == "me"
+        return replace(command, recipient=None if is_speaker else fragment.recipient)
     if fragment.use and command.target.used_for:
         target = replace(command.target, used_for=fragment.use, material=fragment.material)
         return replace(command, target=replace(target, other=False))

@@ -1,8 +1,7 @@
 """Motions of the hand: grasp, lift, hold, carry, hand over, put down and point at objects.
 
 Success is judged by sight and touch, never by what was commanded: by what the fingers feel, how far
-they are open, and where the object is seen in the hand. A motion that fails returns the reason and
-raises nothing.
+they are open, and where the object is seen in the hand. A motion that fails returns the reason.
 """
 
 from collections.abc import Callable, Iterator

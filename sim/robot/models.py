@@ -108,8 +108,7 @@ def find_robot(name: str) -> RobotType:
     """Return a robot that comes with Hilt or a plug-in, or one of a file like `robots.yaml`.
 
     A file is named as "mine.yaml", or as "mine.yaml:NAME" when it has several robots.
-    UnknownNameError if there is no such robot; DataError if an entry of the file is missing or
-    wrong.
+    UnknownNameError if there is no such robot; DataError if an entry is missing or wrong.
     """
     file, mark, inside = name.partition(OWN_FILE)
     robots = load_robots(Path(file + mark)) if mark else _shipped()

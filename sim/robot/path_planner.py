@@ -107,8 +107,7 @@ class PathPlanner:
 
         It keeps a gap [m] between arm and hand, open by `opening` [m], and the scene; with a `held`
         object, points (n, 3) in the hand frame [m], to the obstacles. It also keeps one between
-        the hand with that object and the arm. Returns postures (n, k), or None when there is no
-        such path.
+        the hand with that object and the arm. Returns postures (n, k), or None without a path.
         """
         start = self.robot.joints
         over_start, over_goal = self._raised(start), self._raised(goal)

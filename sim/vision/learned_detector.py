@@ -174,8 +174,7 @@ class LearnedDetector(ObjectDetector):
     """Detects objects by trained classifiers; only the types that they know.
 
     The names of percepts are those of the objects of the scene that were last seen nearest; the
-    first places are those of the scene. A recogniser of types that the world does not have is a
-    `DataError`.
+    first places are those of the scene. DataError if a type is not of the world.
     """
 
     recogniser: Recogniser = field(default_factory=Recogniser.default)

@@ -6,8 +6,7 @@ Noisy depths are smoothed first: each pixel takes the plane of the flattest squa
 so that edges stay sharp (Kuwahara et al. 1976).
 
 Descriptors are numbers that do not change when an object is turned: they use the segment's own
-frame, with the origin on the table below its middle, x along its longest extent towards its heavier
-end, and z up.
+frame: origin on the table below its middle, x along its longest extent to its heavier end, z up.
 """
 
 from collections.abc import Sequence

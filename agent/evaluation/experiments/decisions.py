@@ -4,8 +4,7 @@ A scenario is taught once, by sentence, in the order of its tables. Each case is
 that knowledge base, with the scene of the case, which is given the command as a sentence; so no
 case can depend on another one. The whole system is tested: the command is parsed, the rules are
 read from the knowledge base, the choice is inferred. Without simulation the agent sees the scene
-perfectly; with simulation a robot looks with its cameras and executes its decision, on an
-undisturbed table.
+perfectly; with simulation a robot looks and executes its decision, on an undisturbed table.
 """
 
 from collections.abc import Mapping, Sequence

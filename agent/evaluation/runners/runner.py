@@ -121,8 +121,7 @@ def run_in_processes(
 ) -> Iterator[TimedResult]:
     """Run cases in a pool of processes, started by "spawn" on every platform.
 
-    A process is killed when its case takes longer than the time-out [s]. WorkersError if none can
-    be started.
+    A process is killed when its case exceeds the time-out [s]. WorkersError if none can be started.
     """
     pools: list[ProcessPool] = []
     name, options = experiment.name, to_json_line(experiment.options)

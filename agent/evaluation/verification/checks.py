@@ -159,8 +159,7 @@ def check_teaching(space: ScenarioSpace, seed: int, number: int) -> CheckResult:
     """Check H1: teach a random learning scenario by sentence, read it back, and give commands.
 
     All is told twice, and shuffled; the graph of beliefs must be the union of the graphs after each
-    sentence alone. The number of rules is log-uniform: few and many are equally likely. Number 0 is
-    all rules.
+    sentence alone. The number of rules is log-uniform; number 0 has all rules.
     """
     rng = _random(seed, number)
     share = (len(space.cells) * len(LEVELS)) ** (rng.random() - 1)
