@@ -17,8 +17,7 @@ A rule is more specific than another if its premises entail all premises of the 
 conversely (Poole 1985). The premises are the features and contexts of a rule, and its argument
 where an argument is asked for. A premise entails itself and its kinds in the taxonomy; the action
 of a node entails those above it in the tree. So more features are more specific than some of them,
-and a bread knife is more specific than a knife. Rules that are equally specific, or of which none
-is more specific, are fused.
+and a bread knife is more specific than a knife. Rules of which none is more specific are fused.
 
 A rule overrides a more general one with the same conclusion. Where the arguments are alternatives,
 such as the parts to grasp, it also overrides one that asserts another argument, if it asserts its

@@ -2,8 +2,7 @@
 
 The leaves of a `Proof` are evidence: observations, given contexts, taught rules and experience. Its
 inner nodes are operators. `evaluate` computes the tree again from its leaves with the same
-operators: it returns the interval of the root, equal to the last bit, or another one if leaves are
-replaced (counterfactuals).
+operators: it returns the interval of the root, to the last bit, or one of other leaves.
 """
 
 from collections.abc import Iterator, Mapping, Sequence

@@ -35,8 +35,7 @@ class Conclusion:
 class Target(DescribedObject):
     """The object an action is about, as described by the speaker.
 
-    It must also lead to the conclusion `affords`: cutWith(bread). One that the speaker confirmed
-    when asked need only be seen.
+    It must also lead to `affords`: cutWith(bread). One confirmed by the speaker need only be seen.
     """
 
     affords: Conclusion | None = None

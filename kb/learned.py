@@ -40,8 +40,7 @@ _PATTERN, _MEANING = (FieldProperty(term(name), str) for name in ("pattern", "me
 class LearnedMapping(RecordMapping[Record]):
     """How records are stored that utterances taught and that may be retracted.
 
-    `node` gives the node of a record, `names` what people call it by, and `besides` the statements
-    that only follow from it.
+    `node` gives a record's node, `names` what it is called, `besides` what only follows from it.
     """
 
     node: Callable[[Record], Iri]

@@ -4,8 +4,7 @@
 expected type (`field.text()`, `field.number(low=0)`, `field.entries(required={...})`) and gets a
 plain Python value or a `DataError` that states what was expected and what was found.
 
-Rejected are tags, aliases (a small file could expand to gigabytes), duplicate keys, and files
-larger than `MAX_BYTES`.
+Rejected are tags, aliases (which could expand to gigabytes), duplicate keys, and large files.
 """
 
 import dataclasses

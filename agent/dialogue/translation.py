@@ -121,8 +121,7 @@ def rule_from_norm(said: meaning.Norm, speaker: str, heard: float = 1.0) -> Rule
 def request_from_command(act: meaning.Act, speaker: str, tool_acts: Names | None = None) -> Request:
     """Return the request that a command, `act`, makes.
 
-    A language fills in the use of a tool that nobody named (`tool_acts`); such a
-    tool counts as assumed.
+    A language fills in the use of a tool that nobody named (`tool_acts`); it counts as assumed.
     """
     if isinstance(act, meaning.ToolCommand):
         tool, patient = _target(act.tool), Target(object=act.patient)

@@ -191,8 +191,7 @@ class SoundRepair:
     def costs(self, text: str, names: Collection[str] = ()) -> Floats:
         """Return what words cost, less for those of names, on all spans of a text that is heard.
 
-        By the place where a span begins, word and number of phones; one place if nothing can be
-        heard or too much.
+        By where a span begins, word and number of phones; one place for too little or too much.
         """
         heard = self._heard(text)
         costs = self._span_costs(heard if len(heard) <= MOST_PHONES else ())
@@ -321,8 +320,7 @@ class _Sounds:
     def of_word(self, word: str) -> list[list[tuple[int, float]]]:
         """Return the pronunciations of a word: numbers of phones, and how much each counts.
 
-        A word that is not in the dictionary sounds as its letters do; the endings of inflected
-        words and articles count half.
+        Others sound as their letters do; the endings of inflected words and articles count half.
         """
         letters = re.findall("|".join(self.letters), word.lower())
         spelled = sum((self.letters[each] for each in letters), ())

@@ -2,8 +2,7 @@
 
 Values are bound as terms in a `VALUES` block at the head of the WHERE group, written by
 `terms.as_sparql`; they are never pasted into the text. The tokenizer knows just enough of SPARQL's
-lexical grammar (section 19.8 of the recommendation) to distinguish keywords from the content of
-strings, IRIs and comments.
+lexical grammar (section 19.8 of the recommendation) to tell keywords from strings and comments.
 
 The engine has no option to refuse SERVICE and LOAD, so they are searched for in the text. In
 strings, names, IRIs and comments these words are harmless, but whether something is a string or an

@@ -103,8 +103,7 @@ class KnownWords:
     def is_surely_name(self, said: str) -> bool:
         """Whether new words are a name: a single one, or a noun with a noun or gerund before it.
 
-        Any other first word may be an adjective, and any other last one an adverb: "the chipped
-        mug", "the mug pronto".
+        Other first words may be adjectives, last ones adverbs: "the chipped mug", "the mug pronto".
         """
         first, _, last = said.rpartition(" ")
         if not first or last in self.builder.homographs or self.origins(first, "ing"):

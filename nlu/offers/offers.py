@@ -41,6 +41,7 @@ MOST_OF_NOTHING = 0.1  # the greatest probability of all meanings of what is sai
 LOSING = 0.25  # how likely a meaning stays that seems to lose something of what was said
 MAX_TRIED = 6  # how many of the likeliest candidates are checked
 MAX_SENTENCES = 4  # how many sentences of an utterance are tried
+_OTHER = "tool"  # stands for what is asked for before a name
 MAX_REQUEST = 4  # how many words a request may have that is nothing but a name
 MAX_UNKNOWN = 5  # how many unknown words an utterance may have
 
@@ -196,13 +197,21 @@ class OfferFinder:
     def of_name(self, mentions: Mentions, context: UtteranceContext) -> tuple[Meaning, ...]:
         """Return the request that a short utterance is which only names a thing: "quick, knife"."""
         tokens = mentions.tokens
-        is_open = tokens.asks or self.known.unknown(tokens) or self.checks.limits(tokens.words)
-        if is_open or len(tokens.words) > MAX_REQUEST or len(mentions.required) != 1:
+        verbs = self.checks.reader.words["asking"].intersection(tokens.words)
+        is_open = tokens.asks or verbs or self.known.unknown(tokens)
+        if is_open or self.checks.limits(tokens.words) or len(mentions.required) != 1:
             return ()
-        things = (m for m in mentions.names if m.role == "object" and m.start in tokens.edges)
-        bare = (m.name for m in things if tokens.span(m.start, m.end).lower() == m.name)
-        asked = [meanings.Command("pass", meanings.ObjectReference(name)) for name in bare]
-        return tuple(each for each in asked if self._is_understood(each, context))
+        before = meanings.Command("pass", meanings.ObjectReference(_OTHER))
+        at_point = replace(context, discourse=Discourse(last=before, command=before))
+        found = self.understand(tokens.text, at_point).meaning  # "now the hammer"
+        asked = list(found.choices if isinstance(found, AskBack) else (found,))
+        if len(tokens.words) <= MAX_REQUEST:
+            things = (m for m in mentions.names if m.role == "object" and m.start in tokens.edges)
+            bare = (m.name for m in things if tokens.span(m.start, m.end).lower() == m.name)
+            asked += [meanings.Command("pass", meanings.ObjectReference(name)) for name in bare]
+        requests = (e for e in asked if isinstance(e, meanings.Command) and e.goal == "pass")
+        named = (each for each in requests if each.target.object not in {_OTHER, None})
+        return tuple(each for each in named if self._is_understood(each, context))[:1]
 
     def rejected(self, one: CandidateMeaning, mentions: Mentions, context: UtteranceContext) -> str:
         """Return what is against a candidate, empty if nothing is."""

@@ -1,8 +1,7 @@
 """The parser: from the tokens of one sentence to its readings, the likeliest first.
 
 Only derivations of the whole token sequence count, so that no word is ever dropped. A derivation
-comes from the CCG chart; its predicate form is resolved against the discourse, becomes a speech
-act, then an intention, then a meaning.
+comes from the CCG chart; its predicate form is resolved, becomes a speech act, then a meaning.
 """
 
 import contextlib

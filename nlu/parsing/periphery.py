@@ -401,7 +401,10 @@ class PeripheryReader:
             replace(tokens.part(0, end).only(kept), removed=removed),
             kinds,
             tuple(_sentences(tokens, start, pieces)),
-            any(self.reader.known.may_be_a_thing(word) for phrase in phrases for word in phrase),
+            any(
+                self.reader.known.may_be_a_thing(word) and not self.reader.words.has("speech", word)
+                for word in chain.from_iterable(phrases)
+            ),
             self._referent([each for each, _ in said], tokens, span),
             any(self.reader.words.has("person", word) for word in tokens.words[start:end]),
         )

@@ -260,7 +260,7 @@ class _Attempt:
 
     def _with_reading(self, tokens: Tokens, context: UtteranceContext) -> Understanding | None:
         found = self._understand(tokens, context, is_core=True)
-        return found if found.reading is not None else None
+        return found if found.reading is not None and "askOf" not in found.content else None
 
     def _variants(self, tokens: Tokens) -> Iterator[Tokens]:
         builder = self._tools.known_words.builder

@@ -14,6 +14,7 @@ from .predicates import PredicateForm, UninterpretableError, load_predicates
 
 IT, THEY, ONE, THE_TWO = map(PredicateForm, ("it", "they", "one", "theTwo"))
 LAST_USE = PredicateForm("lastUse")
+_LAST_MATERIAL = PredicateForm("lastMaterial")
 _THE_OTHER = PredicateForm("theOther")
 PRONOUNS = frozenset({IT, THEY, _THE_OTHER})
 PERSONAL = frozenset(map(PredicateForm, ("him", "her", "them")))
@@ -73,6 +74,11 @@ def _ordinal(part: PredicateForm, discourse: Discourse) -> PredicateForm | None:
         if named is None or use is None or is_guess:
             raise UninterpretableError("no_referent", asks=True, word="the use")
         return use_form(use, getattr(named, "material", None) or getattr(last, "patient", None))
+    if part == _LAST_MATERIAL:
+        said = (getattr(each, "material", None) for each in (discourse.last, discourse.rule))
+        if material := next(filter(None, said), None):
+            return PredicateForm.named(material)
+        raise UninterpretableError("no_referent", asks=True, word="them")
     if part == ONE:
         is_described = isinstance(discourse.last, Command) and discourse.last.target.object is None
         known = None if is_described else discourse.object

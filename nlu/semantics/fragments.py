@@ -55,7 +55,9 @@ def _complete(fragment: FragmentValues, discourse: Discourse) -> meanings.Meanin
     if fragment.mode == "like":
         return _alike(fragment, discourse)
     if fragment.mode == "ask" and not fragment.asks:
-        raise UninterpretableError("not_a_rule")
+        if not isinstance(discourse.last, meanings.Command):
+            raise UninterpretableError("not_a_rule")
+        return _as_command(fragment, discourse.last, discourse)
     if fragment.mode == "again":
         if discourse.command is None:
             raise UninterpretableError("nothing_to_repeat", asks=True)
@@ -66,6 +68,11 @@ def _complete(fragment: FragmentValues, discourse: Discourse) -> meanings.Meanin
     completed, rule = _completed(fragment, discourse), discourse.rule
     if discourse.asks_why and fragment.asks and isinstance(rule, ActionRule):
         completed = Question("how", object=rule.object, context=rule.context)
+    kinds = (Question, FunctionalRule) if fragment.asks else (Question,)
+    if fragment.tool and isinstance(completed, kinds) and completed.affordance:
+        fragment = replace(fragment, target=fragment.tool)
+    if fragment.target and fragment.use and not isinstance(completed, FunctionalRule):
+        raise _nothing()
     if fragment.material and not fragment.use:
         is_use = isinstance(completed, (FunctionalRule, Question))
         if not is_use or not (completed.material or fragment.confidence):
@@ -192,7 +199,7 @@ def _changed(fragment: FragmentValues, rule: meanings.Rule) -> meanings.Rule:
     if fragment.target:
         name, props = _kind(fragment.target)
         rule = replace(rule, object=name, props=props)
-        if fragment.context is None and fragment.part is None:
+        if fragment.context is None and fragment.part is None and fragment.use is None:
             return rule
     match rule:
         case FunctionalRule() if fragment.use:
@@ -230,7 +237,7 @@ def _as_question(  # noqa: PLR0911 - a case per slot
         return _offered(_as_answer(fragment, question, fragment.confidence))
     if fragment.target:
         name, props = _kind(fragment.target)
-        if fragment.mode == "too" and not fragment.asks and use:
+        if (fragment.mode == "too" or fragment.tool) and not fragment.asks and use:
             return _offered(FunctionalRule(name, use, fragment.default, props, material=material))
         if props or fragment.part:
             raise UninterpretableError("one_thing_at_a_time")

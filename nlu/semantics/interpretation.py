@@ -150,15 +150,16 @@ class Interpreter:
         value, *degree = said.arguments
         fragment = FragmentValues(mode, self.intervals["high"], asks, "requested" in around)
         fragment = self._filled(fragment, slot, value)
-        if slot in {"held", "act"}:
-            fragment = self._filled(fragment, "part", degree.pop())
+        if slot in {"held", "act", "used"}:
+            second = "use" if slot == "used" else "part"
+            fragment = self._filled(fragment, second, degree.pop())
         if degree:
             fragment = replace(fragment, confidence=self.intervals[degree[0].name])
         return complete(fragment, discourse)
 
     def _filled(self, fragment: FragmentValues, slot: str, value: PredicateForm) -> FragmentValues:
         match slot:
-            case "target" | "held":
+            case "target" | "held" | "used":
                 fragment = replace(fragment, target=self._reference(value))
             case "use":
                 affordance, material = _use(value)

@@ -180,8 +180,7 @@ SimpleCommand = Command | ToolCommand
 class Norm(_Record):
     """What must or must not be done from now on, or may be: "never hand knives to children".
 
-    In its act any object is `ANY_OBJECT`, and a tool that is not named, too. An obligation with a
-    part allows no other one.
+    In its act any object or tool is `ANY_OBJECT`. An obligation with a part allows no other one.
     """
 
     norm: str  # `forbidden`, `obliged` or `permitted`

@@ -2,8 +2,7 @@
 
 Every link that can be seen is one node of the file. The meshes stand in the frames of their links,
 and the nodes at the origin: where they are in the world is told by frames. The axes are those of
-the world, z up. Meshes of many triangles, those of arms, are reduced by quadric error metrics
-(Garland and Heckbert 1997).
+the world, z up. Large meshes are reduced by quadric error metrics (Garland and Heckbert 1997).
 
 A frame is little-endian: `u8 kind = 1`, `u8 version = 1`, `u16 scene`, `f32 time` [s] of the world,
 then `f32 x y z qx qy qz qw` in the world for each node, in their order.

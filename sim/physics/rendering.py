@@ -104,8 +104,7 @@ class Rendering:
     ) -> Generator[None]:
         """Leave bodies out of images inside this block, which saves the time of drawing them.
 
-        The pairs of body and link in `but` are drawn all the same. In a window all bodies stay, or
-        they would flicker there.
+        The pairs of body and link in `but` are drawn. In a window all stay, or they would flicker.
         """
         kept = {self._bodies.link_id(body, link) for body, link in but}
         names = () if self._client.gui else bodies

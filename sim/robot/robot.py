@@ -41,8 +41,7 @@ LEAST_STRETCH = 1.02  # of a path that asks for too much acceleration
 class Robot:
     """A robot of one `kind` in a physics engine.
 
-    It stands at the origin. Motions end with a `MotionInterruptedError` when another thread asks
-    the `interruption` to stop.
+    It stands at the origin. A `MotionInterruptedError` ends motions that the `interruption` stops.
     """
 
     def __init__(

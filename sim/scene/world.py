@@ -1,8 +1,7 @@
 """The simulated world: a table, the objects of a scene, and time.
 
 A `World` loads the room and the objects of a scene into an engine and lets them settle. The robot
-is not part of it: `robot` loads it into the same engine, whose watchers (a recorder, a live view)
-are called at every step.
+is not part of it: `robot` loads it into the engine, whose watchers are called at every step.
 """
 
 from __future__ import annotations

@@ -1,8 +1,7 @@
 """Pinhole cameras, the images they deliver, and the points in the world behind the pixels.
 
 Cameras follow OpenGL: they look along their -z axis, x points right and y up; pixel rows count
-from the top. A `CameraImage` holds colours, depths in [m] and a segmentation mask: which link of
-which body every pixel shows.
+from the top. A `CameraImage` holds colours, depths [m] and a mask of the links that pixels show.
 """
 
 from collections.abc import Mapping

@@ -1,8 +1,7 @@
 """Registration of two views of an object: how it moved between them.
 
 Iterative closest points with distances to tangent planes (Chen and Medioni 1992), without the pairs
-that are far apart, for the views overlap only in part (Chetverikov et al. 2002). Points pair with
-points of their own part.
+that are far apart (Chetverikov et al. 2002), as the views differ; each part pairs with itself.
 """
 
 import numpy as np
