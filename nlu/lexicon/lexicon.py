@@ -1,8 +1,7 @@
 """The lexicon: the categories and lambda terms of each word, found token by token.
 
 A language has many more words than a conversation uses. So an entry is only made when its words
-are heard for the first time, and the graphs of all patterns are joined into one automaton only
-along the words that were heard.
+are first heard, and the graphs of patterns become one automaton only along such words.
 """
 
 from collections import defaultdict

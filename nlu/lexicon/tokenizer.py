@@ -2,8 +2,7 @@
 
 Quotation marks, a smile and the number of a list are dropped; commas, colons, dashes and a pair of
 round brackets become pauses. A full stop, question mark or semicolon within a text becomes the
-token `;` between two sentences. Everything else that is no word stays a token, which no lexicon
-has, so such a text is refused.
+token `;` between two sentences. All else that is no word is a token that no lexicon has.
 """
 
 import re

@@ -191,6 +191,8 @@ class OfferFinder:
             before = (words for each, words in others.items() if each < clear[0]) if clear else ()
             after = (words for each, words in others.items() if each > clear[0]) if clear else ()
             is_framed = any(map(self.checks.frames, before))
+            beside = (self.mentions(tokens.part(*each), Discourse()) for each in others)
+            is_framed |= any(each.degrees for each in beside)
             is_alone = not is_framed and all(map(self.checks.is_apart, after))
         return (meant,) if meant and is_alone else ()
 

@@ -130,7 +130,8 @@ class ReadingFilter:
     def _may_be_named(self, word: NewWord, *, is_act: bool) -> bool:
         is_part = is_act and word.role == "part" and self.features.is_part(word.said)
         is_name = word.role in {"object", "affordance"}
-        return is_part or (is_name and self.known_words.is_surely_name(word.said))
+        is_new = not (is_act or any(map(self.known_words.has, word.said.split(" "))))
+        return is_part or (is_name and (is_new or self.known_words.is_surely_name(word.said)))
 
     def _may_name_recipients(self, reading: Reading, tokens: Tokens, *, commanded: bool) -> bool:
         """Whether those whom a reading takes for people may be given something."""

@@ -35,8 +35,7 @@ class UtteranceContext:
 class Reading:
     """One reading of an utterance.
 
-    The interval, (lower, upper) in [0, 1], says how sure the intention is, by the pragmatic rules
-    and by how well the speech was recognised.
+    The interval, (lower, upper) in [0, 1], says how sure the intention and its recognition are.
     """
 
     speech_act: PredicateForm  # `STATEMENT(sam,self,...)`
