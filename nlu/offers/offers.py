@@ -165,9 +165,8 @@ class OfferFinder:
 
     def of_sentences(self, tokens: Tokens, context: UtteranceContext) -> tuple[Meaning, ...]:
         """Return the meaning of the one sentence understood beside others that say little."""
-        spans = tokens.sentences
-        is_part = len(spans) == 1  # "by the handle, I mixed it up"
-        spans = tokens.parts if is_part else spans
+        is_part = len(tokens.sentences) == 1  # "by the handle, I mixed it up"
+        spans = tokens.parts if is_part else tokens.sentences
         if not 1 < len(spans) <= MAX_SENTENCES:
             return ()
         last = tokens.text[tokens.items[spans[-1][0]].start :]  # with its question mark

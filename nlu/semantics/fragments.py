@@ -145,7 +145,8 @@ def _completed(
     if fragment.mode == "same" and not fragment.asks:
         is_rule = rule and not isinstance(last, (meanings.SimpleCommand, meanings.Norm))
         return rule if is_rule else last
-    if rule is None or fragment.adds or fragment.asks:
+    asked = last.object if isinstance(last, Question) and fragment.part else None
+    if rule is None or fragment.adds or fragment.asks or asked not in {None, rule.object}:
         return last if last is not None else rule
     if fragment.confidence and not (fragment.target or fragment.use or fragment.part):
         return last if isinstance(last, Question) and last.ask == "is_used_for" else rule

@@ -88,6 +88,20 @@ OTHERWISE = {
     "I'd say you should always have the handle in your hand when you pound with a hammer.": (
         "a belief"
     ),
+    "bye robot, was fun": "a goodbye",
+    "That's it from me, well done.": "a goodbye",
+    "Cool, that's it from me, thanks.": "a sign that it was heard",
+    "yes! give me that": "the shoe, which was named last, as nobody sees the answer here",
+    "Oh no, the glass, I want something cold.": "two requests",
+    "sorry. ok you can now": "an apology",
+    "nice. bye": "a goodbye",
+    "Not the blue one!": "the red one again",
+    "That's it, good lad.": "a goodbye",
+    "Lovely job. Sorry, my hands are all muddy.": "an apology",
+    "Quite right. Thank you, that will be all.": "a goodbye",
+    "Cheers, mate, I'm off to my roses.": "a goodbye",
+    "The trick to picking up a light bulb is to take it by the base, since the glass breaks so easily.": "a bulb that is light",  # noqa: E501
+    "With pliers you would just, uh, by the, no, hang on, I've lost it.": "a wish that Hilt waits",
 }
 
 
