@@ -2,7 +2,7 @@
 
 The leaves of a `Proof` are evidence: observations, given contexts, taught rules and experience. Its
 inner nodes are operators. `evaluate` computes the tree again from its leaves with the same
-operators: it returns the interval of the root, to the last bit, or one of other leaves.
+operators: it returns the interval of the root, or with leaves replaced a counterfactual one.
 """
 
 from collections.abc import Iterator, Mapping, Sequence

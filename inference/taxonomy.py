@@ -74,7 +74,7 @@ class Taxonomy:
     def with_rules(self, rules: Iterable[Rule]) -> "Taxonomy":
         """Return this taxonomy with the kinds that rules conclude, those told last coming first.
 
-        What several say of a pair is fused; it holds if plausible, and where it closes no cycle.
+        What several say of a pair is fused; it holds if likelier than not, and closes no cycle.
         """
         said: dict[tuple[Atom, Atom], list[Interval]] = defaultdict(list)
         for rule in sorted(rules, key=lambda each: -(each.utterance or 0)):

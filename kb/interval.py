@@ -20,7 +20,7 @@ EPSILON = 1e-9  # below this two beliefs are equal: the 16 levels of the paper d
 class Interval:
     """Bounds of a probability: 0 <= lower <= upper <= 1.
 
-    `lower` is the belief, `upper` the plausibility; it iterates over both. Else IntervalError.
+    Iterates over `lower`, the belief, and `upper`, the plausibility. IntervalError for others.
 
     >>> often = Interval(0.75, 1)
     >>> print(often, often.width, often.negated())

@@ -2,7 +2,7 @@
 
 The certainty of a meaning is the sum of the scores of the alternatives that mean it. What is sure
 is believed or done, all else is read back ("Did you say ..?") and carried out after a "yes". What
-denies, forbids, corrects or changes trust, and a new word, is always read back, but never "stop".
+denies, forbids, corrects or changes trust, and a new word, is always read back; "stop" never is.
 """
 
 import re

@@ -320,7 +320,7 @@ class _Sounds:
     def of_word(self, word: str) -> list[list[tuple[int, float]]]:
         """Return the pronunciations of a word: numbers of phones, and how much each counts.
 
-        Others sound as their letters do; the endings of inflected words and articles count half.
+        An unknown word sounds as its letters do; articles and endings of inflection count half.
         """
         letters = re.findall("|".join(self.letters), word.lower())
         spelled = sum((self.letters[each] for each in letters), ())

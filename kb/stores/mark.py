@@ -119,7 +119,7 @@ def read_mark(folder: Path) -> bytes:
 def check_files(folder: Path, name: str) -> int:
     """Check the files of a folder against its mark, and return the number of its last utterance.
 
-    `name` stands for the folder in a StoreError, which says what is damaged. It is 0 for no mark.
+    `name` stands for the folder in a StoreError about damage. Without a mark the number is 0.
     """
     problem, number = "", 0
     for _ in range(_TRIES):

@@ -1,7 +1,7 @@
 """Registration of two views of an object: how it moved between them.
 
 Iterative closest points with distances to tangent planes (Chen and Medioni 1992), without the pairs
-that are far apart (Chetverikov et al. 2002), as the views differ; each part pairs with itself.
+that are far apart, as views overlap in part (Chetverikov et al. 2002); a part pairs with itself.
 """
 
 import numpy as np

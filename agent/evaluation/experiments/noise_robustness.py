@@ -4,7 +4,7 @@ The paper expects that all errors are due to sensor noise (section 4.1). A trial
 scenario and gives the 15 commands, each in a scene of its own; all lines and values of a curve are
 measured with the same scenes. A point has a 95 % confidence interval: Wilson's score interval
 (1927) at the effective sample size, since the commands of one trial are correlated (Kish, Survey
-Sampling, 1965: the design effect is their variance over that of independent samples).
+Sampling, 1965: the variance of the trial means over that of independent samples).
 """
 
 from collections import Counter, defaultdict
