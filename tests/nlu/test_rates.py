@@ -88,6 +88,7 @@ OTHERWISE = {
     "I'd say you should always have the handle in your hand when you pound with a hammer.": (
         "a belief"
     ),
+    "what about the glass, what do you know about that one?": "what it is used for",
     "bye robot, was fun": "a goodbye",
     "That's it from me, well done.": "a goodbye",
     "Cool, that's it from me, thanks.": "a sign that it was heard",
