@@ -235,7 +235,7 @@ class OxigraphStore:
             self._worker.close()
             if self._inner is not None and self._log and self._log.changes:
                 with contextlib.suppress(OSError):  # the log has it all
-                    self._write_tables(self._inner)
+                    self._write_tables(self._inner, self._log)
             self._inner = self._snapshot = None
 
     def save(self, target: Path) -> None:
@@ -260,10 +260,9 @@ class OxigraphStore:
         snapshot.number = last_utterance(self)
         return snapshot
 
-    def _write_tables(self, store: engine.Store) -> None:
+    def _write_tables(self, store: engine.Store, log: WriteAheadLogSync) -> None:
         store.flush()
-        if self._log:
-            self._log.reset(last_utterance(self))
+        log.reset(last_utterance(self))
 
     def _run(self, query: str, *, is_union: bool = True, **options: Any) -> _Found:
         # As a union, pyoxigraph ignores the graphs that a query itself chooses (FROM).
@@ -293,7 +292,7 @@ class OxigraphStore:
             yield store
             self.changes += 1
             if self._log and not self._log.sync(last_utterance(self)):
-                self._write_tables(store)
+                self._write_tables(store, self._log)
 
 
 def open_memory(*, read_only: bool = False) -> OxigraphStore:
@@ -306,22 +305,23 @@ def open_folder(folder: Path, *, read_only: bool = False) -> OxigraphStore:
 
     StoreError if the folder is in use, cannot be written, holds something else, or is damaged.
     """
+    location = str(folder)
     try:
         directory.undo_replacement(folder)
         if not directory.is_base(folder) and read_only:
             raise StoreError(f'There is no knowledge base "{folder}" to read.')
         if read_only:
             snapshot = directory.take_snapshot(folder)
-            number = check_files(snapshot.path, str(folder))
+            number = check_files(snapshot.path, location)
             inner = engine.Store.read_only(str(snapshot.path))
-            store = OxigraphStore(inner, str(folder), read_only=True, snapshot=snapshot)
+            store = OxigraphStore(inner, location, read_only=True, snapshot=snapshot)
         else:
             folder.mkdir(parents=True, exist_ok=True)
             directory.remove_what_dead_processes_left(folder)
-            number = check_files(folder, str(folder))
-            inner = engine.Store(str(folder))
+            number = check_files(folder, location)
+            # The store alone holds the engine: an error would keep another name, and the lock.
+            store = OxigraphStore(engine.Store(location), location, read_only=False, folder=folder)
             directory.remove_leftovers(folder)
-            store = OxigraphStore(inner, str(folder), read_only=False, folder=folder)
         return store.checked(number)
     except (OSError, RuntimeError) as error:  # a damaged folder raises RuntimeError
         raise open_error(folder, error) from error
