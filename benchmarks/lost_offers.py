@@ -88,7 +88,7 @@ def loss_of(
 ) -> Loss:
     """Return where the right offer of an utterance is lost."""
     tokens = tokenize(text, language.builder.contractions)
-    context = UtteranceContext("sam", "self", discourse.accessible)
+    context = UtteranceContext("sam", "self", discourse)
     said = [_plain(each) for each in offers.meanings(tokens, context)]
     if any(each in right for each in said):
         return Loss(text, "offered", "")
