@@ -319,7 +319,7 @@ def open_folder(folder: Path, *, read_only: bool = False) -> OxigraphStore:
             folder.mkdir(parents=True, exist_ok=True)
             directory.remove_what_dead_processes_left(folder)
             number = check_files(folder, location)
-            # The store alone holds the engine: an error would keep another name, and the lock.
+            # No other name for the engine: the traceback of an error would keep it, and its lock.
             store = OxigraphStore(engine.Store(location), location, read_only=False, folder=folder)
             directory.remove_leftovers(folder)
         return store.checked(number)
