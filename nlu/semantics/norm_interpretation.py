@@ -65,7 +65,7 @@ def _when_it_is(norm: Norm, thing: PredicateForm) -> Norm:
 
 def _given_to_person(norm: Norm, person: PredicateForm) -> Norm:
     act = _command(norm.act)
-    if act.goal != "pass":
+    if act.goal != "pass" or act.recipient:  # not "give the pedal wrench to customers"
         raise UninterpretableError("one_thing_at_a_time")
     return replace(norm, act=replace(act, recipient=name_of(person)))
 

@@ -110,3 +110,10 @@ def test_place_that_is_confirmed_is_learned(language: Language):
     learned = language.with_words(understood.chosen(choice).new_words)
 
     assert learned.understand("never touch the mug in the attic").meaning.kind == "statement"
+
+
+@pytest.mark.parametrize("new", ["pedal", "torque"])
+def test_a_norm_names_one_recipient(language: Language, new: str) -> None:
+    """In "give the pedal wrench to customers" the pedal gets nothing."""
+    found = language.understand(f"Never give the {new} wrench to customers.")
+    assert found.kind in {"error", "ask_back"}
