@@ -56,19 +56,16 @@ RUN = 20  # neighbouring lines that stay together
 LEAST_SHAPES, LEAST_FEATURES = 40, 4
 """How many examples have a shape or a feature that is used."""
 
-KEPT = (12000, 8000, 5500, 3800, 2700, 2000, 1600, 1250, 1000)
+KEPT = (12000, 5500, 2700, 1600, 1150, 1000)
 """How many weights are kept after each fit, the greatest; of equal ones those of more choices."""
 
 NAMED = 0.65
 """How much less a weight needs whose feature has another one: it takes fewer bytes in the file."""
 
-LEAST_WEIGHT = 0.7
-"""Smaller weights are left out after the last fit."""
-
 STEPS = 40
 """The greatest number of steps of each fit."""
 
-PENALTY = 0.5
+PENALTY = 2.0
 """The weight of the squared weights in the loss."""
 
 UNDERSTOOD, TO_REFUSE = 0.2, 0.5
@@ -322,7 +319,7 @@ def trained(examples: Sequence[Example], acts: Mapping[str, str]) -> OfferModel:
         weights = _fit(data, part, STEPS)
     found: dict[str, dict[str, float]] = defaultdict(dict)
     for (feature, trait), weight in zip(part.names, weights, strict=True):
-        if abs(shown := round(float(weight), 1)) >= LEAST_WEIGHT:
+        if shown := round(float(weight), 1):
             found[feature][trait] = shown
     return OfferModel(shapes, found)
 

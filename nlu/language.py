@@ -57,8 +57,7 @@ LANGUAGES_FOLDER = Path(__file__).parents[1] / "ontology"
 
 _KINDS = "lexicon clauses attitudes constructions requests conversation fragments norms"
 _WORD_FILES = tuple(f"{kind}.yaml" for kind in _KINDS.split())
-
-MAX_CONTROL_WORDS = 12
+_SAFE = frozenset({"wait", "putDown", "putBack"})  # controls that may be obeyed without need
 
 
 class LanguageTables(NamedTuple):
@@ -188,7 +187,15 @@ class Language:
             greeting = Acknowledgement("greeting", introduction.name)
             return Understanding(text, speaker, addressee, greeting, discourse=context.discourse)
         said = introduction.rest if introduction else text
-        return replace(self._understand(said, context, accepted), text=text)
+        found = replace(self._understand(said, context, accepted), text=text)
+        return self._recalling(found) if found.kind in {"error", "ask_back"} else found
+
+    def _recalling(self, turn: Understanding) -> Understanding:
+        found = self.offers.mentions(self._tokens(turn.text), Discourse())
+        acts = [m for m in found.names if m.role in {"act", "material"} and not m.is_new]
+        uses = (m for m in found.known if (m.start, m.end) in found.required)
+        spoken = tuple((m.role, m.name) for m in (*acts, *uses) if m.role != "object")
+        return replace(turn, discourse=replace(turn.discourse, spoken=spoken)) if spoken else turn
 
     def _understand(
         self, text: str, context: UtteranceContext, accepted: Collection[str]
@@ -201,10 +208,13 @@ class Language:
             if aside:
                 return replace(found, meaning=aside, discourse=context.discourse)
             found = self._by_phrase(text, context) or self._with_offers(found, context)
+        tokens, clarification = self._tokens(text), self.utterance_parser.clarification
         is_lost = found.kind == "error" and _is_not_understood(found.meaning, text)
-        if is_lost and self._is_by_the_way(text):
+        is_text = is_lost and not clarification.of_input(text, tokens)
+        if is_text and self._courtesies.is_by_the_way(tokens, self.offers.is_nothing):
             said = meanings.Misunderstanding(self.answers.say("only_chatter"))
-            found = replace(found, meaning=said)
+            at = found if "object" in self.offers.mentions(tokens, Discourse()).by_role else context
+            found = replace(found, meaning=said, discourse=at.discourse)
         if found.kind in {"error", "ask_back"}:
             found = self._without_courtesies(found, context) or found
         if not isinstance(found.meaning, AskBack):
@@ -230,8 +240,8 @@ class Language:
             return alone if courtesy.kind and choices and not isinstance(choices[0], str) else None
         rest = self._understand(courtesy.rest, context, ())
         # Not "Rex, drop it", nor "she told me, drop it".
-        is_others = self.offers.known.unknown(tokens) or not self._speech.isdisjoint(tokens.words)
-        is_own = bool(courtesy.kind or not is_others)
+        is_told = not self._speech.isdisjoint(tokens.words)
+        is_own = not is_told and bool(courtesy.kind or not self.offers.known.unknown(tokens))
         if is_own and (control := self.control(courtesy.rest)):
             rest = replace(rest, meaning=control, discourse=context.discourse)
         is_harmless = rest.kind in {"question", "acknowledgement", *["control"] * is_own}
@@ -241,17 +251,13 @@ class Language:
             return replace(rest, text=failed.text)
         if not courtesy.kind or not isinstance(failed.meaning, meanings.Misunderstanding):
             return None
-        others = self._tokens(courtesy.rest)
-        is_plain = courtesy.is_formal and self._says_nothing(others, may_be_new=True)
-        if is_plain and not others.asks and self.offers.is_nothing(others):
+        message, said = self.answers.say(answer_to(courtesy.kind)), failed.meaning.message
+        is_chatter = said == self.answers.say("only_chatter")
+        is_bare = is_chatter and not self._courtesies.has_content(self._tokens(courtesy.rest))
+        if is_bare and courtesy.is_formal:
             return alone
-        message = f"{self.answers.say(answer_to(courtesy.kind))} {failed.meaning.message}"
+        message += f" {said}" * (not is_chatter)
         return replace(failed, meaning=replace(failed.meaning, message=message))
-
-    def _is_by_the_way(self, text: str) -> bool:
-        tokens = self._tokens(text)
-        is_text = not self.utterance_parser.clarification.of_input(text, tokens)
-        return is_text and self._courtesies.is_by_the_way(tokens, self.offers.is_nothing)
 
     def _with_offers(self, found: Understanding, context: UtteranceContext) -> Understanding:
         tokens = self._tokens(found.text)
@@ -320,9 +326,7 @@ class Language:
 
     def control(self, text: str) -> Control | None:
         """Return the control that a text is ("stop", "put it down"), None for any other text."""
-        tokens = self._tokens(text)
-        is_short = len(tokens.items) <= MAX_CONTROL_WORDS
-        found = self.controls.match(tokens, self.parser.named_object) if is_short else None
+        found = self.controls.match(self._tokens(text), self.parser.named_object)
         return Control(*found) if found else None
 
     def introduction(self, text: str) -> Courtesy | None:
@@ -345,14 +349,18 @@ class Language:
         found = [self.control(each.span(0, len(each.items))) for each in parts]
         if any(each and each.control == "stop" for each in found):
             return Control("stop")
-        others = [each for each, control in zip(parts, found, strict=True) if control is None]
-        is_bare = not any(self._courtesies.has_content(each) or each.asks for each in others)
-        if is_bare and any(each and each.control == "wait" for each in found):
-            return Control("wait")
-        # Not "she told me, put it down" or "here, puss, drop it".
-        is_own = self._speech.isdisjoint(tokens.words) and all(map(self._says_nothing, others))
-        last = found[-1] if found and is_own else None
-        return None if last is None or last.object else last
+        first, one = next(((n, each) for n, each in enumerate(found) if each), (0, None))
+        others = [part for part, each in zip(parts[first:], found[first:], strict=True) if not each]
+        # Not "she told me, put it down", "here, puss, drop it" or "drop it, I'm tired of it".
+        if one is None or one.object or (others and one.control not in _SAFE):
+            return None
+        is_own = self._speech.isdisjoint(tokens.words) and all(map(self._means_nothing, others))
+        return one if is_own and all(map(self._says_nothing, parts[:first])) else None
+
+    def _means_nothing(self, part: Tokens) -> bool:
+        kind = self.understand(part.span(0, len(part.items))).kind
+        is_address = len(part.items) == 1 and not self._says_nothing(part)
+        return kind in {"error", "acknowledgement"} and not part.asks and not is_address
 
     def denies(self, text: str) -> bool:
         """Whether a text has words that deny something, as "not", or come close to it."""

@@ -90,7 +90,7 @@ class BeliefRevision:
         if said.rule is not None:
             wanted = rule_from_meaning(said.rule, speaker)
             same = (rule for rule in told if rule.argument == wanted.argument)
-            told = [rule for rule in same if _can_replace(rule, wanted)]
+            return [rule for rule in same if _can_replace(rule, wanted)][-1:]
         return told[-1:]
 
     def _key(self, turn: UnderstoodTurn, source: str | None, *, is_revised: bool) -> str:

@@ -83,7 +83,7 @@ class ClarificationDialogue:
 
     def _with_referent(self, turn: UnderstoodTurn, named: meaning.Answer) -> Reply | None:
         conversation, name, text = self.conversation, named.name, turn.understood.text
-        if name in {None, meaning.ANY_OBJECT}:
+        if named.is_use or name in {None, meaning.ANY_OBJECT}:
             return None
         before = conversation.discourse
         for referring in (before.with_person(str(name)), before.about(str(name))):

@@ -60,27 +60,19 @@ def candidates(
             used = {slot: mentions.by_role[role_of(slot)][name] for slot, name in names.items()}
             said = {value for value in values.values() if isinstance(value, str)}
             required = mentions.required_beside(used.values())
-            spans = [[(each.start, each.end) for each in mentions] for mentions in used.values()]
+            # What is not named has no place: each of those stands apart.
+            spans = [[(m.start, m.end or -n) for m in some] for n, some in enumerate(used.values())]
             is_apart = any(len(set(chosen)) == len(spans) for chosen in product(*spans))
             if is_apart and not any(map(said.isdisjoint, required)):
                 yield CandidateMeaning(shape, values, used)
 
 
 def _given(shape: MeaningShape, mentions: Mentions) -> dict[str, object] | None:
-    values: dict[str, object] = {}
-    for slot in shape.slots:
-        if slot in _DEGREES:
-            said = list(dict.fromkeys(interval for _, _, interval in mentions.degrees))
-            is_all = len(said) == sum(each in shape.slots for each in _DEGREES)
-            values[slot] = list(said[_DEGREES.index(slot)]) if is_all else None
-        elif slot.startswith("?last."):
-            retracted = shape.template.get("retract")
-            said = retracted if isinstance(retracted, dict) else shape.template
-            if mentions.last is None or mentions.last.rule != said.get("rule"):
-                return None
-            value = getattr(mentions.last, slot[len("?last.") :])
-            values[slot] = list(value) if isinstance(value, tuple) else value
-    return values if all(value for value in values.values()) else None
+    slots = [slot for slot in _DEGREES if slot in shape.slots]
+    said = list(dict.fromkeys(interval for _, _, interval in mentions.degrees))
+    if slots and len(said) != len(slots):
+        return None
+    return {slot: list(interval) for slot, interval in zip(slots, said, strict=False)}
 
 
 def _fillings(shape: MeaningShape, mentions: Mentions) -> Iterator[dict[str, str]]:
@@ -157,8 +149,8 @@ def utterance_features(mentions: Mentions, asides: Asides) -> Iterator[str]:
     yield f"sentences {min(len(mentions.tokens.sentences), 3)}"
     if mentions.tokens.asks:
         yield "?"
-    if mentions.last is not None:
-        yield "last"
+    if mentions.references:
+        yield "context"
 
 
 def filling_features(candidate: CandidateMeaning, mentions: Mentions) -> Iterator[tuple[str, str]]:
@@ -172,6 +164,10 @@ def filling_features(candidate: CandidateMeaning, mentions: Mentions) -> Iterato
         before = labels[first.start - 1] if first.start else _START
         yield f"{before} _", slot
         yield f"_ {labels[first.end]}", slot
+        if first in mentions.references:
+            names = dict.fromkeys(m.name for m in mentions.references if m.role == first.role)
+            yield f"reference {[*names].index(first.name)}", slot
+            yield f"elided {not first.end}", kind + slot
         yield f"{before} _", kind + slot
         if first.is_new:
             yield "new", slot

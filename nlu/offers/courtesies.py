@@ -108,7 +108,7 @@ class CourtesyPhrases:
             return True
         teaching, parts = lists.words("teaching"), [tokens.part(*span) for span in tokens.parts]
         uses = (other for one, other in pairwise(words) if one in teaching)  # "for cutting"
-        is_taught = any(each.endswith("ing") for each in (words[0], *uses))
+        is_taught = any(each.endswith("ing") for each in (*(p.words[0] for p in parts), *uses))
         is_urged = any(lists.end("urging", words, place) > place for place in range(len(words)))
         if is_taught or is_urged or any(map(self.has_content, parts)):
             return False
@@ -117,9 +117,8 @@ class CourtesyPhrases:
 
     def introduction(self, tokens: Tokens) -> Courtesy | None:
         """Return the courtesy in which a speaker introduces himself or herself, None without."""
-        if not any(token.capital for token in tokens.items[2:]):
-            return None
-        if not any(self._introduced(tokens.part(*span)) for span in tokens.parts):
+        capital = any(token.capital for token in tokens.items[2:])
+        if not (capital and any(self._introduced(tokens.part(*span)) for span in tokens.parts)):
             return None
         found = self.find(tokens)
         return found if found and found.name else None

@@ -83,20 +83,17 @@ class MeaningShape:
 
     def filled(self, values: Mapping[str, object]) -> Json:
         """The JSON object with the slots filled."""
-        return _changed(self.template, lambda old, _, __: values.get(old) if _is_slot(old) else old)
+        return _changed(self.template, lambda old, _: values.get(old) if _is_slot(old) else old)
 
 
 def shape_of(meaning: Json, mentions: Mentions, tool_acts: Mapping[str, str]) -> MeaningShape:
     """Return the shape of a meaning; a name that the utterance does not have stays as it is."""
     taken: dict[tuple[str, str], str] = {}
 
-    def slotted(value: Any, key: str, within: Json) -> object:
-        last = mentions.last if mentions.last and mentions.last.rule == within.get("rule") else None
+    def slotted(value: Any, key: str) -> object:
         if isinstance(value, list):  # a degree
             interval = tuple(cast("list[float]", value))
-            is_last = last is not None and interval == last.confidence
-            is_said = any(interval == said for _, _, said in mentions.degrees)
-            return "?degree" if is_said else "?last.confidence" if is_last else value
+            return "?degree" if interval in {said for _, _, said in mentions.degrees} else value
         if not isinstance(value, str):
             return value
         for role in _ROLES_OF_KEYS.get(key, ()):
@@ -105,8 +102,7 @@ def shape_of(meaning: Json, mentions: Mentions, tool_acts: Mapping[str, str]) ->
                 return taken.setdefault((role, value), f"?{role}{number + 1 if number else ''}")
         if value == tool_acts.get(str(meaning.get("goal"))) and key == "usedFor":
             return "?tool"
-        is_last = last is not None and value == getattr(last, key, None)
-        return f"?last.{key}" if is_last else value
+        return value
 
     return shape_from(_changed(meaning, slotted))
 
@@ -201,19 +197,14 @@ def _is_slot(value: object) -> bool:
     return isinstance(value, str) and value.startswith("?")
 
 
-def _changed(
-    value: Any,
-    change: Callable[[Any, str, Json], object],
-    key: str = "",
-    within: Json | None = None,
-) -> Any:
+def _changed(value: Any, change: Callable[[Any, str], object], key: str = "") -> Any:
     match value:
         case dict():
-            return {k: _changed(v, change, k, value) for k, v in value.items()}
+            return {k: _changed(v, change, k) for k, v in value.items()}
         case list() if key != "confidence":
-            return [_changed(each, change, key, within) for each in value]
+            return [_changed(each, change, key) for each in value]
         case _:
-            return change(value, key, within or {})
+            return change(value, key)
 
 
 def leaves(value: object, key: str = "") -> Iterator[tuple[str, object]]:

@@ -1,7 +1,7 @@
 """Mentions: the names that occur in an utterance, with the roles that they may have in a meaning.
 
 A known name is found by the lexicon. An unknown word may be a new name, by its place and ending. An
-utterance also refers to the object mentioned last, and a correction to the last rule.
+utterance also refers to objects mentioned before, and to the use or the act of the last turn.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -15,8 +15,7 @@ from ..lexicon.tokenizer import Tokens
 from ..lexicon.unknown_words import KnownWords
 from ..semantics.discourse import SOMETHING, THIRD_PERSON, Discourse
 from ..semantics.interpretation import GOALS
-from ..semantics.meaning import Confidence, Rule
-from ..semantics.predicates import PredicateForm
+from ..semantics.meaning import Confidence
 
 _ROLES = {
     **dict.fromkeys(("N", "NS"), "object"),
@@ -52,6 +51,7 @@ _PEOPLE = frozenset({"him", "her", "he", "she", "them", "they"})
 _JOINING = frozenset({"and", "or", "not", "nor"})
 _BEFORE_PLACES = frozenset({"by", "of", "at", "with", "on", "in", "from"})
 _BEFORE_PEOPLE = frozenset({"the", "my", "our", "his", "her"})
+_LAST_ROLES = {"affordance": "affordance", "material": "material", "context": "act", "goal": "act"}
 _SPOKEN_OF = frozenset({"object", "part", "affordance", "material", "property"})
 
 Span = tuple[int, int]
@@ -80,9 +80,8 @@ class Mentions:
     names: tuple[Mention, ...]  #: the names, in the order of the utterance
     #: the places and intervals of words for a degree of confidence
     degrees: tuple[tuple[int, int, Confidence], ...] = ()
-    #: the words for the object mentioned last before, or its place where no object is named
+    #: the words for objects mentioned before; at no place what is not named, from the last turn
     references: tuple[Mention, ...] = ()
-    last: Rule | None = None  #: the last rule before the utterance
     features: frozenset[str] = frozenset()  #: what its words say of doer, time, source and sign
 
     @cached_property
@@ -140,7 +139,7 @@ class Mentions:
 
     def asides(self, used: Iterable[Mention]) -> tuple[Span, ...]:
         """Return the pieces that have none of some names and no degree, but a clause's length."""
-        places = {each.start for each in used}
+        places = {each.start for each in used if each.end}
         named = places | {start for start, _, _ in self.degrees}
         long = (piece for piece in self.pieces if piece[1] - piece[0] >= LEAST_ASIDE)
         return tuple(each for each in long if places and named.isdisjoint(range(*each)))
@@ -182,7 +181,7 @@ def find_mentions(
     named = (each for each in names if of_degree.isdisjoint(range(each.start, each.end)))
     ordered = tuple(sorted(named, key=lambda each: (each.start, each.end)))
     references = tuple(_references(tokens, ordered, discourse))
-    return Mentions(tokens, ordered, found_degrees, references, discourse.rule)
+    return Mentions(tokens, ordered, found_degrees, references)
 
 
 def _references(
@@ -195,14 +194,15 @@ def _references(
     known = [each for each in names if each.role == "object" and not each.is_new]
     first = min((each.start for each in known), default=len(words))
     places = [(n, n + 1) for n, word in enumerate(words[:first]) if word in _PRONOUNS]
-    mentioned = filter(None, (discourse.object, *discourse.named))
-    things = dict.fromkeys(_innermost(each).said for each in mentioned)
+    mentioned = filter(None, (discourse.object, *discourse.named, *discourse.pair))
+    things = dict.fromkeys(each.innermost.said for each in mentioned)
     for start, end in places or ([] if known else [(0, 0)]):
         yield from (Mention("object", each, start, end) for each in things if each not in SOMETHING)
-
-
-def _innermost(thing: PredicateForm) -> PredicateForm:
-    return _innermost(thing.arguments[0]) if thing.arguments else thing
+    named = {each.role for each in names if not each.is_new}
+    last = ((role, getattr(discourse.last, key, "")) for key, role in _LAST_ROLES.items())
+    for role, name in discourse.spoken or last:
+        if name and role not in named:
+            yield Mention(role, name, 0, 0)
 
 
 def _label(names: Mapping[str, str], word: str) -> str:

@@ -32,9 +32,9 @@ from .mentions import Mention, Mentions, Span, find_mentions
 _QUOTES = frozenset('"“”„«»')
 _OFFERED = (meanings.Statement, Question, SimpleCommand)
 
-LEAST = 0.5  # the least probability of all offers together, beside that of "none"
-LEAST_OF_ONE = 0.5  # the least of a question without a name, or of another meaning with at most one
-LEAST_ASKED = 0.75  # the least probability of a question that is answered at once
+LEAST = 0.55  # the least probability of all offers together, beside that of "none"
+LEAST_ASKED = 0.75  # the least of a question that is answered at once
+LEAST_SECOND, LEAST_ALONE = 0.1, 0.65  # the same where no second meaning is as likely as that
 LEAST_ASKED_BESIDE = 0.85  # the same beside other words that may be names, or without "?"
 LEAST_OTHER = 0.03  # the least probability of any other meaning
 MOST_OF_NOTHING = 0.1  # the greatest probability of all meanings of what is said by the way
@@ -83,7 +83,8 @@ class OfferFinder:
 
     def _is_sure(self, meant: Meaning, tokens: Tokens, context: UtteranceContext) -> bool:
         mentions = self.mentions(tokens, context.discourse)
-        probability, best = next(iter(self.ranked(mentions)), (0.0, None))
+        likely = (*self.ranked(mentions), (0.0, None), (0.0, None))
+        (probability, best), (second, _) = likely[:2]
         left = left_over(best, mentions) if best else {}
         if best is None or meaning_from_json(best.meaning) != meant or left.keys() - {"known"}:
             return False
@@ -103,8 +104,8 @@ class OfferFinder:
         if is_over or not is_asked or not best.used or self.checks.denies(asked):
             return False
         is_about = (all if left else any)(m.end > last for u in best.used.values() for m in u)
-        is_plain = tokens.asks and not left
-        is_likely = probability >= (LEAST_ASKED if is_plain else LEAST_ASKED_BESIDE)
+        least = LEAST_ASKED if second > LEAST_SECOND else LEAST_ALONE
+        is_likely = probability >= (least if tokens.asks and not left else LEAST_ASKED_BESIDE)
         return is_likely and (is_about or (is_asked and not left))
 
     def meanings(self, tokens: Tokens, context: UtteranceContext) -> tuple[Meaning, ...]:
@@ -153,7 +154,7 @@ class OfferFinder:
         for chance, candidate in likely:
             meaning = meaning_from_json(candidate.meaning)
             is_plain = len(candidate.used) + isinstance(meaning, Question) > 1
-            if chance < (LEAST_OTHER if is_plain else LEAST_OF_ONE) or len(found) == MAX_CHOICES:
+            if chance < (LEAST_OTHER if is_plain else LEAST) or len(found) == MAX_CHOICES:
                 continue
             named = candidate.resolved(mentions)
             checked = self.checks.weakened(meaning, named, candidate.asides(mentions))
@@ -167,7 +168,7 @@ class OfferFinder:
         """Return the meaning of the one sentence understood beside others that say little."""
         is_part = len(tokens.sentences) == 1  # "by the handle, I mixed it up"
         spans = tokens.parts if is_part else tokens.sentences
-        if not 1 < len(spans) <= MAX_SENTENCES:
+        if not 1 < len(spans) <= MAX_SENTENCES or (is_part and tokens.asks):
             return ()
         last = tokens.text[tokens.items[spans[-1][0]].start :]  # with its question mark
         texts = [*(tokens.span(*each) for each in spans[:-1]), last]
@@ -239,7 +240,7 @@ class OfferFinder:
         lost = self.checks.lost(meaning, one.resolved(mentions), one.asides(mentions))
         is_cut = bool(beside & {*left.get("new", ()), *left.get("person", ())})
         things, uses = (one.used.get(slot, ()) for slot in ("?object", "?affordance"))
-        is_beside = not {m.start for m in things}.isdisjoint(m.end for m in uses)
+        is_beside = not {m.start for m in things}.isdisjoint(m.end for m in uses if m.end)
         is_on_itself = is_beside or meanings.is_used_on_itself(meaning)
         return (*lost, *["names"] * is_cut, *["itself"] * is_on_itself)
 

@@ -401,8 +401,7 @@ def _new_object(tokens: Tokens, known: KnownWords, features: FeatureReader) -> t
         name = max(names, key=len, default="")
         end = place + 1 + name.count(" ")
         is_introduced |= known.builder.inflection.is_plural_only(word)
-        is_alone = {place, end} <= tokens.edges and not word.endswith(("s", *_ENDINGS))
-        is_introduced |= is_alone
+        is_introduced |= {place, end} <= tokens.edges and not word.endswith(("s", *_ENDINGS))
         is_noun = is_introduced or before[-1:] == ("the",)
         is_other = any(is_kind(word) for is_kind in kinds)
         is_other |= tokens.words[end : end + 1] in {("one",), ("ones",)}

@@ -22,6 +22,7 @@ class Discourse:
     named: tuple[PredicateForm, ...] = ()  # all objects that the last turn with any named, in order
     pair: tuple[PredicateForm, ...] = ()  # the last turn's objects, or two in a row
     person: PredicateForm | None = None  # the person named last, except the speaker
+    spoken: tuple[tuple[str, str], ...] = ()  # roles and names of acts and uses in a failed turn
     asks_why: bool = False  # whether the last turn asked why a thing was held so, or just why
     is_offered: bool = False  # whether `rule` was only offered as what may have been meant
     has_failed: bool = False  # whether the last turn was not understood: nothing is referred to
@@ -46,8 +47,8 @@ class Discourse:
 
     @property
     def accessible(self) -> "Discourse":
-        """This state, or an empty one after a turn that failed."""
-        return Discourse() if self.has_failed else self
+        """This state without what only offers refer to: an empty one after a turn that failed."""
+        return Discourse() if self.has_failed else replace(self, spoken=())
 
 
 def update_discourse(meaning: Meaning, content: PredicateForm, discourse: Discourse) -> Discourse:

@@ -122,9 +122,7 @@ def _alike(fragment: FragmentValues, discourse: Discourse) -> meanings.Meaning:
 
 def _is_other(fragment: FragmentValues) -> bool:
     target = fragment.target
-    if target is None or target.object is None:
-        return False
-    return target == ObjectReference(target.object, other=True)
+    return bool(target and target.object and target == ObjectReference(target.object, other=True))
 
 
 def _other_of_pair(discourse: Discourse) -> str | None:
@@ -145,8 +143,9 @@ def _completed(
     if fragment.mode == "same" and not fragment.asks:
         is_rule = rule and not isinstance(last, (meanings.SimpleCommand, meanings.Norm))
         return rule if is_rule else last
-    asked = last.object if isinstance(last, Question) and fragment.part else None
-    if rule is None or fragment.adds or fragment.asks or asked not in {None, rule.object}:
+    asked = {last.object, last.context} if isinstance(last, Question) and fragment.part else {None}
+    known = {None, getattr(rule, "object", None), getattr(rule, "context", None)}
+    if rule is None or fragment.adds or fragment.asks or not asked <= known:
         return last if last is not None else rule
     if fragment.confidence and not (fragment.target or fragment.use or fragment.part):
         return last if isinstance(last, Question) and last.ask == "is_used_for" else rule

@@ -51,6 +51,11 @@ class PredicateForm:
         """The name as people spell it."""
         return self.name.replace("_", " ").rstrip()
 
+    @property
+    def innermost(self) -> "PredicateForm":
+        """The thing that a form describes: the mug of "the red mug for tea"."""
+        return self.arguments[0].innermost if self.arguments else self
+
     def __str__(self) -> str:
         if not self.arguments:
             return self.name

@@ -266,3 +266,12 @@ def test_just_kidding_takes_back(language: Language) -> None:
     found, _ = Session(language).after(("A spoon is used for digging",)).hear("Just kidding.")
 
     assert found.meaning.as_json() == {"retract": "last"}
+
+
+def test_a_fragment_beside_a_question_is_no_rule(language: Language) -> None:
+    """Who asks what the spatula is for does not teach how it is held."""
+    session = Session(language).after(("A ladle is held by the handle, never by the bowl.",))
+    found, _ = session.hear("And the spatula over there, do you have any idea what that's for?")
+    meant = found.meaning.choices if isinstance(found.meaning, AskBack) else (found.meaning,)
+    assert meant
+    assert not any(isinstance(each, Statement) for each in meant)
