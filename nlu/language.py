@@ -271,15 +271,13 @@ class Language:
         return replace(found, meaning=question) if question else found
 
     def _by_phrase(self, text: str, context: UtteranceContext) -> Understanding | None:
-        if not self.phrases:
+        named = self.offers.mentions(self._tokens(text), Discourse()) if self.phrases else None
+        said = meaning_by_phrase(self.phrases, named) if named else None
+        if said is None:
             return None
-        mentions = self.offers.mentions(self._tokens(text), Discourse())
-        meaning = meaning_by_phrase(self.phrases, mentions)
-        if meaning is None:
-            return None
-        sentence = self.generate(meaning_from_json(meaning))
+        sentence = self.generate(meaning_from_json(said))
         found = self.utterance_parser.understand(sentence, context, ())
-        return replace(found, text=text) if found.meaning.as_json() == meaning else None
+        return replace(found, text=text) if found.meaning.as_json() == said else None
 
     def phrase_of(self, text: str, meaning: Meaning) -> PhrasePattern | None:
         """Return the phrase by which a text has a confirmed meaning; None as of `phrase_from`."""
@@ -394,9 +392,8 @@ class Language:
         found = answers(tokens.without_breaks())
         return found or (answers(tokens.part(start, end)) if is_aside else [])
 
-    def _says_nothing(self, part: Tokens, *, may_be_new: bool = False) -> bool:
-        is_new = bool(self.offers.known.unknown(part)) and not may_be_new
-        is_open = is_new or self._courtesies.has_content(part)
+    def _says_nothing(self, part: Tokens) -> bool:
+        is_open = bool(self.offers.known.unknown(part)) or self._courtesies.has_content(part)
         has_degree = self.offers.mentions(part, Discourse()).degrees
         return not (is_open or has_degree) and self.offers.checks.is_apart(part.words)
 

@@ -257,6 +257,8 @@ def _which_context(question: Question, known: Conversation) -> Answered:
 
 def _see(question: Question, known: Conversation) -> Answered:
     names = known.visible()
+    if question.property and question.object in names:
+        return _state(question, known)
     if question.object:
         key = "see_one" if question.object in names else "nothing_seen"
         return spoken(key, done=True, object=question.object), ()

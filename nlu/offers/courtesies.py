@@ -97,14 +97,14 @@ class CourtesyPhrases:
         if tokens.asks or len(words) < 2:
             return False
         is_asked = words[0] in listed["interrogative"] and words[1] in listed["asking"]
-        is_new = tokens.items[0] in self.known.unknown(tokens)  # "glorb the cup" is a command
-        if is_asked or (is_new and words[1] in listed["determiners"]):
+        unknown = tuple(self.known.unknown(tokens))
+        is_new = tokens.items[0] in unknown and words[1] in listed["determiners"]
+        if is_asked or is_new or 2 * len(unknown) > len(words):  # "glorb the cup", "glorb snarf"
             return False
         said = features.of_words(words)
         first = features.of_words(tokens.part(*tokens.parts[0]).words).get("agent", frozenset())
-        is_of_others = words[0] in listed["owners"] or first == _OTHERS
-        is_of_others = is_of_others and _HERE.isdisjoint(first)
-        if is_of_others or "source" in said or not _OVER.isdisjoint(said.get("tense", ())):
+        is_others = first == _OTHERS or (words[0] in listed["owners"] and _HERE.isdisjoint(first))
+        if is_others or "source" in said or not _OVER.isdisjoint(said.get("tense", ())):
             return True
         teaching, parts = lists.words("teaching"), [tokens.part(*span) for span in tokens.parts]
         uses = (other for one, other in pairwise(words) if one in teaching)  # "for cutting"

@@ -32,7 +32,7 @@ from .mentions import Mention, Mentions, Span, find_mentions
 _QUOTES = frozenset('"“”„«»')
 _OFFERED = (meanings.Statement, Question, SimpleCommand)
 
-LEAST = 0.55  # the least probability of all offers together, beside that of "none"
+LEAST = 0.5  # the least probability of all offers together, beside that of "none"
 LEAST_ASKED = 0.75  # the least of a question that is answered at once
 LEAST_SECOND, LEAST_ALONE = 0.1, 0.65  # the same where no second meaning is as likely as that
 LEAST_ASKED_BESIDE = 0.85  # the same beside other words that may be names, or without "?"

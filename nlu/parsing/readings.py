@@ -57,7 +57,7 @@ class ReadingFilter:
         ]
 
     def _may_introduce_words(self, reading: Reading, tokens: Tokens) -> bool:
-        words, meant, act = reading.new_words, reading.meaning, reading.speech_act.name
+        words, meant, kind = reading.new_words, reading.meaning, reading.speech_act.name
         match meant.choices[0] if isinstance(meant, meanings.AskBack) and meant.choices else meant:
             case Statement(rules):
                 are_too_many = len(words) > MAX_NEW_NAMES * len(rules) + 1
@@ -66,7 +66,7 @@ class ReadingFilter:
                 names_agent = "part" in said and participle
                 no_material = (self._may_be_no_material(rule, words) for rule in rules)
                 things = [word for word in words if word.role == "object"]
-                no_thing = (self._is_use(w, tokens) or self._acts(w, tokens, act) for w in things)
+                no_thing = (self._is_use(w, tokens) or self._acts(w, tokens, kind) for w in things)
                 return not (are_too_many or names_agent or any(no_thing) or any(no_material))
             case meanings.KindStatement():
                 return self._may_introduce_kinds(reading)
@@ -87,12 +87,12 @@ class ReadingFilter:
         is_bare = self.features.words["determiners"].isdisjoint(_before(tokens.words, word.said, 1))
         return is_bare and self.known_words.lexicon.is_name(word.said, ("K",))  # "and cutting"
 
-    def _acts(self, word: NewWord, tokens: Tokens, act: str) -> bool:
+    def _acts(self, word: NewWord, tokens: Tokens, kind: str) -> bool:
         said = tokens.words
         begins = word.said == said[0] and not self.known_words.origins(said[0], "plural")
         bare = self.features.words["determiners"].isdisjoint(_before(said, word.said, 1))
         acts = begins and self.features.words["being"].isdisjoint(said)  # "Anna can cut bread"
-        acts &= act != "FRAGMENT"  # "cream too"
+        acts &= kind != "FRAGMENT"  # "cream too"
         return bare and (acts or word.said in tokens.proper)
 
     def _are_things(self, words: Sequence[NewWord], most: int = 1) -> bool:

@@ -65,7 +65,7 @@ def update_discourse(meaning: Meaning, content: PredicateForm, discourse: Discou
             pass
     discourse = replace(discourse.accessible, person=person, asks_why=asks_why, is_offered=False)
     named = list(_named_objects(meaning))
-    if isinstance(meaning, Question) and not meaning.property:
+    if isinstance(meaning, Question) and meaning.ask != "state":
         # It names a kind, but "it" is "the red mug".
         described = [part for part in content if part.name == "having"]
         named = [next((part for part in described if each in part), each) for each in named]

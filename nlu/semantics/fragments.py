@@ -246,7 +246,8 @@ def _as_question(  # noqa: PLR0911 - a case per slot
         if fragment.asks and question.ask in _OF_OBJECTS and fragment.is_other:
             return Question("uses_of", object=name)
         ask = "is_used_for" if question.ask in _OF_OBJECTS else question.ask
-        return replace(question, ask=ask, object=name, part=None)
+        prop = question.property if ask == "state" else None
+        return replace(question, ask=ask, object=name, part=None, property=prop)
     if fragment.use:
         if question.ask not in _OF_USES and use is None:
             raise _nothing()

@@ -321,8 +321,6 @@ class Interpreter:
                 return _question_on_use("objects_for", use)
             case "how", (PredicateForm(name="implies", arguments=(act, *_)) | act, *_):
                 return self._question_on_act(ask, act)
-            case "why" | "whyNot", ():
-                return Question(ask)
             case "why" | "whyNot", (PredicateForm(name="implies") as rule, *_):
                 return self._question_on_rule(ask, rule)
             case "why" | "whyNot", (PredicateForm("grasp", (_, thing, *_)), *_):
@@ -399,7 +397,8 @@ def _question_on_use(ask: str, use: PredicateForm) -> Question:
 
 
 def _question_on_target(ask: str, target: ObjectReference) -> Question:
-    return Question(ask, object=target.object, affordance=target.used_for, material=target.material)
+    prop = " ".join(target.props) or None
+    return Question(ask, target.object, target.used_for, material=target.material, property=prop)
 
 
 def short_answer(form: PredicateForm) -> meanings.Answer:

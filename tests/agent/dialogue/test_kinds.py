@@ -21,7 +21,7 @@ def test_rules_about_a_kind_reach_what_is_told_to_be_of_it(agent: Agent):
 
     assert chosen.said == "I would pass the mug."
     assert inherited == "Yes: a bucket is used for scooping."
-    assert agent.hear("is a beaker used for scooping?").said.startswith("Not that I know of")
+    assert agent.hear("is a beaker used for scooping?").said.startswith("Nobody has told me")
 
 
 @pytest.mark.parametrize(
@@ -33,10 +33,7 @@ def test_rules_about_a_kind_reach_what_is_told_to_be_of_it(agent: Agent):
         ),
         ("is a spoon cutlery?", "Yes: a spoon is a kind of cutlery."),
         ("is a mug a knife?", "No: a mug is not a kind of knife."),
-        (
-            "is a mug a shoe?",
-            "Not that I know of: nobody has told me that a mug is a kind of shoe.",
-        ),
+        ("is a mug a shoe?", "Nobody has told me that a mug is a kind of shoe."),
         ("what is a bread knife?", "A bread knife is a kind of knife."),
     ],
 )

@@ -189,7 +189,7 @@ LESSON_THREE = "To pass a knife grab the knife by the blade"
         ("what is used for cutting?", "For cutting, I know of a knife."),
         ("how do you pass a knife?", "To pass a knife, grab it by the blade."),
         ("is a knife used for cutting?", "Yes: a knife is used for cutting."),
-        ("is a mug used for cutting?", "Not that I know of: nobody has told me that a mug is used"),
+        ("is a mug used for cutting?", "Nobody has told me that a mug is used"),
         ("what is a mug used for?", "I don't know what a mug is used for."),
     ],
 )

@@ -35,7 +35,7 @@ def test_rule_is_kept_with_its_material(agent: Agent):
     [
         ("is a knife used for cutting bread?", "Yes: a knife is used for cutting bread"),
         ("is a knife used for cutting?", "Yes: a knife is used for cutting bread"),
-        ("is a knife used for cutting wood?", "Not that I know of: nobody has told me that a"),
+        ("is a knife used for cutting wood?", "Nobody has told me that a"),
         ("is a spatula used for cutting?", "Yes: a spatula is often used for cutting wood"),
         ("is a spatula used for cutting bread?", "No: a spatula is not used for cutting bread"),
         ("is a spoon used for cutting wood?", "Yes: a spoon is sometimes used for cutting."),

@@ -81,6 +81,7 @@ HELD = st.sampled_from(["pass", "pickUp", "pointTo", "cut", "pound"])
 ACTS = st.sampled_from(["pass", "pickUp", "pointTo"])
 questions = st.one_of(
     st.builds(Question, st.sampled_from(["about", "uses_of", "see", "source"]), OBJECTS),
+    st.builds(Question, st.just("see"), OBJECTS, property=st.sampled_from(["red", "clean"])),
     st.builds(Question, st.sampled_from(["why", "why_not"]), OBJECTS),
     st.builds(
         Question,
