@@ -156,7 +156,7 @@ def listen(
     else:
         common.terminal().print(presentation.console.heard(heard))
         common.terminal().print(presentation.console.understanding(understood))
-    common.exit_with(understood.reading is not None)
+    common.exit_with(understood.kind not in {"error", "ask_back"})
 
 
 @app.command(epilog=example("actions --json"))

@@ -54,7 +54,7 @@ def parse(
         if svg is not None and found.derivation is not None:
             drawn = presentation.deduction_svg.from_derivation(found.derivation)
             write_svg(svg, presentation.deduction_svg.draw_svg([drawn]))
-    exit_with(all(found.reading is not None for found in understood))
+    exit_with(all(found.kind not in {"error", "ask_back"} for found in understood))
 
 
 lexicon_app = typer.Typer(help="The words of the language.")

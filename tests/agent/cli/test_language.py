@@ -101,9 +101,13 @@ def test_parse_tells_what_cannot_be_drawn(
     assert said in err
 
 
-def test_parse_fails_on_what_it_does_not_understand(hilt: Run) -> None:
-    """Exit code 1."""
-    assert hilt("parse", "--json", "to pass a knife")[0] == 1
+@pytest.mark.parametrize(
+    ("said", "code"),
+    [("to pass a knife", 1), ("you might pass a knife by the blade", 1), ("put it down", 0)],
+)
+def test_parse_fails_on_what_it_does_not_understand(hilt: Run, said: str, code: int) -> None:
+    """Exit code 1, also for what is asked back; a control word needs no derivation."""
+    assert hilt("parse", "--json", said)[0] == code
 
 
 def test_a_lexicon_of_ones_own_is_used(hilt: Run, tmp_path: Path) -> None:
