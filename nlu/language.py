@@ -211,12 +211,14 @@ class Language:
         tokens, clarification = self._tokens(text), self.utterance_parser.clarification
         is_lost = found.kind == "error" and _is_not_understood(found.meaning, text)
         is_text = is_lost and not clarification.of_input(text, tokens)
-        if is_text and self._courtesies.is_by_the_way(tokens, self.offers.is_nothing):
+        is_chatter = is_text and self._courtesies.is_by_the_way(tokens, self.offers.is_nothing)
+        if is_chatter:
             said = meanings.Misunderstanding(self.answers.say("only_chatter"))
-            at = found if "object" in self.offers.mentions(tokens, Discourse()).by_role else context
-            found = replace(found, meaning=said, discourse=at.discourse)
+            named = self.offers.mentions(tokens, Discourse()).by_role
+            last = found.discourse if "object" in named else context.discourse
+            found = replace(found, meaning=said, discourse=last)
         if found.kind in {"error", "ask_back"}:
-            found = self._without_courtesies(found, context) or found
+            found = self._without_courtesies(found, context, is_chatter=is_chatter) or found
         if not isinstance(found.meaning, AskBack):
             return found
         choices = found.meaning.choices
@@ -226,7 +228,7 @@ class Language:
         return replace(found, discourse=after_offer(choices, found.discourse))
 
     def _without_courtesies(
-        self, failed: Understanding, context: UtteranceContext
+        self, failed: Understanding, context: UtteranceContext, *, is_chatter: bool
     ) -> Understanding | None:
         tokens, text = self._tokens(failed.text), failed.text.strip()
         courtesy = self._courtesies.find(tokens)
@@ -251,12 +253,11 @@ class Language:
             return replace(rest, text=failed.text)
         if not courtesy.kind or not isinstance(failed.meaning, meanings.Misunderstanding):
             return None
-        message, said = self.answers.say(answer_to(courtesy.kind)), failed.meaning.message
-        is_chatter = said == self.answers.say("only_chatter")
-        is_bare = is_chatter and not self._courtesies.has_content(self._tokens(courtesy.rest))
-        if is_bare and courtesy.is_formal:
+        message = self.answers.say(answer_to(courtesy.kind))
+        has_content = self._courtesies.has_content(self._tokens(courtesy.rest))
+        if is_chatter and courtesy.is_formal and not has_content:
             return alone
-        message += f" {said}" * (not is_chatter)
+        message = message if is_chatter else f"{message} {failed.meaning.message}"
         return replace(failed, meaning=replace(failed.meaning, message=message))
 
     def _with_offers(self, found: Understanding, context: UtteranceContext) -> Understanding:

@@ -144,8 +144,8 @@ def _completed(
         is_rule = rule and not isinstance(last, (meanings.SimpleCommand, meanings.Norm))
         return rule if is_rule else last
     asked = {last.object, last.context} if isinstance(last, Question) and fragment.part else {None}
-    known = {None, getattr(rule, "object", None), getattr(rule, "context", None)}
-    if rule is None or fragment.adds or fragment.asks or not asked <= known:
+    told = {None, getattr(rule, "object", None), getattr(rule, "context", None)}
+    if rule is None or fragment.adds or fragment.asks or not asked <= told:  # asks of another
         return last if last is not None else rule
     if fragment.confidence and not (fragment.target or fragment.use or fragment.part):
         return last if isinstance(last, Question) and last.ask == "is_used_for" else rule

@@ -105,7 +105,6 @@ OTHERWISE = {
     "With pliers you would just, uh, by the, no, hang on, I've lost it.": "a wish that Hilt waits",
     "For stirring I'd say you can't go wrong with a spoon.": "a belief",
     "ok that's it for today, thanks": "a goodbye",
-    "There we go. That'll be all, thank you.": "a goodbye",
     "sweet. bye": "a goodbye",
     "The knife will do, cut the rope with it.": "two requests",
     "And what's best for that?": "for the use that was named last",
